@@ -1,0 +1,65 @@
+"""Errors that a user can cause or meet, each with the exit code of the command line."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where a value of a deck was written: file, line and column (both from 1), and how it came there."""
+
+    file: str
+    line: int
+    column: int
+    stack: tuple = ()  # the marks of the including file or the template, outermost first
+
+    def __str__(self):
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong in a deck: what, where, and what would be right."""
+
+    message: str
+    mark: Mark | None = None
+    hint: str = ""
+
+
+class MecanoError(Exception):
+    """An error with a message for the user; ``exit_code`` is what the command line returns."""
+
+    exit_code = 1
+
+
+class DeckError(MecanoError):
+    """The deck cannot be used; ``problems`` holds every ``Problem`` found."""
+
+    exit_code = 2
+
+    def __init__(self, problems):
+        self.problems = list(problems)
+        super().__init__("\n".join(f"{p.mark}: {p.message}" if p.mark else p.message for p in self.problems))
+
+
+class ConvergenceError(MecanoError):
+    """Newton or the step control gave up; the message names equations and what to try."""
+
+    exit_code = 3
+
+
+class AssemblyError(MecanoError):
+    """The initial configuration cannot be assembled or the equations are singular."""
+
+    exit_code = 4
+
+
+class ResultsError(MecanoError):
+    """A results file cannot be read or written."""
+
+    exit_code = 5
+
+
+class NonFiniteError(MecanoError):
+    """A force or an unknown became infinite or not a number."""
+
+    exit_code = 6

@@ -1,0 +1,1 @@
+"""Compiled functions on floats and tuples: vectors, rotations, curves, laws, ground profiles."""

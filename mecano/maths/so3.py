@@ -1,0 +1,106 @@
+r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
+
+``R`` maps material components to inertial ones. An increment is material:
+:math:`R \leftarrow R \exp(\hat\Theta)`, and :math:`\delta\Theta_{mat} = T(\Psi)\,\delta\Psi` for
+:math:`R = R_0 \exp(\hat\Psi)`. Closed forms with series below 1e-2 rad, both accurate to round-off.
+"""
+
+import math
+
+from numba import njit
+
+from mecano.maths.vec import EYE, cross, dot, madd, matmul, mscale, outer, scale, skew
+
+SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
+
+
+@njit
+def coefficients(t2):
+    """sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
+    if t2 < SERIES * SERIES:
+        s = 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0))
+        c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
+        b = (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))) / 6.0
+        return s, c, b
+    t = math.sqrt(t2)
+    half = math.sin(0.5 * t) / (0.5 * t)
+    s = math.sin(t) / t
+    return s, 0.5 * half * half, (1.0 - s) / t2
+
+
+@njit
+def exp(psi):
+    """Rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
+    s, c, _ = coefficients(dot(psi, psi))
+    H = skew(psi)
+    return madd(EYE, madd(mscale(s, H), mscale(c, matmul(H, H))))
+
+
+@njit
+def log(R):
+    """Rotation vector [rad] of R, of length in [0, pi]; through the quaternion, accurate at every angle."""
+    t = R[0][0] + R[1][1] + R[2][2]
+    if t > R[0][0] and t > R[1][1] and t > R[2][2]:
+        w = 0.5 * math.sqrt(1.0 + t)
+        s = 0.25 / w
+        a, b, c = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
+    elif R[0][0] >= R[1][1] and R[0][0] >= R[2][2]:
+        a = 0.5 * math.sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
+        s = 0.25 / a
+        w, b, c = (R[2][1] - R[1][2]) * s, (R[1][0] + R[0][1]) * s, (R[2][0] + R[0][2]) * s
+    elif R[1][1] >= R[2][2]:
+        b = 0.5 * math.sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
+        s = 0.25 / b
+        w, c, a = (R[0][2] - R[2][0]) * s, (R[2][1] + R[1][2]) * s, (R[0][1] + R[1][0]) * s
+    else:
+        c = 0.5 * math.sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
+        s = 0.25 / c
+        w, a, b = (R[1][0] - R[0][1]) * s, (R[0][2] + R[2][0]) * s, (R[2][1] + R[1][2]) * s
+    n = math.sqrt(a * a + b * b + c * c)
+    if n < 1e-150:
+        return (0.0, 0.0, 0.0)
+    f = 2.0 * math.atan2(n, abs(w)) / n
+    if w < 0.0:
+        f = -f
+    return (f * a, f * b, f * c)
+
+
+@njit
+def tangent(psi):
+    """T(psi), 3x3: material dTheta = T dpsi; T = I - c hat(psi) + b hat(psi)^2."""
+    _, c, b = coefficients(dot(psi, psi))
+    H = skew(psi)
+    return madd(EYE, madd(mscale(-c, H), mscale(b, matmul(H, H))))
+
+
+@njit
+def tangent_inverse(psi):
+    """T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
+    t2 = dot(psi, psi)
+    if t2 < SERIES * SERIES:
+        d = (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0
+    else:
+        t = math.sqrt(t2)
+        d = (1.0 - 0.5 * t / math.tan(0.5 * t)) / t2
+    H = skew(psi)
+    return madd(EYE, madd(mscale(0.5, H), mscale(d, matmul(H, H))))
+
+
+@njit
+def tangent_derivative(psi, u):
+    """d/dpsi [T(psi) u], 3x3: its column j is the derivative by psi_j."""
+    t2 = dot(psi, psi)
+    s, c, b = coefficients(t2)
+    if t2 < SERIES * SERIES:
+        dc = -1.0 / 12.0 * (1.0 - t2 / 15.0 * (1.0 - t2 / 37.333333333333336))
+        db = -1.0 / 60.0 * (1.0 - t2 / 21.0 * (1.0 - t2 / 48.0))
+    else:
+        dc = (s - 2.0 * c) / t2
+        db = (c - 3.0 * b) / t2
+    H, U = skew(psi), skew(u)
+    pu = cross(psi, u)
+    ppu = cross(psi, pu)
+    linear = madd(mscale(c, U), outer(scale(-dc, pu), psi))
+    quadratic = madd(mscale(-b, madd(skew(pu), matmul(H, U))), outer(scale(db, ppu), psi))
+    return madd(linear, quadratic)
+
