@@ -1,0 +1,1 @@
+"""The basic constraints of which joints are made."""

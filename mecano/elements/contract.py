@@ -1,0 +1,140 @@
+"""The one contract that every kind of element, joint, load and basic constraint fulfils.
+
+A kind is a record of data and functions. The local unknowns of one element are, in this order: the slots of
+``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its
+``multipliers``. All compiled functions work on ONE element and take, always in this order:
+
+    # element
+    p       record of parameters (``dtype``)
+    m       (n_memory,) memory, read only: what ``commit`` wrote on the last accepted step
+    mode    index into ``modes``
+    t       time [s]
+    laws    flat table of all laws of the model (see mecano.laws)
+    # state in
+    q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m]
+    v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0
+    a       (n_local,) accelerations, in the same frames
+    R       (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
+
+``force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M)`` adds the residual of the equations of motion
+(internal minus external forces, inertia included) to ``f`` (n_local,) and its exact derivatives K = df/dq,
+C = df/dv, M = df/da to (n_local, n_local) arrays that arrive zeroed. Rotations are varied in the material frame,
+dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi adds
+B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T.
+
+``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
+``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a (theory.md section 1; docs/theory.md).
+
+``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,): kinetic
+energy [J], potential energy [J], dissipated power [W] (>= 0), power given by the surroundings [W]. ``F`` (n_local,)
+are the forces and moments that everything else exerts on the nodes of the element's slots (what a joint transmits);
+``q`` carries, after the element's own unknowns, the multipliers of its ``parts``.
+
+``event_values(p, m, mode, t, laws, q, v, a, R, g)`` writes one number per event; an event that is watched in the
+current mode happens where its number rises through zero.
+
+``commit(p, m, mode, t, laws, q, v, a, R, m_out)`` writes the new memory after an accepted step.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Output:
+    """A number written for each element: unit, meaning; ``shape`` (3,) for vectors."""
+
+    name: str
+    unit: str
+    doc: str
+    shape: tuple = ()
+
+
+@dataclass(frozen=True)
+class Row:
+    """A constraint equation: what its multiplier is, in words, and the units of multiplier and constraint."""
+
+    name: str
+    unit: str  # of k*lambda: N or N m
+    constraint_unit: str  # of Phi: m or rad
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero crossing: watched in the mode ``before``, after it the mode is ``after``."""
+
+    name: str
+    before: str
+    after: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A basic constraint or element that a kind is made of: on which of its nodes, with which parameters."""
+
+    kind: "Kind"
+    nodes: tuple  # indices into the nodes of the owner
+    parameters: dict
+
+
+def nothing(*_):
+    """No shares, no parts."""
+    return []
+
+
+@dataclass(frozen=True)
+class Kind:
+    """All that the rest of mecano may know about a kind of element."""
+
+    name: str
+    section: str  # deck section: elements, joints, loads; "" for a basic constraint, which no deck names
+    doc: str
+    dtype: np.dtype = np.dtype([("unused", "f8")])
+    layout: tuple = ()
+    fields: tuple = ()  # schema.Field, the node fields first
+    outputs: tuple = ()  # Output
+    scalars: tuple = ()  # names of own scalar unknowns
+    multipliers: tuple = ()  # Row
+    modes: tuple = ("",)
+    events: tuple = ()  # Event
+    memory: tuple = ()  # names of the numbers kept from step to step
+    prepare: Callable = lambda d, nodes, context: {}
+    """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    shares: Callable = nothing
+    """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
+    parts: Callable = nothing
+    """(deck values, nodes, Context) -> [Part]"""
+    check: Callable = nothing
+    """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
+    force: Callable | None = None
+    levels: Callable | None = None
+    observe: Callable | None = None
+    event_values: Callable | None = None
+    commit: Callable | None = None
+    start: Callable | None = None
+    """(record, nodes) -> (n_memory,) memory at the start; zeros when absent"""
+    sample: Callable | None = None
+    """rng -> list of (deck values, nodes, mode): admissible samples for the generic tests, every mode among them"""
+
+    @property
+    def n_local(self):
+        """Number of own local unknowns."""
+        return 3 * len(self.layout) + len(self.scalars) + len(self.multipliers)
+
+
+@dataclass(frozen=True)
+class Context:
+    """What ``prepare`` and ``parts`` may use besides their own deck values."""
+
+    laws: object  # LawTable: laws.add(law) -> start of the packed law in the flat table
+    gravity: np.ndarray  # (3,) [m/s2]
+
+
+def record(**fields):
+    """Structured dtype from names and shapes: record(mass=(), r_C=3, J=(3, 3)); integers by the shape "i"."""
+    return np.dtype(
+        [(name, "i8") if shape == "i" else (name, "f8", shape) for name, shape in fields.items()], align=True
+    )
