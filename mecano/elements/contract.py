@@ -25,10 +25,11 @@ B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K ar
 ``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a (theory.md section 1; docs/theory.md).
 
-``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,): kinetic
+``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
+arrive zeroed: kinetic
 energy [J], potential energy [J], dissipated power [W] (>= 0), power given by the surroundings [W]. ``F`` (n_local,)
 are the forces and moments that everything else exerts on the nodes of the element's slots (what a joint transmits);
-``q`` carries, after the element's own unknowns, the multipliers of its ``parts``.
+for a kind without ``force``, ``q`` carries after its own unknowns the multipliers of its ``parts``.
 
 ``event_values(p, m, mode, t, laws, q, v, a, R, g)`` writes one number per event; an event that is watched in the
 current mode happens where its number rises through zero.

@@ -129,6 +129,14 @@ def add_vec(out, i, s, a):
 
 
 @njit
+def put(out, i, a):
+    """out[i:i+3] = a"""
+    out[i] = a[0]
+    out[i + 1] = a[1]
+    out[i + 2] = a[2]
+
+
+@njit
 def add_mat(out, i, j, s, A):
     """out[i:i+3, j:j+3] += s A"""
     for r in range(3):

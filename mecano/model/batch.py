@@ -17,7 +17,7 @@ def _assemble(
     # state in
     z_in, v_in, a_in, R_in, T_in,
     # out, added to
-    force_out, size_out, data_out, cC, cM,
+    force_out, size_out, data_out, cK, cC, cM,
     # work
     q, v, a, R, f, K, C, M,
 ):  # fmt: skip
@@ -49,7 +49,7 @@ def _assemble(
             force_out[slots[e, i]] += f[i]
             size_out[slots[e, i]] += abs(f[i])
             for j in range(n):
-                data_out[entries[e, i, j]] += K[i, j] + cC * C[i, j] + cM * M[i, j]
+                data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
 def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
@@ -83,7 +83,9 @@ def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, 
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
 
 
-def _observe(p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, y_out, e_out, q, v, a, R, F):
+def _observe(
+    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, y_out, e_out, q, v, a, R, F
+):
     for e in range(dofs.shape[0]):
         for i in range(dofs.shape[1]):
             d = dofs[e, i]
@@ -96,7 +98,40 @@ def _observe(p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in
             for i in range(3):
                 for j in range(3):
                     R[r, i, j] = R_in[rots[e, r], i, j]
+        y_out[e] = 0.0
+        e_out[e] = 0.0
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
+
+
+@njit(cache=True)
+def clear(force_out, size_out, data_out):
+    """Zero the arrays that the loops add to."""
+    force_out[:] = 0.0
+    size_out[:] = 0.0
+    data_out[:] = 0.0
+
+
+@njit(cache=True)
+def collect(force_in, size_in, slot_dof, r_out, size_out):
+    """Sum the forces (and their sizes) of all slots that are one unknown."""
+    r_out[:] = 0.0
+    size_out[:] = 0.0
+    for s in range(slot_dof.shape[0]):
+        d = slot_dof[s]
+        r_out[d] += force_in[s]
+        size_out[d] += size_in[s]
+
+
+@njit(cache=True)
+def transmitted(force_in, slots, starts, members, out):
+    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model."""
+    for s in range(slots):
+        out[s] = -force_in[s]
+    for i in range(starts.shape[0] - 1):
+        total = 0.0
+        for j in range(starts[i], starts[i + 1]):
+            total -= force_in[members[j]]
+        out[slots + i] = total
 
 
 @cache

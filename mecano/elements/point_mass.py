@@ -1,0 +1,53 @@
+r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
+
+from numba import njit
+
+from mecano.elements.contract import Kind, Output, record
+from mecano.maths.vec import EYE, add_mat, add_vec, dot, sub, vec
+from mecano.schema import NODE, NUMBER, Field, positive
+
+RECORD = record(mass=(), gravity=3)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Inertia and weight."""
+    add_vec(f, 0, p.mass, sub(vec(a, 0), vec(p.gravity, 0)))
+    add_mat(M, 0, 0, p.mass, EYE)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Kinetic and potential energy."""
+    velocity = vec(v, 0)
+    e[0] = 0.5 * p.mass * dot(velocity, velocity)
+    e[1] = -p.mass * dot(vec(p.gravity, 0), vec(q, 0))
+    y[0] = e[0]
+
+
+def prepare(d, nodes, context):
+    """Record of one mass."""
+    return {"mass": d["mass"], "gravity": context.gravity}
+
+
+def sample(rng):
+    """A random mass."""
+    return [({"mass": rng.uniform(1, 9)}, 1, "")]
+
+
+POINT_MASS = Kind(
+    name="point_mass",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0",),
+    fields=(
+        Field("node", NODE, "-", "node that carries the mass"),
+        Field("mass", NUMBER, "kg", "mass", check=positive),
+    ),
+    outputs=(Output("kinetic_energy", "J", "kinetic energy"),),
+    prepare=prepare,
+    force=force,
+    observe=observe,
+    sample=sample,
+)

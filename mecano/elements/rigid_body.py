@@ -1,0 +1,145 @@
+r"""Rigid body: mass and inertia carried by one node.
+
+With x, R the node, c the centre of mass (node frame), :math:`J = J_C + m(c\cdot c\,I - c c^T)` the inertia
+about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`, all in the material frame
+(theory.md section 3):
+
+.. math::  f_x = m (a + R w - g), \qquad f_\Theta = J \alpha + \Omega \times J \Omega + m\, c \times R^T (a - g)
+
+``attached`` nodes move with the body as if welded to it: they share its rotation, and their positions are held
+by three constraints each.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.elements.contract import Kind, Output, Part, record
+from mecano.maths.vec import (
+    EYE, add, add_mat, add_vec, cross, dot, madd, mat, matmul, mscale, mul, put, skew, sub, tmul, transpose, vec,
+)  # fmt: skip
+from mecano.schema import INERTIA, NODE, NODES, NUMBER, VECTOR, Field, positive
+
+RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Inertia and weight of one body; see contract.py for the arguments."""
+    c, J, A = vec(p.c, 0), mat(p.J), mat(R[0])
+    omega, alpha = vec(v, 3), vec(a, 3)
+    u = sub(vec(a, 0), vec(p.gravity, 0))
+    u_body = tmul(A, u)
+    spin = cross(omega, c)
+    w = add(cross(alpha, c), cross(omega, spin))
+    momentum = mul(J, omega)
+
+    add_vec(f, 0, p.mass, add(u, mul(A, w)))
+    add_vec(f, 3, 1.0, add(mul(J, alpha), cross(omega, momentum)))
+    add_vec(f, 3, p.mass, cross(c, u_body))
+
+    hat_c, hat_omega = skew(c), skew(omega)
+    add_mat(M, 0, 0, p.mass, EYE)
+    add_mat(M, 0, 3, -p.mass, matmul(A, hat_c))
+    add_mat(M, 3, 0, p.mass, matmul(hat_c, transpose(A)))
+    add_mat(M, 3, 3, 1.0, J)
+    add_mat(C, 0, 3, -p.mass, matmul(A, madd(skew(spin), matmul(hat_omega, hat_c))))
+    add_mat(C, 3, 3, 1.0, madd(matmul(hat_omega, J), mscale(-1.0, skew(momentum))))
+    add_mat(K, 0, 3, -p.mass, matmul(A, skew(w)))
+    add_mat(K, 3, 3, p.mass, matmul(hat_c, skew(u_body)))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Centre of mass, its velocity, energies."""
+    c, A, omega = vec(p.c, 0), mat(R[0]), vec(v, 3)
+    x_C = add(vec(q, 0), mul(A, c))
+    v_C = add(vec(v, 0), mul(A, cross(omega, c)))
+    put(y, 0, x_C)
+    put(y, 3, v_C)
+    kinetic = 0.5 * p.mass * dot(v_C, v_C) + 0.5 * dot(omega, mul(mat(p.J_C), omega))
+    y[6] = kinetic
+    e[0] = kinetic
+    e[1] = -p.mass * dot(vec(p.gravity, 0), x_C)
+
+
+def inertia_matrix(inertia):
+    """3x3 matrix from 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz] or a 3x3 matrix [kg m2]."""
+    J = np.asarray(inertia, float)
+    if J.shape == (3,):
+        return np.diag(J)
+    if J.shape == (6,):
+        xx, yy, zz, xy, xz, yz = J
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return J
+
+
+def prepare(d, nodes, context):
+    """Record of one body; J is the inertia about the node."""
+    c, J_C = np.asarray(d["center_of_mass"], float), inertia_matrix(d["inertia"])
+    J = J_C + d["mass"] * (c @ c * np.eye(3) - np.outer(c, c))
+    return {"mass": d["mass"], "c": c, "J": J, "J_C": J_C, "gravity": context.gravity}
+
+
+def shares(d, n_nodes):
+    """The attached nodes share the rotation of the body."""
+    return [("R", 0, i) for i in range(1, n_nodes)]
+
+
+def parts(d, nodes, context):
+    """One rigid offset for each attached node."""
+    x, R = nodes[0]
+    return [Part(RIGID_OFFSET, (0, i), {"d": R.T @ (nodes[i][0] - x)}) for i in range(1, len(nodes))]
+
+
+def check(d, nodes):
+    """Principal moments must be positive and fulfil the triangle inequality."""
+    J = inertia_matrix(d["inertia"])
+    if not np.allclose(J, J.T, rtol=1e-9, atol=0):
+        return ["'inertia' must be a symmetric matrix"]
+    moments = np.linalg.eigvalsh(J)
+    if moments[0] <= 0:
+        return [f"'inertia' must be positive definite; its principal moments are {moments} kg m2"]
+    if moments[0] + moments[1] < moments[2] * (1 - 1e-9):
+        return [
+            f"'inertia' is impossible: of the principal moments {moments} kg m2 the largest exceeds the sum of "
+            "the two others (triangle inequality)"
+        ]
+    return []
+
+
+def sample(rng):
+    """Random bodies with an offset centre of mass."""
+    A = rng.normal(size=(3, 3))
+    masses = A @ A.T + np.eye(3)
+    J = np.trace(masses) * np.eye(3) - masses
+    d = {"mass": rng.uniform(1, 9), "center_of_mass": rng.normal(size=3), "inertia": J, "attached": []}
+    return [(d, 1, "")]
+
+
+RIGID_BODY = Kind(
+    name="rigid_body",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    fields=(
+        Field("node", NODE, "-", "node that carries the body"),
+        Field("mass", NUMBER, "kg", "mass", check=positive),
+        Field("inertia", INERTIA, "kg m2", "inertia about the centre of mass, in the axes of the node"),
+        Field("center_of_mass", VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0, 0.0, 0.0)),
+        Field("attached", NODES, "-", "further nodes that move with the body", ()),
+    ),
+    outputs=(
+        Output("center_of_mass", "m", "position of the centre of mass, inertial", (3,)),
+        Output("velocity", "m/s", "velocity of the centre of mass, inertial", (3,)),
+        Output("kinetic_energy", "J", "kinetic energy"),
+    ),
+    prepare=prepare,
+    shares=shares,
+    parts=parts,
+    check=check,
+    force=force,
+    observe=observe,
+    sample=sample,
+)

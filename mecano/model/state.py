@@ -1,0 +1,40 @@
+"""The motion of a model at one instant, as plain arrays.
+
+All unknowns stand in one vector z: first the free degrees of freedom (positions 3 [m], rotation increments of
+the step 3 [rad], scalars), then the multipliers k*lambda [N, N m], last the fixed degrees of freedom. ``v`` and
+``a`` are numbered likewise: velocities and accelerations inertial for positions, material for rotations.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+
+@dataclass
+class State:
+    """Motion, modes and memories at time ``t`` [s]; nothing here is shared with the model."""
+
+    t: float
+    z: np.ndarray  # (n_all,) positions, rotation increments of the last step, scalars, multipliers
+    v: np.ndarray  # (n_all,)
+    a: np.ndarray  # (n_all,)
+    R: np.ndarray  # (n_rotations, 3, 3) material to inertial
+    T: np.ndarray  # (n_rotations, 3, 3) tangent operators of the rotation increments
+    modes: tuple  # one (n,) int64 array per batch, replaced and never changed in place
+    memories: tuple  # one (n, n_memory) array per batch, replaced and never changed in place
+
+    def copy(self):
+        """A copy whose motion may be changed."""
+        return replace(
+            self, z=self.z.copy(), v=self.v.copy(), a=self.a.copy(), R=self.R.copy(), T=self.T.copy()
+        )
+
+
+@dataclass
+class History:
+    """What generalized-alpha keeps besides the motion."""
+
+    a: np.ndarray  # (n_all,) algorithmic acceleration
+    h: float  # step size it belongs to [s]; 0 at a start
+    previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
+    multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
