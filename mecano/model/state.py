@@ -38,3 +38,4 @@ class History:
     h: float  # step size it belongs to [s]; 0 at a start
     previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
     multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
+    v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step

@@ -1,0 +1,164 @@
+r"""Lie-group generalized-alpha: one step, and the care for the multipliers at a start or a change of step.
+
+Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theory.md section 2:
+
+.. math::
+    (1-\alpha_m) a_{n+1} + \alpha_m a_n = (1-\alpha_f) \ddot q_{n+1} + \alpha_f \ddot q_n, \quad
+    \Delta q = h v_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}], \quad
+    v_{n+1} = v_n + h [(1-\gamma) a_n + \gamma a_{n+1}]
+
+with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.model.state import History
+from mecano.solve.consistent import Consistent
+from mecano.solve.increments import correct_motion, place_rotations, predict
+from mecano.solve.newton import newton
+from mecano.solve.scales import Tolerances, balance, largest, norms
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """am, af, beta, gamma of the family, and the constant Ce of its local displacement error."""
+
+    am: float
+    af: float
+    beta: float
+    gamma: float
+
+    @classmethod
+    def generalized_alpha(cls, rho):
+        """Chung & Hulbert 1993, spectral radius rho at infinity in [0, 1]."""
+        am, af = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        gamma = 0.5 + af - am
+        return cls(am, af, 0.25 * (gamma + 0.5) ** 2, gamma)
+
+    @classmethod
+    def hht(cls, rho):
+        """Hilber, Hughes & Taylor 1977; rho in [1/2, 1]."""
+        af = (1.0 - rho) / (1.0 + rho)
+        return cls(0.0, af, 0.25 * (1.0 + af) ** 2, 0.5 + af)
+
+    @classmethod
+    def newmark(cls, rho):
+        """Newmark 1959 with damping: gamma = 1/2 + delta, beta = (gamma + 1/2)^2/4; first order for rho < 1."""
+        delta = (1.0 - rho) / (1.0 + rho)
+        gamma = 0.5 + delta
+        return cls(0.0, 0.0, 0.25 * (gamma + 0.5) ** 2, gamma)
+
+    @property
+    def error(self):
+        """Ce of the local error Ce h^2 |a_{n+1} - a_n| of the displacement."""
+        return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
+
+
+@dataclass(frozen=True)
+class StepInfo:
+    """How a step went."""
+
+    ok: bool
+    iterations: int
+    norms: tuple  # force, constraint, increment over their tolerances
+    error: float  # local error, relative to the length scale (or rad); nan if not ok
+    message: str = ""
+
+
+class GeneralizedAlpha:
+    """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
+
+    def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=0.0):
+        self.system, self.linear, self.coefficients = system, linear, coefficients
+        self.length, self.tolerances = length, tolerances or Tolerances()
+        self.k, self.penalty, self.compliance = k, penalty, compliance
+        self._balanced = (None, None)
+
+    def start(self, s, h):
+        """Consistent state and history for steps of size h: from rest, after an event.
+
+        Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
+        are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
+        a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
+        returned has exact velocities, the history carries the shifts.
+        """
+        s = s.copy()
+        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        consistent.project_velocity(s)
+        consistent.accelerate(s)
+        return s, self._history(consistent, s, s.a.copy(), h, np.zeros(self.system.n_l))
+
+    def restart(self, s, history, h):
+        """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers)."""
+        c = self.coefficients
+        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        a = history.a + (c.am - c.af) * (h - history.h) / history.h * (s.a - history.previous)
+        return self._history(consistent, s, a, h, history.multiplier_rate)
+
+    def _history(self, consistent, s, a, h, multiplier_rate):
+        """Shift the constrained parts of a and v to where the method keeps them."""
+        c, n_q = self.coefficients, self.system.n_q
+        v_shift = np.zeros_like(a)
+        if self.system.n_l:
+            rate = consistent.jerk_rate(s)
+            consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
+            shifted = s.copy()
+            consistent.project_velocity(shifted, c.error * h * h * rate)
+            v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
+        return History(a, h, s.a.copy(), multiplier_rate, v_shift)
+
+    def step(self, s0, history, h):
+        """One step of size h from ``s0``: (state, history, StepInfo); changes no argument."""
+        c, system, of = self.coefficients, self.system, self.system.numbering
+        cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
+        k, penalty = self._scales(s0, h, cC, cM)
+        s = s0.copy()
+        s.t = s0.t + h
+        guess = s0.a + (s0.a - history.previous) * (h / history.h if history.h else 0.0)
+        predict(
+            h, c.am, c.af, c.beta, c.gamma, history.a, s0.a, guess, history.v_shift, history.multiplier_rate,
+            of.kind, system.n_q, system.n, s.z, s.v, s.a,
+        )  # fmt: skip
+        place_rotations(of.rotation_dof, system.n_q, s.z, s0.R, s.R, s.T)
+        tolerances, x = self.tolerances, np.zeros(system.n)
+        compliant = system.diagonal[system.n_q :]
+
+        def evaluate():
+            system.assemble(s, k, penalty, 1.0, cC, cM)
+            if self.compliance:
+                system.residual[system.n_q : system.n] -= self.compliance * s.z[system.n_q : system.n]
+                system.data[compliant] -= self.compliance * k
+            force, constraint = norms(system.residual, system.size, of.kind, system.n, k, self.length)
+            return force / tolerances.force, constraint / tolerances.constraint
+
+        def solve(fresh):
+            b = -system.residual[: system.n]
+            if not fresh:
+                self.linear.resolve(b, x)
+                return x
+            return None if self.linear.solve(system.data, b, x).singular else x
+
+        def correct(dz):
+            correct_motion(dz, system.n_q, system.n, k, cC, cM, s.z, s.v, s.a)
+            place_rotations(of.rotation_dof, system.n_q, s.z, s0.R, s.R, s.T)
+            return largest(dz, of.kind, system.n_q, self.length) / tolerances.increment
+
+        result = newton(evaluate, solve, correct, max_iterations=tolerances.max_iterations)
+        if not result.ok:
+            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, result.message)
+        a = ((1 - c.af) * s.a + c.af * s0.a - c.am * history.a) / (1 - c.am)
+        error = c.error * h * h * largest(a - history.a, of.kind, system.n_q, self.length)
+        rate = (s.z[system.n_q : system.n] - s0.z[system.n_q : system.n]) / h
+        new = History(a, h, s0.a, rate, np.zeros_like(a))
+        return s, new, StepInfo(True, result.iterations, result.norms, error)
+
+    def _scales(self, s, h, cC, cM):
+        """k and penalty for steps of size h: those of the deck, or the mean stiffness, kept while h stays."""
+        if self.k is not None and self.penalty is not None:
+            return self.k, self.penalty
+        if self._balanced[0] != h:
+            self._balanced = (h, balance(self.system, s, 1.0, cC, cM))
+        mean = self._balanced[1]
+        return self.k or mean, mean if self.penalty is None else self.penalty
