@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.elements.contract import Context
+from mecano.contract import Context
 from mecano.model import batch as loops
 from mecano.model.model import with_ground
 from mecano.model.numbering import number
