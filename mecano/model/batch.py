@@ -84,7 +84,7 @@ def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, 
 
 
 def _observe(
-    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, y_out, e_out, q, v, a, R, F
+    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, total_out, y_out, e_out, q, v, a, R, F
 ):
     for e in range(dofs.shape[0]):
         for i in range(dofs.shape[1]):
@@ -101,6 +101,8 @@ def _observe(
         y_out[e] = 0.0
         e_out[e] = 0.0
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
+        for i in range(4):
+            total_out[i] += e_out[e, i]
 
 
 @njit(cache=True)
@@ -123,8 +125,12 @@ def collect(force_in, size_in, slot_dof, r_out, size_out):
 
 
 @njit(cache=True)
-def transmitted(force_in, slots, starts, members, out):
-    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model."""
+def transmitted(force_in, slots, starts, members, out, total_out):
+    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model.
+
+    Zeroes the sums of energies and powers total_out (4,), to which the loops over the outputs add.
+    """
+    total_out[:] = 0.0
     for s in range(slots):
         out[s] = -force_in[s]
     for i in range(starts.shape[0] - 1):

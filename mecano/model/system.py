@@ -69,6 +69,7 @@ class System:
         self.force = np.zeros(self.n_slots)
         self._slot_size = np.zeros(self.n_slots)
         self.transmitted = np.zeros(self.n_slots + len(self.side_starts) - 1)
+        self.energy = np.zeros(4)  # kinetic, potential [J], dissipated, given power [W] of the last ``observe``
         self.residual = np.zeros(self.numbering.n_all)
         self.size = np.zeros(self.numbering.n_all)
         self._bind()
@@ -120,6 +121,11 @@ class System:
             if loop := b.loop(loops._write, "commit"):
                 self._commits.append((i, loop, b.p, (b.watched, b.rots), b.work))
 
+    @property
+    def has_events(self):
+        """True when some element has events."""
+        return bool(self._events)
+
     def initial_state(self, t=0.0):
         """State at rest in the configuration of the deck; every element in the mode its event values tell."""
         of = self.numbering
@@ -162,11 +168,11 @@ class System:
         return g
 
     def observe(self, s):
-        """Outputs (batch.y) and energies (batch.e) of all elements at ``s``; ``assemble`` must have been called at s."""
-        loops.transmitted(self.force, self.n_slots, self.side_starts, self.side_members, self.transmitted)
+        """Outputs (batch.y) and energies (batch.e, energy) at ``s``; ``assemble`` must have been called at s before."""
+        loops.transmitted(self.force, self.n_slots, self.side_starts, self.side_members, self.transmitted, self.energy)
         for i, loop, p, tables, work in self._observers:
             loop(
-                p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, self.transmitted, *work
+                p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, self.transmitted, self.energy, *work
             )  # fmt: skip
 
     def event_values(self, s):
@@ -177,6 +183,8 @@ class System:
 
     def commit(self, s):
         """The memories after an accepted step at ``s``."""
+        if not self._commits:
+            return s.memories
         memories = list(s.memories)
         for i, loop, p, tables, work in self._commits:
             new = s.memories[i].copy()

@@ -10,6 +10,7 @@ import numpy as np
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
 MAX_RESTEPS = 60
+NO_EVENTS = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,13 @@ class Watch:
 
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
+        if not self.system.has_events:
+            return NO_EVENTS
         found = [
             np.where(s.modes[i][:, None] == self.before[i], g, -np.inf).ravel()
             for i, g in self.system.event_values(s)
         ]
-        return np.concatenate(found) if found else np.zeros(0)
+        return np.concatenate(found)
 
     def apply(self, s, hit):
         """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""

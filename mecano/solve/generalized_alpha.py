@@ -16,9 +16,9 @@ import numpy as np
 
 from mecano.model.state import History
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import correct_motion, place_rotations, predict
+from mecano.solve.increments import correct, finish, predict
 from mecano.solve.newton import newton
-from mecano.solve.scales import Tolerances, balance, largest, norms
+from mecano.solve.scales import Tolerances, balance, norms
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Coefficients:
         return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class StepInfo:
     """How a step went."""
 
@@ -74,7 +74,10 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.compliance = k, penalty, compliance
+        self.limits = (self.tolerances.force, self.tolerances.constraint)
         self._balanced = (None, None)
+        self._increment = np.zeros(system.n)
+        self._no_shift = np.zeros(system.numbering.n_all)
 
     def start(self, s, h):
         """Consistent state and history for steps of size h: from rest, after an event.
@@ -111,48 +114,50 @@ class GeneralizedAlpha:
 
     def step(self, s0, history, h):
         """One step of size h from ``s0``: (state, history, StepInfo); changes no argument."""
-        c, system, of = self.coefficients, self.system, self.system.numbering
+        c, system, of, length = self.coefficients, self.system, self.system.numbering, self.length
         cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
         k, penalty = self._scales(s0, h, cC, cM)
-        s = s0.copy()
+        s, n_q, n, rotations = s0.copy(), system.n_q, system.n, of.rotation_dof
         s.t = s0.t + h
-        guess = s0.a + (s0.a - history.previous) * (h / history.h if history.h else 0.0)
         predict(
-            h, c.am, c.af, c.beta, c.gamma, history.a, s0.a, guess, history.v_shift, history.multiplier_rate,
-            of.kind, system.n_q, system.n, s.z, s.v, s.a,
+            h, h / history.h, c.am, c.af, c.beta, c.gamma,
+            history.a, s0.a, history.previous, history.v_shift, history.multiplier_rate, s0.R,
+            of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
         )  # fmt: skip
-        place_rotations(of.rotation_dof, system.n_q, s.z, s0.R, s.R, s.T)
-        tolerances, x = self.tolerances, np.zeros(system.n)
-        compliant = system.diagonal[system.n_q :]
 
         def evaluate():
             system.assemble(s, k, penalty, 1.0, cC, cM)
             if self.compliance:
-                system.residual[system.n_q : system.n] -= self.compliance * s.z[system.n_q : system.n]
-                system.data[compliant] -= self.compliance * k
-            force, constraint = norms(system.residual, system.size, of.kind, system.n, k, self.length)
-            return force / tolerances.force, constraint / tolerances.constraint
+                self._comply(s, k)
+            return norms(system.residual, system.size, of.kind, n, k, length, *self.limits)
 
         def solve(fresh):
-            b = -system.residual[: system.n]
+            b, x = -system.residual[:n], self._increment
             if not fresh:
                 self.linear.resolve(b, x)
                 return x
             return None if self.linear.solve(system.data, b, x).singular else x
 
-        def correct(dz):
-            correct_motion(dz, system.n_q, system.n, k, cC, cM, s.z, s.v, s.a)
-            place_rotations(of.rotation_dof, system.n_q, s.z, s0.R, s.R, s.T)
-            return largest(dz, of.kind, system.n_q, self.length) / tolerances.increment
+        def move(dz):
+            largest = correct(
+                dz, k, cC, cM, length, s0.R, of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T
+            )  # fmt: skip
+            return largest / self.tolerances.increment
 
-        result = newton(evaluate, solve, correct, max_iterations=tolerances.max_iterations)
+        result = newton(evaluate, solve, move, max_iterations=self.tolerances.max_iterations)
         if not result.ok:
             return s, history, StepInfo(False, result.iterations, result.norms, np.nan, result.message)
-        a = ((1 - c.af) * s.a + c.af * s0.a - c.am * history.a) / (1 - c.am)
-        error = c.error * h * h * largest(a - history.a, of.kind, system.n_q, self.length)
-        rate = (s.z[system.n_q : system.n] - s0.z[system.n_q : system.n]) / h
-        new = History(a, h, s0.a, rate, np.zeros_like(a))
+        a, rate = np.zeros_like(s.a), np.empty(system.n_l)
+        change = finish(h, c.am, c.af, history.a, s0.a, s.a, s0.z, s.z, of.kind, n_q, n, length, a, rate)
+        error = c.error * h * h * change
+        new = History(a, h, s0.a, rate, self._no_shift)
         return s, new, StepInfo(True, result.iterations, result.norms, error)
+
+    def _comply(self, s, k):
+        """Give the constraints of a redundant model a compliance, far below their tolerance, on their whole forces."""
+        system = self.system
+        system.residual[system.n_q : system.n] -= self.compliance * s.z[system.n_q : system.n]
+        system.data[system.diagonal[system.n_q :]] -= self.compliance * k
 
     def _scales(self, s, h, cC, cM):
         """k and penalty for steps of size h: those of the deck, or the mean stiffness, kept while h stays."""

@@ -30,32 +30,75 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out, T_out):
 
 
 @njit(cache=True)
-def predict(h, am, af, beta, gamma, a0, acceleration0, guess, v_shift, rate, kind, n_q, n, z, v, acceleration):
-    """Positions, rotation increments, velocities of a step whose accelerations are ``guess``; z, v, a in place.
+def predict(
+    # step
+    h, extrapolation, am, af, beta, gamma,
+    # state and history at its beginning
+    a0, acceleration0, previous, v_shift, rate, R0,
+    # model
+    kind, rotation_dof, n_q, n,
+    # out: the state at its beginning, moved to its end
+    z_out, v_out, acceleration_out, R_out, T_out,
+):  # fmt: skip
+    """Move a state to the end of a step with accelerations extrapolated from the last step.
 
-    a0 (n_all,) algorithmic and acceleration0 (n_all,) true acceleration at the start of the step; rate (n_l,) of the
-    multipliers.
+    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step, previous (n_all,) at
+    the beginning of the last step; extrapolation = h over the last h; rate (n_l,) of the multipliers.
     """
     for i in range(n_q):
-        a1 = ((1.0 - af) * guess[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
-        v0 = v[i] + v_shift[i]
+        guess = acceleration0[i] + extrapolation * (acceleration0[i] - previous[i])
+        a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
-        z[i] = increment if kind[i] == ROTATION else z[i] + increment
-        v[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
-        acceleration[i] = guess[i]
+        z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
+        v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
+        acceleration_out[i] = guess
     for i in range(n_q, n):
-        z[i] += h * rate[i - n_q]
+        z_out[i] += h * rate[i - n_q]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
 
 
 @njit(cache=True)
-def correct_motion(dz, n_q, n, k, cC, cM, z, v, a):
-    """Add a Newton correction dz (n,): velocities and accelerations follow by cC and cM; multipliers scaled by k."""
+def correct(dz, k, cC, cM, length, R0, kind, rotation_dof, n_q, n, z_out, v_out, a_out, R_out, T_out):
+    """Add a Newton correction dz (n,), velocities and accelerations by cC and cM, multipliers scaled by k.
+
+    Returns the largest displacement over ``length``, or rotation [rad]; inf when it is not finite.
+    """
     for i in range(n_q):
-        z[i] += dz[i]
-        v[i] += cC * dz[i]
-        a[i] += cM * dz[i]
+        z_out[i] += dz[i]
+        v_out[i] += cC * dz[i]
+        a_out[i] += cM * dz[i]
     for i in range(n_q, n):
-        z[i] += k * dz[i]
+        z_out[i] += k * dz[i]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
+    return largest(dz, kind, n_q, length)
+
+
+@njit(cache=True)
+def largest(dz, kind, n_q, length):
+    """Largest displacement over the length scale, or rotation [rad], of dz (n,); inf when one is not finite."""
+    worst = 0.0
+    for i in range(n_q):
+        x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
+        if not x <= 1e300:
+            return np.inf
+        worst = max(worst, x)
+    return worst
+
+
+@njit(cache=True)
+def finish(h, am, af, a0, acceleration0, acceleration, z0, z, kind, n_q, n, length, a_out, rate_out):
+    """Algorithmic acceleration (n_all,) and rate of the multipliers (n_l,) after a step.
+
+    Returns the largest change of the algorithmic acceleration, over ``length`` for displacements.
+    """
+    worst = 0.0
+    for i in range(n_q):
+        a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        worst = max(worst, abs(a_out[i] - a0[i]) / (1.0 if kind[i] == ROTATION else length))
+    for i in range(n_q, n):
+        rate_out[i - n_q] = (z[i] - z0[i]) / h
+    return worst
 
 
 def displaced(s, dq, of):

@@ -12,7 +12,7 @@ REPORTED = 5  # equations named when Newton fails
 SLIVER = 1e-6  # of a step: no step is made to cover less
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class RunState:
     """All that a run needs to go on: one value, made of arrays and numbers."""
 
@@ -26,8 +26,15 @@ class RunState:
     given: float = 0.0  # [J] by the surroundings since the start
     powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
 
+    def tried(self, rejected, iterations):
+        """The same run with more rejected trials and Newton iterations counted."""
+        return RunState(
+            self.motion, self.history, self.h, self.steps, self.rejected + rejected, self.iterations + iterations,
+            self.dissipated, self.given, self.powers,
+        )  # fmt: skip
 
-@dataclass(frozen=True)
+
+@dataclass(slots=True)
 class Accepted:
     """What observers are told of an accepted step."""
 
@@ -89,7 +96,7 @@ class March:
                 rejected += 1
                 continue
             break
-        counted = replace(run, rejected=run.rejected + rejected, iterations=run.iterations + iterations)
+        counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
         if found[1] is None:
@@ -113,22 +120,36 @@ class March:
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
-        t = stop if abs(s.t - stop) <= SLIVER * h else s.t
-        s = replace(s, t=t, memories=self.system.commit(s))
+        if abs(s.t - stop) <= SLIVER * h:
+            s.t = stop
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
-        new = self._energies(replace(run, motion=s, history=history, h=planned, steps=run.steps + 1), h)
+        new = self._stepped(run, s, history, planned, h)
         self._tell(Accepted(run.motion, new, info, h, rejected))
         return new
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
-        s = replace(s, memories=self.system.commit(s))
-        new = self._energies(replace(run, motion=s, history=history, steps=run.steps + 1), h)
+        new = self._stepped(run, s, history, run.h, h)
         after, happenings = self.watch.apply(s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, tuple(happenings)))
         return self._start_again(new, after)
+
+    def _stepped(self, run, s, history, planned, h):
+        """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
+
+        Afterwards the outputs of the batches are those of ``s``, which the step has just evaluated.
+        """
+        s.memories = self.system.commit(s)
+        self.system.observe(s)
+        dissipated, given = powers = self._powers()
+        return RunState(
+            s, history, planned, run.steps + 1, run.rejected, run.iterations,
+            run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
+            run.given + 0.5 * h * (run.powers[1] + given),
+            powers,
+        )  # fmt: skip
 
     def _start_again(self, run, s):
         """Consistent accelerations and a fresh history at ``s``: after an event or a corner of a law of time."""
@@ -136,20 +157,13 @@ class March:
         self._observe(s)
         return replace(run, motion=s, history=history, powers=self._powers())
 
-    def _energies(self, run, h):
-        """Work since the start, by the trapezoidal rule; the outputs of the batches are now those of the motion."""
-        self.system.observe(run.motion)
-        powers = self._powers()
-        dissipated, given = (0.5 * h * (p0 + p1) for p0, p1 in zip(run.powers, powers, strict=True))
-        return replace(run, powers=powers, dissipated=run.dissipated + dissipated, given=run.given + given)
-
     def _observe(self, s):
         """Outputs at a state that no step has just evaluated."""
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
         self.system.observe(s)
 
     def _powers(self):
-        return tuple(sum(float(batch.e[:, i].sum()) for batch in self.system.batches) for i in (2, 3))
+        return float(self.system.energy[2]), float(self.system.energy[3])
 
     def _tell(self, accepted):
         for observer in self.observers:

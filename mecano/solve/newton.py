@@ -7,7 +7,7 @@ import numpy as np
 SLOW = 0.1  # the factor of the last iteration is used again as long as the residual falls by more than this
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class NewtonResult:
     """How the iteration ended; ``norms`` are residuals and increments over their tolerances, each <= 1 when met."""
 

@@ -34,8 +34,8 @@ def balance(system, s, cK, cC, cM):
 
 
 @njit(cache=True)
-def norms(r, size, kind, n, k, length):
-    """Largest force and moment residual over the largest force and moment, largest constraint over its scale.
+def norms(r, size, kind, n, k, length, force_tolerance, constraint_tolerance):
+    """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
     r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows.
     """
@@ -61,16 +61,6 @@ def norms(r, size, kind, n, k, length):
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
     tiny = 1e-300
-    return max(force / (f + tiny), moment / (m + tiny), scalar / (scalar_size + tiny)), constraint
+    worst = max(force / (f + tiny), moment / (m + tiny), scalar / (scalar_size + tiny))
+    return worst / force_tolerance, constraint / constraint_tolerance
 
-
-@njit(cache=True)
-def largest(dz, kind, n_q, length):
-    """Largest displacement over the length scale, or rotation [rad], of the increment dz (n,)."""
-    worst = 0.0
-    for i in range(n_q):
-        x = abs(dz[i]) / (length if kind[i] == 0 else 1.0)
-        if not x <= 1e300:
-            return np.inf
-        worst = max(worst, x)
-    return worst
