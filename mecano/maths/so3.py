@@ -103,4 +103,3 @@ def tangent_derivative(psi, u):
     linear = madd(mscale(c, U), outer(scale(-dc, pu), psi))
     quadratic = madd(mscale(-b, madd(skew(pu), matmul(H, U))), outer(scale(db, ppu), psi))
     return madd(linear, quadratic)
-
