@@ -1,7 +1,3 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
-KINDS = {
-    kind.name: kind
-    for kind in (
-    )
-}
+KINDS = {kind.name: kind for kind in ()}

@@ -2,7 +2,7 @@ r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
 from numba import njit
 
-from mecano.elements.contract import Kind, Output, record
+from mecano.contract import Kind, Output, record
 from mecano.maths.vec import EYE, add_mat, add_vec, dot, sub, vec
 from mecano.schema import NODE, NUMBER, Field, positive
 

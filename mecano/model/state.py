@@ -5,7 +5,7 @@ the step 3 [rad], scalars), then the multipliers k*lambda [N, N m], last the fix
 ``a`` are numbered likewise: velocities and accelerations inertial for positions, material for rotations.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,9 +25,9 @@ class State:
 
     def copy(self):
         """A copy whose motion may be changed."""
-        return replace(
-            self, z=self.z.copy(), v=self.v.copy(), a=self.a.copy(), R=self.R.copy(), T=self.T.copy()
-        )
+        return State(
+            self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.T.copy(), self.modes, self.memories
+        )  # fmt: skip
 
 
 @dataclass
@@ -38,3 +38,4 @@ class History:
     h: float  # step size it belongs to [s]; 0 at a start
     previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
     multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
+    v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step

@@ -1,0 +1,143 @@
+"""What the constraints do to a model: redundant groups and remaining mechanisms, by name.
+
+Both come from projectors of the scaled constraint gradient B, which do not depend on the choice of a basis: the
+left null space of B couples the constraints that repeat one another, its null space the unknowns that can move.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
+SHARE = 1e-7  # entries of a projector below this count as zero
+DENSE_ROWS = 3000  # beyond this many constraints in closed loops no singular values are computed
+
+
+@dataclass(frozen=True)
+class Group:
+    """Constraints that repeat one another, or unknowns that move together: ``count`` of them too many, or free."""
+
+    count: int
+    names: tuple
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Mobility of a model at one configuration; ``complete`` is False when it is too large to be named."""
+
+    unknowns: int
+    constraints: int
+    rank: int
+    redundant: tuple  # Group
+    mechanisms: tuple  # Group
+    complete: bool = True
+
+    @property
+    def mobility(self):
+        """Number of independent motions that the constraints leave."""
+        return self.unknowns - self.rank
+
+
+def analyse(system, s, length):
+    """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
+    B = gradient(system, s, length)
+    of = system.numbering
+    loops = _in_loops(B, of.group)
+    if len(loops) > DENSE_ROWS:
+        return Analysis(system.n_q, system.n_l, system.n_l, (), (), False)
+    projector, deficiency = _left_null_projector(B[loops].toarray())
+    names = of.name[system.n_q : system.n]
+    redundant = _groups(projector, [names[i] for i in loops])
+    rank = system.n_l - deficiency
+    complete = system.n_q <= DENSE_ROWS
+    mechanisms = _groups(_null_projector(B.toarray(), rank), _motions(of)) if complete else ()
+    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, complete)
+
+
+def gradient(system, s, length):
+    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows of unit length."""
+    bare = s.copy()
+    bare.z[system.n_q : system.n] = 0.0
+    data = np.zeros(system.nnz + 1)
+    system.add_constraints(bare, 1.0, 0.0, data)
+    full = sp.csr_matrix((-data[:-1], (system.rows, system.cols)), shape=(system.n, system.n))
+    B = full[system.n_q :, : system.n_q]
+    B = B @ sp.diags(np.where(system.numbering.kind[: system.n_q] == 1, 1.0 / length, 1.0))
+    size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+    B = sp.csr_matrix(sp.diags(1.0 / np.where(size > 0, size, 1.0)) @ B)
+    B.data[np.abs(B.data) < 1e-14] = 0.0
+    B.eliminate_zeros()
+    return B
+
+
+def _in_loops(B, group):
+    """Rows that are left when those are peeled off which a node of their own makes independent, again and again.
+
+    What hangs on a chain peels off from its end; only closed loops stay.
+    """
+    columns = sp.csc_matrix(B)
+    members = [np.flatnonzero(group == g) for g in np.unique(group)]
+    alive = np.ones(B.shape[0], bool)
+    touched = [np.unique(columns[:, m].indices) for m in members]
+    nodes_of = [[] for _ in range(B.shape[0])]
+    for node, rows in enumerate(touched):
+        for row in rows:
+            nodes_of[row].append(node)
+    todo = set(range(len(members)))
+    while todo:
+        node = todo.pop()
+        rows = touched[node][alive[touched[node]]]
+        if not 0 < len(rows) <= len(members[node]):
+            continue
+        block = B[rows][:, members[node]].toarray()
+        if np.linalg.svd(block, compute_uv=False)[-1] > 1e-6:
+            alive[rows] = False
+            todo.update(other for row in rows for other in nodes_of[row])
+    return np.flatnonzero(alive)
+
+
+def _left_null_projector(B):
+    """Projector (m, m) on the y with B^T y = 0, and its rank."""
+    if not B.size:
+        return np.eye(B.shape[0]), B.shape[0]
+    U, sigma, _ = scipy.linalg.svd(B, full_matrices=True)
+    null = U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
+    return null @ null.T, null.shape[1]
+
+
+def _null_projector(B, rank):
+    """Projector (n, n) on the motions dq with B dq = 0."""
+    if not rank:
+        return np.eye(B.shape[1])
+    _, _, Vt = scipy.linalg.svd(B, full_matrices=False)
+    span = Vt[:rank]
+    return np.eye(B.shape[1]) - span.T @ span
+
+
+def _groups(projector, names):
+    """Groups of things that a projector couples, with the number of dimensions of each."""
+    taking_part = np.flatnonzero(np.diag(projector) > SHARE)
+    if not len(taking_part):
+        return ()
+    block = np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE
+    n, label = connected_components(sp.csr_matrix(block), directed=False)
+    found = []
+    for g in range(n):
+        members = taking_part[label == g]
+        count = int(round(float(np.trace(projector[np.ix_(members, members)]))))
+        found.append(Group(count, tuple(dict.fromkeys(names[i] for i in members))))
+    return tuple(found)
+
+
+def _motions(of):
+    """Names of the motions of the free unknowns: "node tip: displacement x"."""
+    words = {"force": "displacement", "moment about material": "rotation about material"}
+    out = []
+    for name in of.name[: of.n_q]:
+        for force, motion in words.items():
+            name = name.replace(f": {force} ", f": {motion} ")
+        out.append(name)
+    return out

@@ -1,0 +1,92 @@
+r"""Velocities, accelerations and multipliers that fit a given configuration.
+
+All three come from one matrix, factored once,
+
+.. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -\epsilon k \end{bmatrix},
+
+with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty
+p makes it regular for nodes without mass; the compliance eps is zero unless constraints are redundant.
+"""
+
+import numpy as np
+
+from mecano.errors import AssemblyError
+from mecano.solve.increments import moved
+
+
+class Consistent:
+    """The matrix above at one configuration, and what is solved with it."""
+
+    def __init__(self, system, linear, s, compliance=0.0):
+        """Factor at the positions of ``s`` (its a and multipliers are not used); raises AssemblyError if singular."""
+        self.system, self.linear = system, linear
+        bare = s.copy()
+        bare.a[:] = 0.0
+        bare.z[system.n_q : system.n] = 0.0
+        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
+        data = system.data.copy()
+        diagonal = data[system.diagonal[: system.n_q]]
+        loose = diagonal <= 0.0
+        self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
+        system.add_constraints(bare, self.k, self.k, data)
+        diagonal = data[system.diagonal[: system.n_q]]
+        self.loose = loose & (diagonal <= 0.0)  # neither mass nor constraint: stays at rest
+        data[system.diagonal[: system.n_q][self.loose]] = self.k
+        data[system.diagonal[system.n_q :]] -= compliance * self.k
+        self._solve(data, np.zeros(system.n))
+        self.bare = bare
+
+    def _solve(self, data, b):
+        x = np.zeros(self.system.n)
+        status = self.linear.solve(data, b, x)
+        if status.singular:
+            raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
+        return x
+
+    def _resolve(self, top, bottom):
+        b, x = np.concatenate([top, bottom]), np.zeros(self.system.n)
+        self.linear.resolve(b, x)
+        return x[: self.system.n_q], self.k * x[self.system.n_q :]
+
+    def change(self, rate):
+        """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
+
+    def project_velocity(self, s, target=0.0):
+        """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
+        rate = self.system.levels(s)[:, 1]
+        s.v[: self.system.n_q] += self.change(target - rate)
+
+    def project_acceleration(self, s, a, target=0.0):
+        """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
+        here = _with(self.bare, s.v, a)
+        a[: self.system.n_q] += self.change(target - self.system.levels(here)[:, 2])
+
+    def accelerate(self, s):
+        """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
+        system = self.system
+        bare = _with(self.bare, s.v, np.zeros_like(s.a))
+        gamma = system.levels(bare)[:, 2]
+        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
+        top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
+        a, reaction = self._resolve(top, self.k * gamma)
+        s.a[:] = 0.0
+        s.a[: system.n_q] = a
+        s.z[system.n_q : system.n] = reaction + self.k * gamma
+
+    def jerk_rate(self, s):
+        """-B d3q/dt3 (n_l,): how the second rates would change along the motion if the accelerations stayed.
+
+        Central difference; only geometry enters, no force, so stiff laws do no harm.
+        """
+        of = self.system.numbering
+        speed = np.abs(s.v).max() + np.sqrt(np.abs(s.a).max())
+        dt = 1e-4 / max(speed, 1e-4)
+        ahead, back = (self.system.levels(moved(s, d, of))[:, 2] for d in (dt, -dt))
+        return (ahead - back) / (2.0 * dt)
+
+
+def _with(s, v, a):
+    out = s.copy()
+    out.v[:], out.a[:] = v, a
+    return out

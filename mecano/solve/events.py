@@ -1,0 +1,102 @@
+"""Events: which happened in a step, when exactly, and the modes after them.
+
+A step is pure, so an event is located by stepping again with a smaller h; no cooperation of the method is needed.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+TIME_TOLERANCE = 1e-10  # of the step in which the event lies
+AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
+MAX_RESTEPS = 60
+NO_EVENTS = np.zeros(0)
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event that happened: when, where, and the change of mode."""
+
+    t: float
+    element: str
+    name: str
+    before: str
+    after: str
+
+
+class Watch:
+    """The event functions of a system."""
+
+    def __init__(self, system):
+        self.system = system
+        self.before, self.after = {}, {}
+        for i, batch in enumerate(system.batches):
+            modes = batch.kind.modes
+            self.before[i] = np.array([modes.index(event.before) for event in batch.kind.events], np.int64)
+            self.after[i] = np.array([modes.index(event.after) for event in batch.kind.events], np.int64)
+
+    def values(self, s):
+        """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
+        if not self.system.has_events:
+            return NO_EVENTS
+        found = [
+            np.where(s.modes[i][:, None] == self.before[i], g, -np.inf).ravel() for i, g in self.system.event_values(s)
+        ]
+        return np.concatenate(found)
+
+    def apply(self, s, hit):
+        """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""
+        modes, happenings, first = list(s.modes), [], 0
+        for i, g in self.system.event_values(s):
+            batch, n = self.system.batches[i], g.size
+            for e, k in zip(*np.nonzero(hit[first : first + n].reshape(g.shape)), strict=True):
+                modes[i] = modes[i].copy()
+                event = batch.kind.events[k]
+                modes[i][e] = self.after[i][k]
+                happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
+            first += n
+        return replace(s, modes=tuple(modes)), happenings
+
+    def settle(self, s):
+        """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
+        for _ in range(10):
+            hit = self.values(s) > 0
+            if not hit.any():
+                break
+            s, _ = self.apply(s, hit)
+        return s
+
+
+def locate(watch, step, s0, g0, trial, h):
+    """The first event in a trial step: (h of the event, its trial, hit (n_events,) bool), or None.
+
+    step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Illinois variant of the regula
+    falsi on the step size, for the largest of the event functions that crossed.
+    """
+    g1 = watch.values(trial[0])
+    crossed = (g0 < 0) & (g1 >= 0)
+    if not crossed.any():
+        return None
+    lo, hi, best = 0.0, h, trial
+    G_lo, G_hi = g0[crossed].max(), g1[crossed].max()
+    side = 0
+    for _ in range(MAX_RESTEPS):
+        if hi - lo <= TIME_TOLERANCE * h or hi <= AT_ONCE * h or G_hi == 0.0:
+            break
+        middle = hi - G_hi * (hi - lo) / (G_hi - G_lo) if np.isfinite(G_lo) else 0.5 * (lo + hi)
+        middle = min(max(middle, lo + 0.01 * (hi - lo)), hi - 0.1 * TIME_TOLERANCE * h)
+        new = step(middle)
+        if not new[2].ok:
+            break
+        g = watch.values(new[0])[crossed].max()
+        if g >= 0:
+            hi, G_hi, best = middle, g, new
+            G_lo = G_lo * 0.5 if side == 1 else G_lo
+            side = 1
+        else:
+            lo, G_lo = middle, g
+            G_hi = G_hi * 0.5 if side == -1 else G_hi
+            side = -1
+    if hi <= AT_ONCE * h:
+        return 0.0, None, crossed
+    return hi, step(hi), crossed & (watch.values(best[0]) >= 0)

@@ -1,0 +1,119 @@
+"""Moving a state: prediction, correction, and rotations placed from their increments."""
+
+import numpy as np
+from numba import njit
+
+from mecano.maths.so3 import exp, tangent
+from mecano.maths.vec import mat, matmul, vec
+from mecano.model.numbering import ROTATION
+
+
+@njit
+def put_matrix(A, out):
+    """out[:, :] = A"""
+    for i in range(3):
+        row = A[i]
+        out[i, 0] = row[0]
+        out[i, 1] = row[1]
+        out[i, 2] = row[2]
+
+
+@njit(cache=True)
+def place_rotations(rotation_dof, n_q, z, R0, R_out, T_out):
+    """R = R0 exp(hat(psi)) and T = T(psi) for all free rotations; psi stands in z."""
+    for r in range(rotation_dof.shape[0]):
+        d = rotation_dof[r]
+        if d < n_q:
+            psi = vec(z, d)
+            put_matrix(matmul(mat(R0[r]), exp(psi)), R_out[r])
+            put_matrix(tangent(psi), T_out[r])
+
+
+@njit(cache=True)
+def predict(
+    # step
+    h, extrapolation, am, af, beta, gamma,
+    # state and history at its beginning
+    a0, acceleration0, previous, v_shift, rate, R0,
+    # model
+    kind, rotation_dof, n_q, n,
+    # out: the state at its beginning, moved to its end
+    z_out, v_out, acceleration_out, R_out, T_out,
+):  # fmt: skip
+    """Move a state to the end of a step with accelerations extrapolated from the last step.
+
+    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step, previous (n_all,) at
+    the beginning of the last step; extrapolation = h over the last h; rate (n_l,) of the multipliers.
+    """
+    for i in range(n_q):
+        guess = acceleration0[i] + extrapolation * (acceleration0[i] - previous[i])
+        a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        v0 = v_out[i] + v_shift[i]
+        increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
+        z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
+        v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
+        acceleration_out[i] = guess
+    for i in range(n_q, n):
+        z_out[i] += h * rate[i - n_q]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
+
+
+@njit(cache=True)
+def correct(dz, k, cC, cM, length, R0, kind, rotation_dof, n_q, n, z_out, v_out, a_out, R_out, T_out):
+    """Add a Newton correction dz (n,), velocities and accelerations by cC and cM, multipliers scaled by k.
+
+    Returns the largest displacement over ``length``, or rotation [rad]; inf when it is not finite.
+    """
+    for i in range(n_q):
+        z_out[i] += dz[i]
+        v_out[i] += cC * dz[i]
+        a_out[i] += cM * dz[i]
+    for i in range(n_q, n):
+        z_out[i] += k * dz[i]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
+    return largest(dz, kind, n_q, length)
+
+
+@njit(cache=True)
+def largest(dz, kind, n_q, length):
+    """Largest displacement over the length scale, or rotation [rad], of dz (n,); inf when one is not finite."""
+    worst = 0.0
+    for i in range(n_q):
+        x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
+        if not x <= 1e300:
+            return np.inf
+        worst = max(worst, x)
+    return worst
+
+
+@njit(cache=True)
+def finish(h, am, af, a0, acceleration0, acceleration, z0, z, kind, n_q, n, length, a_out, rate_out):
+    """Algorithmic acceleration (n_all,) and rate of the multipliers (n_l,) after a step.
+
+    Returns the largest change of the algorithmic acceleration, over ``length`` for displacements.
+    """
+    worst = 0.0
+    for i in range(n_q):
+        a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        worst = max(worst, abs(a_out[i] - a0[i]) / (1.0 if kind[i] == ROTATION else length))
+    for i in range(n_q, n):
+        rate_out[i - n_q] = (z[i] - z0[i]) / h
+    return worst
+
+
+def displaced(s, dq, of):
+    """A copy of ``s`` with its positions (and rotations, material increments) moved by dq (n_q,)."""
+    out = s.copy()
+    rotations = of.kind[: of.n_q] == ROTATION
+    out.z[: of.n_q] = np.where(rotations, 0.0, out.z[: of.n_q]) + dq
+    place_rotations(of.rotation_dof, of.n_q, out.z, s.R, out.R, out.T)
+    return out
+
+
+def moved(s, dt, of):
+    """The state carried on by dt [s] along its velocities and accelerations (second order)."""
+    n_q = of.n_q
+    out = displaced(s, dt * s.v[:n_q] + 0.5 * dt * dt * s.a[:n_q], of)
+    out.v += dt * s.a
+    out.t = s.t + dt
+    return out

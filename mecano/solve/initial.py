@@ -1,0 +1,61 @@
+"""The start: initial positions brought onto the constraints, or a refusal that names what cannot be met."""
+
+import numpy as np
+
+from mecano.errors import AssemblyError
+from mecano.solve.increments import displaced
+
+MAX_ITERATIONS = 50
+TOLERANCE = 1e-12  # of the length scale, or rad
+NAMED = 5  # constraints named in a refusal
+
+
+def assemble_positions(system, linear, s, length, compliance=0.0):
+    """Bring the positions of ``s`` to the nearest that fulfil all constraints: (state, largest displacement [m, rad]).
+
+    Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
+    constraints that cannot be met together, or a joint that closed the wrong way round.
+    """
+    start, of = s, system.numbering
+    scale = np.where(of.kind[system.n_q : system.n] == 3, length, 1.0)
+    weight = np.where(of.kind[: system.n_q] == 1, length**2, 1.0)
+    for _ in range(MAX_ITERATIONS):
+        phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+        error = np.abs(phi) / scale
+        if not len(phi) or error.max() <= TOLERANCE:
+            break
+        dq = _least_change(system, linear, s, phi, weight, compliance)
+        if dq is None or not np.all(np.isfinite(dq)):
+            break
+        limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
+        s = displaced(s, dq / limit, of)
+    phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+    error = np.abs(phi) / scale
+    if len(phi) and not error.max() <= 100 * TOLERANCE:
+        raise AssemblyError(_refusal(system, phi, error))
+    s = displaced(s, np.zeros(system.n_q), of)
+    shift = np.abs(s.z - start.z)[of.x[:, None] + np.arange(3)] if len(of.x) else np.zeros(1)
+    return s, float(shift.max(initial=0.0))
+
+
+def _least_change(system, linear, s, phi, weight, compliance):
+    bare = s.copy()
+    bare.z[system.n_q : system.n] = 0.0
+    data = np.zeros(system.nnz + 1)
+    data[system.diagonal[: system.n_q]] = weight
+    system.add_constraints(bare, 1.0, 0.0, data)
+    data[system.diagonal[system.n_q :]] -= compliance
+    b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
+    status = linear.solve(data, b, x)
+    return None if status.singular else x[: system.n_q]
+
+
+def _refusal(system, phi, error):
+    worst = np.argsort(-error)[:NAMED]
+    lines = [
+        f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
+        f"{'m' if system.numbering.kind[system.n_q + i] == 3 else 'rad'}"
+        for i in worst
+        if error[i] > 100 * TOLERANCE
+    ]
+    return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)

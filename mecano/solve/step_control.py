@@ -1,0 +1,62 @@
+"""The size of the next step, from how the last one went."""
+
+from dataclasses import dataclass
+
+SAFETY = 0.9
+GROWTH = 2.0
+SHRINK = 0.2
+HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a restart
+AFTER_FAILURE = 0.25
+
+
+@dataclass(frozen=True)
+class FixedStep:
+    """Steps of one size; smaller only where Newton fails, at events and at times that must be met."""
+
+    step: float
+    minimum: float
+
+    def accept(self, error, h):
+        """Always: a fixed step has no error control."""
+        return True
+
+    def after(self, error, h):
+        """The next step size after an accepted step of size h."""
+        return min(self.step, GROWTH * h)
+
+    def retry(self, error, h):
+        """Not reached: every converged step is accepted."""
+        return h
+
+
+@dataclass(frozen=True)
+class AdaptiveStep:
+    """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
+
+    The tolerance is relative to the length scale of the mechanism (or to one radian). The local error falls as h^3,
+    its sum as h^2, which gives the exponent 1/2.
+    """
+
+    tolerance: float
+    duration: float
+    minimum: float
+    maximum: float
+
+    def _factor(self, error, h):
+        allowed = self.tolerance * h / self.duration
+        return SAFETY * (allowed / error) ** 0.5 if error > 0 else GROWTH
+
+    def accept(self, error, h):
+        """True when the error of a step of size h is within its share of the tolerance."""
+        return error <= self.tolerance * h / self.duration or h <= self.minimum
+
+    def after(self, error, h):
+        """The next step size after an accepted step of size h."""
+        factor = self._factor(error, h)
+        if 1.0 <= factor < HOLD:
+            return h
+        return min(max(h * min(factor, GROWTH), self.minimum), self.maximum)
+
+    def retry(self, error, h):
+        """The step size to try after a rejected step of size h."""
+        return max(h * max(self._factor(error, h), SHRINK), self.minimum)
