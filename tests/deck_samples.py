@@ -1,16 +1,32 @@
 """A small vocabulary of kinds and law terms, and a deck that uses all of it, for the tests of decks."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 
-from mecano.deck.source import Source
+from mecano.contract import Kind, Output
 from mecano.deck.read import deck_of
-from mecano.elements.contract import Kind, Output
+from mecano.deck.sections import SECTIONS
+from mecano.deck.source import Source
 from mecano.errors import DeckError
 from mecano.schema import (
-    CURVE, DIRECTION, GROUND, INERTIA, INTEGER, LAW, NODE, NODE_PAIR, NODES, NUMBER, NUMBERS, POINTS, TEXT, TIRE_LAW,
-    VECTOR, Field, choice, positive,
+    CURVE,
+    DIRECTION,
+    GROUND,
+    INERTIA,
+    INTEGER,
+    LAW,
+    NODE,
+    NODE_PAIR,
+    NODES,
+    NUMBER,
+    TIRE_LAW,
+    VECTOR,
+    Field,
+    choice,
+    mapping,
+    named,
+    positive,
 )  # fmt: skip
 
 
@@ -84,53 +100,6 @@ FORCE = Kind(
 FAKE_KINDS = {kind.name: kind for kind in (BODY, SPRING, WHEEL, HINGE, FORCE)}
 
 
-def increasing(points):
-    """Check: x increases."""
-    for i in range(1, len(points)):
-        if not points[i][0] > points[i - 1][0]:
-            return f"must have strictly increasing x: point {i + 1} has {points[i][0]} after {points[i - 1][0]}"
-    return None
-
-
-def term(name, role, *fields, check=lambda values: []):
-    """A term of a law as the deck sees it."""
-    return SimpleNamespace(name=name, role=role, fields=fields, doc=f"The term {name}.", check=check)
-
-
-def some_points(values):
-    """Points must be there."""
-    return [] if values["points"] else ["one of 'points' and 'file' must be given"]
-
-
-def ordered(values):
-    """The stops must leave room."""
-    return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
-
-
-FAKE_TERMS = {
-    t.name: t
-    for t in (
-        term("constant", "curve", Field("value", NUMBER, "unit of the value", "the value")),
-        term("polynomial", "curve", Field("coefficients", NUMBERS, "-", "ascending powers")),
-        term(
-            "table",
-            "curve",
-            Field("points", POINTS, "-", "points [x, y]", None, increasing),
-            Field("file", TEXT, "-", "CSV file in place of 'points'", None),
-            Field("interpolation", choice("cubic", "linear"), "-", "between the points", "cubic"),
-            check=some_points,
-        ),
-        term("damper", "force", Field("coefficient", NUMBER, "N s/m", "force per rate", check=positive)),
-        term(
-            "stop",
-            "force",
-            Field("lower", NUMBER, "m", "lower stop", float("-inf")),
-            Field("upper", NUMBER, "m", "upper stop", float("inf")),
-            check=ordered,
-        ),
-    )
-}
-
 VALID = """\
 mecano: 1
 title: "A wheel on a leg"
@@ -156,7 +125,7 @@ laws:
   oleo:
     polynomial: {coefficients: [0, 7e10]}
     damper: {coefficient: 1.19e4}
-    stop: {upper: 0.3}
+    stop: {upper: 0.3, stiffness: 1e6}
   smooth: 0.8
 tire_laws:
   nose: {radius: 0.3225, friction: smooth}
@@ -178,20 +147,17 @@ output: {every: 5e-3}
 
 def fake_sections():
     """The real sections, with two fields of tire laws."""
-    from dataclasses import replace
-
-    from mecano.deck.sections import SECTIONS
-    from mecano.schema import mapping, named
-
-    tire = mapping(
-        Field("radius", NUMBER, "m", "radius", check=positive), Field("friction", CURVE, "-", "curve of the slip")
-    )
+    radius = Field("radius", NUMBER, "m", "radius", check=positive)
+    tire = mapping(radius, Field("friction", CURVE, "-", "curve of the slip"))
     return tuple(replace(field, type=named(tire)) if field.name == "tire_laws" else field for field in SECTIONS)
 
 
+FAKE = {"kinds": FAKE_KINDS, "sections": fake_sections()}
+
+
 def read_fake(text, file="deck.yaml", overrides=()):
-    """A Deck of a text in the vocabulary of this module."""
-    return deck_of(Source(file, text), "", overrides, FAKE_KINDS, fake_sections(), FAKE_TERMS)
+    """The Deck of a text in the vocabulary of this module."""
+    return deck_of(Source(file, text), overrides=overrides, **FAKE)
 
 
 def problems_of(text, overrides=(), file="deck.yaml"):

@@ -72,7 +72,9 @@ def _stop_at(problems):
 def _check_version(root, problems):
     """The version comes first: of a deck of another version nothing else can be said."""
     if "mecano" not in root.value:
-        raise DeckError([*problems, Problem("missing 'mecano', the version of the deck", root.mark, "begin with 'mecano: 1'")])
+        raise DeckError(
+            [*problems, Problem("missing 'mecano', the version of the deck", root.mark, "begin with 'mecano: 1'")]
+        )
     node = root.value["mecano"][1]
     if type(node.value) is not int or node.value != VERSION:
         text = f"this program reads decks of version {VERSION}, got {found(node)}"

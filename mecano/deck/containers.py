@@ -23,7 +23,8 @@ def checked(node, field, scope):
     if not text:
         return value
     if type(value) is dict and field.type.name != "named":
-        return scope.refuse(place_of(text, node, owner or node), text)
+        path = scope.name_of(field.name)
+        return scope.refuse(place_of(text, node, owner or node), f"{path}: {text}" if path else text)
     return scope.refuse_value(node, field, text)
 
 

@@ -23,7 +23,9 @@ def describe(kind):
 def describe_term(term):
     """A term of a law: its fields."""
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
-    return "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]) + "\n"
+    return (
+        "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]) + "\n"
+    )
 
 
 def describe_section(field):

@@ -41,9 +41,7 @@ def law(node, field, scope):
         return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
     if field.name:
         scope.path.append(field.name)
-    terms = tuple(
-        (name, _term(name, key, inner, field, scope)) for name, (key, inner) in node.value.items()
-    )
+    terms = tuple((name, _term(name, key, inner, field, scope)) for name, (key, inner) in node.value.items())
     if field.name:
         scope.path.pop()
     return INVALID if any(values is INVALID for _, values in terms) else terms

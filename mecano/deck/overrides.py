@@ -54,6 +54,8 @@ def _replaced(node, places, depth, new, names):
         known = node.value
         if key not in known and depth == 1 and places[0].value in names:
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", suggestion(key, known))
+        if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
+            _refuse(place, f"the deck has no {quoted(key)}, of which an item could be set", "set the whole list")
         written, child = known.get(key, (place, _like(place, {})))
         child = _replaced(child, places, depth + 1, new, names)
         return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})

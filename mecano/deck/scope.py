@@ -12,6 +12,7 @@ MAX_PROBLEMS = 10_000
 MAX_SUGGESTIONS = 100  # looking for similar words is slow in a large deck
 PARAMETER = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
+DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
 
 
@@ -83,7 +84,7 @@ class Scope:
             return None
         sign, name = match.groups()
         if name not in self.parameters:
-            hint = self.suggest(name, self.parameters) or "the deck has no 'parameters'"
+            hint = self.suggest(name, self.parameters) or "no parameter is known here"
             return self.refuse(node, f"unknown parameter {quoted(name)}", hint)
         value = self.parameters[name]
         return INVALID if value is None else (-value if sign else value)
@@ -97,13 +98,13 @@ def place(container, key, value, scope):
         scope.references.append(value)
 
 
-def node_of(value, source=Source("default", "")):
-    """The node that a Python value would have come from."""
+def node_of(value):
+    """The node that a default, a Python value, would have come from."""
     if isinstance(value, dict):
-        return Node({key: (node_of(key), node_of(item)) for key, item in value.items()}, source)
+        return Node({key: (node_of(key), node_of(item)) for key, item in value.items()}, DEFAULT)
     if isinstance(value, list | tuple):
-        return Node([node_of(item) for item in value], source)
-    return Node(value, source, raw=str(value))
+        return Node([node_of(item) for item in value], DEFAULT)
+    return Node(value, DEFAULT, raw=str(value))
 
 
 def place_of(text, node, otherwise):

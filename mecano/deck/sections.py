@@ -1,8 +1,24 @@
 """The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
 
 from mecano.schema import (
-    BOOLEAN, CURVE, DIRECTION, INTEGER, NODES, NUMBER, TEXT, VECTOR, Field, Type, choice, either, list_of, mapping,
-    named, not_negative, one_of_kinds, positive,
+    BOOLEAN,
+    CURVE,
+    DIRECTION,
+    INTEGER,
+    NODES,
+    NUMBER,
+    TEXT,
+    VECTOR,
+    Field,
+    Type,
+    choice,
+    either,
+    list_of,
+    mapping,
+    named,
+    not_negative,
+    one_of_kinds,
+    positive,
 )  # fmt: skip
 
 PARAMETER = Type("parameter", "a number")
@@ -59,7 +75,9 @@ AUTOMATIC = "automatic"
 
 NODE_FIELDS = (
     Field("position", VECTOR, "m", "position at the start, inertial"),
-    Field("orientation", VECTOR, "rad", "rotation vector at the start, from the inertial axes to those of the node", ZERO),
+    Field(
+        "orientation", VECTOR, "rad", "rotation vector at the start, from the inertial axes to those of the node", ZERO
+    ),
     Field("fixed", BOOLEAN, "-", "whether the node is held where it is", False),
 )
 
@@ -135,7 +153,9 @@ SECTIONS = (
     Field("title", TEXT, "-", "title of the model", ""),
     Field("parameters", named(PARAMETER), "-", "numbers by name: '$name' and '-$name' stand for them", {}),
     Field("gravity", VECTOR, "m/s2", "acceleration of gravity, inertial", (0.0, 0.0, -9.81)),
-    Field("nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty),
+    Field(
+        "nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty
+    ),
     Field("elements", named(one_of_kinds("elements")), "-", "bodies, springs, wheels...", check=not_empty),
     Field("joints", named(one_of_kinds("joints")), "-", "constraints between nodes", {}),
     Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),

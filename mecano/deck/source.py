@@ -52,8 +52,7 @@ def read_source(path, file=None):
     Raises Unreadable, or DeckError when the bytes are no clean UTF-8 text.
     """
     try:
-        if not Path(path).is_file():
-            open(path, "rb").close()
+        if Path(path).exists() and not Path(path).is_file():
             raise Unreadable("it is not a regular file")
         with open(path, "rb") as stream:
             data = stream.read(MAX_BYTES + 1)

@@ -2,7 +2,7 @@
 
 import difflib
 
-MAX_SHOWN = 40
+MAX_SHOWN = 60
 MAX_LISTED = 12
 
 
@@ -47,5 +47,5 @@ def suggestion(word, known):
         if near:
             return f"did you mean {quoted(near[0])}?"
     if 0 < len(known) <= MAX_LISTED:
-        return "known: " + ", ".join(known)
+        return "known: " + ", ".join(quoted(name)[1:-1] for name in known)
     return ""
