@@ -24,9 +24,7 @@ BOOLEAN = Type("boolean", "true or false")
 TEXT = Type("text", "a text")
 VECTOR = Type("vector", "a list of 3 numbers")
 DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
-INERTIA = Type(
-    "inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix"
-)
+INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 LAW = Type("law", "the name of a law, or a law written in place")

@@ -16,7 +16,23 @@ from numba import njit
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import (
-    EYE, add, add_mat, add_vec, cross, dot, madd, mat, matmul, mscale, mul, put, skew, sub, tmul, transpose, vec,
+    EYE,
+    add,
+    add_mat,
+    add_vec,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    put,
+    skew,
+    sub,
+    tmul,
+    transpose,
+    vec,
 )  # fmt: skip
 from mecano.schema import INERTIA, NODE, NODES, NUMBER, VECTOR, Field, positive
 

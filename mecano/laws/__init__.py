@@ -1,1 +1,39 @@
-"""Laws: scalar functions with exact derivatives, shared by every element that needs one."""
+"""Laws: scalar functions with exact derivatives, shared by every element that needs one.
+
+A checked law is a tuple of (term name, {field: value}), whose terms are summed. This is the registry of the
+terms, one line each; see mecano.laws.table for their evaluation.
+"""
+
+from mecano.laws.dampers import DAMPER_POLYNOMIAL, DAMPER_TABLE, METERING_PIN, OIL_DAMPER
+from mecano.laws.dry_friction import DRY_FRICTION
+from mecano.laws.gas_spring import GAS_SPRING
+from mecano.laws.linear_forces import DAMPER, PRELOAD, SPRING
+from mecano.laws.polynomial import CONSTANT, LINEAR, POLYNOMIAL
+from mecano.laws.stops import DEAD_BAND, STOP
+from mecano.laws.tabulated import TABLE
+from mecano.laws.time_functions import EXPONENTIAL, RAMP, SINE, STEP
+
+TERMS = {
+    term.name: term
+    for term in (
+        CONSTANT,
+        LINEAR,
+        POLYNOMIAL,
+        TABLE,
+        SINE,
+        RAMP,
+        STEP,
+        EXPONENTIAL,
+        SPRING,
+        PRELOAD,
+        DAMPER,
+        DAMPER_POLYNOMIAL,
+        DAMPER_TABLE,
+        GAS_SPRING,
+        OIL_DAMPER,
+        METERING_PIN,
+        DRY_FRICTION,
+        STOP,
+        DEAD_BAND,
+    )
+}

@@ -37,32 +37,37 @@ def exp(psi):
 
 
 @njit
-def log(R):
-    """Rotation vector [rad] of R, of length in [0, pi]; through the quaternion, accurate at every angle."""
+def quaternion(R):
+    """Unit quaternion (w, x, y, z), w >= 0, of R; from the largest of its four squares, accurate at every angle."""
     t = R[0][0] + R[1][1] + R[2][2]
     if t > R[0][0] and t > R[1][1] and t > R[2][2]:
         w = 0.5 * math.sqrt(1.0 + t)
         s = 0.25 / w
-        a, b, c = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
+        x, y, z = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
     elif R[0][0] >= R[1][1] and R[0][0] >= R[2][2]:
-        a = 0.5 * math.sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
-        s = 0.25 / a
-        w, b, c = (R[2][1] - R[1][2]) * s, (R[1][0] + R[0][1]) * s, (R[2][0] + R[0][2]) * s
+        x = 0.5 * math.sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
+        s = 0.25 / x
+        w, y, z = (R[2][1] - R[1][2]) * s, (R[1][0] + R[0][1]) * s, (R[2][0] + R[0][2]) * s
     elif R[1][1] >= R[2][2]:
-        b = 0.5 * math.sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
-        s = 0.25 / b
-        w, c, a = (R[0][2] - R[2][0]) * s, (R[2][1] + R[1][2]) * s, (R[0][1] + R[1][0]) * s
+        y = 0.5 * math.sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
+        s = 0.25 / y
+        w, z, x = (R[0][2] - R[2][0]) * s, (R[2][1] + R[1][2]) * s, (R[0][1] + R[1][0]) * s
     else:
-        c = 0.5 * math.sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
-        s = 0.25 / c
-        w, a, b = (R[1][0] - R[0][1]) * s, (R[0][2] + R[2][0]) * s, (R[2][1] + R[1][2]) * s
-    n = math.sqrt(a * a + b * b + c * c)
-    if n < 1e-150:
-        return (0.0, 0.0, 0.0)
-    f = 2.0 * math.atan2(n, abs(w)) / n
+        z = 0.5 * math.sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
+        s = 0.25 / z
+        w, x, y = (R[1][0] - R[0][1]) * s, (R[0][2] + R[2][0]) * s, (R[2][1] + R[1][2]) * s
     if w < 0.0:
-        f = -f
-    return (f * a, f * b, f * c)
+        return (-w, -x, -y, -z)
+    return (w, x, y, z)
+
+
+@njit
+def log(R):
+    """Rotation vector [rad] of R, of length in [0, pi]."""
+    w, x, y, z = quaternion(R)
+    n = math.sqrt(x * x + y * y + z * z)
+    f = 2.0 * math.atan2(n, w) / n if n > 1e-150 else 2.0
+    return (f * x, f * y, f * z)
 
 
 @njit
@@ -103,4 +108,3 @@ def tangent_derivative(psi, u):
     linear = madd(mscale(c, U), outer(scale(-dc, pu), psi))
     quadratic = madd(mscale(-b, madd(skew(pu), matmul(H, U))), outer(scale(db, ppu), psi))
     return madd(linear, quadratic)
-

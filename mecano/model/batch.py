@@ -1,148 +1,99 @@
-"""Compiled loops over all elements of one kind: gather, call the element's function, scatter.
+"""All elements of one kind, with the tables that tie them to the unknowns of the model."""
 
-A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with
-the element among its globals and a name of its own is (see docs/architecture.md).
-"""
+from dataclasses import dataclass
 
-import types
-from functools import cache
+import numpy as np
 
-from numba import njit
+from mecano.model import loops
+from mecano.model.numbering import SCALAR
 
 
-def _assemble(
-    # element
-    p, memory, mode, dofs, rots, slots, columns, entries,
-    t, k, penalty, laws,
-    # state in
-    z_in, v_in, a_in, R_in, T_in,
-    # out, added to
-    force_out, size_out, data_out, cK, cC, cM,
-    # work
-    q, v, a, R, f, K, C, M,
-):  # fmt: skip
-    n = dofs.shape[1]
-    for e in range(dofs.shape[0]):
-        for i in range(n):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-            f[i] = 0.0
-            for j in range(n):
-                K[i, j] = 0.0
-                C[i, j] = 0.0
-                M[i, j] = 0.0
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
-        function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
-        # K is the derivative by the material variation; T turns it into one by the rotation increment
-        for r in range(rots.shape[1]):
-            c, s = columns[r], rots[e, r]
-            for i in range(n):
-                k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
-                for j in range(3):
-                    K[i, c + j] = k0 * T_in[s, 0, j] + k1 * T_in[s, 1, j] + k2 * T_in[s, 2, j]
-        for i in range(n):
-            force_out[slots[e, i]] += f[i]
-            size_out[slots[e, i]] += abs(f[i])
-            for j in range(n):
-                data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
+@dataclass
+class Batch:
+    """All elements of one kind: records, tables, compiled loops and work arrays."""
+
+    kind: object
+    names: list  # (n,) names of the owners, from the deck
+    p: np.ndarray  # (n,) records
+    dofs: np.ndarray  # (n, n_local) entries of z
+    rots: np.ndarray  # (n, n_rotations) rotation matrices
+    slots: np.ndarray  # (n, n_local) force slots
+    watched: np.ndarray  # (n, n_watched) entries of z for the outputs
+    watched_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
+    columns: np.ndarray  # (n_rotations,) local columns of the rotations
+    multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
+    entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
+
+    def __post_init__(self):
+        kind, n = self.kind, self.dofs.shape[1]
+        w = max(n, self.watched.shape[1])
+        n_rotations = len(self.columns)
+        self.work = tuple(np.zeros(w) for _ in "qva") + (np.zeros((n_rotations, 3, 3)),)
+        self.matrices = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
+        self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
+        self.y = np.zeros((len(self.p), self.n_outputs))
+        self.e = np.zeros((len(self.p), 4))
+        self.F = np.zeros(self.watched_slots.shape[1])
+
+    def loop(self, template, name):
+        """The compiled loop for one of the kind's functions, or None when the kind has none."""
+        function = getattr(self.kind, name)
+        return None if function is None else loops.loop_over(template, function, f"{name}_{self.kind.name}")
 
 
-def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
-    for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g)  # noqa: F821
-        for i in range(multipliers.shape[1]):
-            for j in range(3):
-                g_out[multipliers[e, i], j] = g[i, j]
+def batches(instances, of, n_slots, sides):
+    """Batches in the order in which their kinds first appear; ``of`` the numbering, ``sides`` of the joints."""
+    places = _Places(of, n_slots)
+    groups = {}
+    for number, item in enumerate(instances):
+        own = places.take(item.kind)
+        parts = instances[number + 1 : number + 1 + item.n_parts]
+        groups.setdefault(id(item.kind), []).append((number, item, own, places.next_rows(parts)))
+    return [_batch(members, of, places, sides) for members in groups.values()]
 
 
-def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, q, v, a, R):
-    for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
+class _Places:
+    """Hands out scalars and multipliers in the order of the instances, which is that of their numbering."""
+
+    def __init__(self, of, n_slots):
+        self.n_scalars = int(np.sum(of.kind[: of.n_q] == SCALAR))
+        self.first_scalar, self.first_row = of.n_q - self.n_scalars, of.n_q
+        self.first_slot = n_slots - of.n_l - self.n_scalars
+        self.scalar = self.row = 0
+
+    def take(self, kind):
+        """Numbers (scalars, rows) of the next instance, of the given kind."""
+        scalars = list(range(self.scalar, self.scalar + len(kind.scalars)))
+        rows = list(range(self.row, self.row + len(kind.multipliers)))
+        self.scalar += len(scalars)
+        self.row += len(rows)
+        return scalars, rows
+
+    def next_rows(self, parts):
+        """The rows that the parts which follow will take."""
+        return list(range(self.row, self.row + sum(len(part.kind.multipliers) for part in parts)))
 
 
-def _observe(
-    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, total_out, y_out, e_out, q, v, a, R, F
-):
-    for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-        for i in range(slots.shape[1]):
-            F[i] = force_in[slots[e, i]]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
-        y_out[e] = 0.0
-        e_out[e] = 0.0
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
-        for i in range(4):
-            total_out[i] += e_out[e, i]
-
-
-@njit(cache=True)
-def clear(force_out, size_out, data_out):
-    """Zero the arrays that the loops add to."""
-    force_out[:] = 0.0
-    size_out[:] = 0.0
-    data_out[:] = 0.0
-
-
-@njit(cache=True)
-def collect(force_in, size_in, slot_dof, r_out, size_out):
-    """Sum the forces (and their sizes) of all slots that are one unknown."""
-    r_out[:] = 0.0
-    size_out[:] = 0.0
-    for s in range(slot_dof.shape[0]):
-        d = slot_dof[s]
-        r_out[d] += force_in[s]
-        size_out[d] += size_in[s]
-
-
-@njit(cache=True)
-def transmitted(force_in, slots, starts, members, out, total_out):
-    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model.
-
-    Zeroes the sums of energies and powers total_out (4,), to which the loops over the outputs add.
-    """
-    total_out[:] = 0.0
-    for s in range(slots):
-        out[s] = -force_in[s]
-    for i in range(starts.shape[0] - 1):
-        total = 0.0
-        for j in range(starts[i], starts[i + 1]):
-            total -= force_in[members[j]]
-        out[slots + i] = total
-
-
-@cache
-def loop_over(template, function, name):
-    """The loop ``template`` bound to the compiled ``function`` of one element; cached on disk by ``name``."""
-    bound = types.FunctionType(template.__code__, {**template.__globals__, "function": function}, name)
-    bound.__qualname__ = name
-    return njit(cache=True)(bound)
+def _batch(members, of, places, sides):
+    kind = members[0][1].kind
+    p = np.zeros(len(members), kind.dtype)
+    dofs, rots, slots, watched, watched_slots, multipliers = [], [], [], [], [], []
+    for e, (number, item, (scalars, rows), part_rows) in enumerate(members):
+        for key, value in item.parameters.items():
+            p[key][e] = value
+        at = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
+        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows]
+        place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]
+        dofs.append(place + own)
+        watched.append(place + own + ([places.first_row + i for i in part_rows] if kind.force is None else []))
+        rots.append([of.rotation[node] for what, node in at if what == "R"])
+        plain = [6 * node + 3 * (what == "R") + i for what, node in at for i in range(3)]
+        slots.append(plain + [places.first_slot + i - places.first_scalar for i in own])
+        watched_slots.append([s for what, node in at for s in sides.slots(number, what, node)])
+        multipliers.append(rows)
+    columns = np.array([3 * i for i, slot in enumerate(kind.layout) if slot[0] == "R"], np.int64)
+    tables = [
+        np.array(rows, np.int64).reshape(len(members), -1)
+        for rows in (dofs, rots, slots, watched, watched_slots, multipliers)
+    ]
+    return Batch(kind, [item.owner for _, item, *_ in members], p, *tables[:5], columns, tables[5])

@@ -1,47 +1,15 @@
 """The model in equations: residual, tangent, constraint levels, outputs, energies, all by batches of one kind."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mecano.contract import Context
-from mecano.model import batch as loops
+from mecano.model import loops
+from mecano.model.batch import batches
+from mecano.model.instances import expand
 from mecano.model.model import with_ground
-from mecano.model.numbering import number
+from mecano.model.numbering import SCALAR, number
+from mecano.model.sides import Sides
 from mecano.model.state import State
-
-
-@dataclass
-class Batch:
-    """All elements of one kind: records, tables, compiled loops and work arrays."""
-
-    kind: object
-    names: list  # (n,) names of the owners, from the deck
-    p: np.ndarray  # (n,) records
-    dofs: np.ndarray  # (n, n_local) entries of z
-    rots: np.ndarray  # (n, n_rotations) rotation matrices
-    slots: np.ndarray  # (n, n_local) force slots
-    watched: np.ndarray  # (n, n_watched) entries of z for the outputs
-    watched_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
-    columns: np.ndarray  # (n_rotations,) local columns of the rotations
-    multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
-    entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
-
-    def __post_init__(self):
-        kind, n = self.kind, self.dofs.shape[1]
-        w = max(n, self.watched.shape[1])
-        n_rotations = len(self.columns)
-        self.work = tuple(np.zeros(w) for _ in "qva") + (np.zeros((n_rotations, 3, 3)),)
-        self.matrices = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
-        self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
-        self.y = np.zeros((len(self.p), self.n_outputs))
-        self.e = np.zeros((len(self.p), 4))
-        self.F = np.zeros(self.watched_slots.shape[1])
-
-    def loop(self, template, name):
-        """The compiled loop for one of the kind's functions, or None when the kind has none."""
-        function = getattr(self.kind, name)
-        return None if function is None else loops.loop_over(template, function, f"{name}_{self.kind.name}")
 
 
 class System:
@@ -51,18 +19,16 @@ class System:
         model = with_ground(model)
         self.nodes = model.nodes
         self.context = Context(model.laws, np.asarray(model.gravity, float))
-        instances, shared, used = _expand(model, self.context)
-        multipliers = [
-            (f"{item.title}: {row.name}", row) for item in instances for row in item.kind.multipliers
-        ]
-        scalars = [f"{item.title}: {name}" for item in instances for name in item.kind.scalars]
+        instances, shared, used = expand(model, self.context)
+        multipliers = [(f"{item.owner}: {row.name}", row) for item in instances for row in item.kind.multipliers]
+        scalars = [f"{item.owner}: {name}" for item in instances for name in item.kind.scalars]
         fixed = {i for i, node in enumerate(model.nodes) if node.fixed}
         names = [node.name for node in model.nodes]
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
         self.n_q, self.n_l, self.n = self.numbering.n_q, self.numbering.n_l, self.numbering.n
         self._slots(len(names))
-        sides = _Sides(len(names), shared, self.n_slots)
-        self.batches = _batches(instances, self.numbering, self.n_slots - self.n_l, sides)
+        sides = Sides(len(names), shared, self.n_slots)
+        self.batches = batches(instances, self.numbering, self.n_slots, sides)
         self._pattern()
         self.laws = model.laws.array()
         self.side_starts, self.side_members = sides.tables()
@@ -79,7 +45,7 @@ class System:
         of = self.numbering
         three = np.arange(3)
         nodes = np.concatenate([np.stack([of.x, of.r], 1).reshape(-1, 1) + three], axis=1).ravel()
-        n_scalars = int(np.sum(of.kind[: of.n_q] == 2))
+        n_scalars = int(np.sum(of.kind[: of.n_q] == SCALAR))
         rest = np.arange(of.n_q - n_scalars, of.n)
         self.slot_dof = np.concatenate([nodes, rest]) if n_nodes else rest
         self.n_slots = len(self.slot_dof)
@@ -170,10 +136,9 @@ class System:
     def observe(self, s):
         """Outputs (batch.y) and energies (batch.e, energy) at ``s``; ``assemble`` must have been called at s before."""
         loops.transmitted(self.force, self.n_slots, self.side_starts, self.side_members, self.transmitted, self.energy)
+        motion, forces = (s.t, self.laws, s.z, s.v, s.a, s.R), (self.transmitted, self.energy)
         for i, loop, p, tables, work in self._observers:
-            loop(
-                p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, self.transmitted, self.energy, *work
-            )  # fmt: skip
+            loop(p, s.memories[i], s.modes[i], *tables, *motion, *forces, *work)
 
     def event_values(self, s):
         """[(batch index, values (n, n_events))] of the kinds that have events; the arrays are reused."""
@@ -191,132 +156,3 @@ class System:
             loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, new, *work)
             memories[i] = new
         return tuple(memories)
-
-
-@dataclass
-class _Instance:
-    """One element or part of an element, before it is numbered."""
-
-    owner: str
-    kind: object
-    nodes: tuple  # indices
-    parameters: dict
-    n_parts: int = 0  # parts that follow it in the list
-
-    @property
-    def title(self):
-        return f"{self.owner}"
-
-
-def _expand(model, context):
-    """Elements and their parts; shared unknowns (what, i, j, element name); used unknowns."""
-    index = {node.name: i for i, node in enumerate(model.nodes)}
-    instances, shared, used = [], [], set()
-    for element in model.elements:
-        kind, nodes = element.kind, tuple(index[name] for name in element.nodes)
-        frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
-        title = f"{kind.name} '{element.name}'"
-        record = kind.prepare(element.values, frames, context)
-        parts = kind.parts(element.values, frames, context)
-        instances.append(_Instance(title, kind, nodes, record, len(parts)))
-        for part in parts:
-            on = tuple(nodes[i] for i in part.nodes)
-            instances.append(_Instance(title, part.kind, on, part.parameters))
-        for what, i, j in kind.shares(element.values, len(nodes)):
-            shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
-    for item in instances:
-        if item.kind.force is not None:
-            used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
-    return instances, shared, used
-
-
-class _Sides:
-    """For each joint that shares an unknown: the slots of all that hangs on its second node.
-
-    The force that such a joint transmits is no multiplier: it is the sum of what the nodes on one side of it exert.
-    """
-
-    def __init__(self, n_nodes, shared, n_slots):
-        self.n_slots = n_slots
-        self.starts, self.members = [0], []
-        self.neighbours = {}
-        for number_, (what, i, j, _) in enumerate(shared):
-            self.neighbours.setdefault((what, i), []).append((j, number_))
-            self.neighbours.setdefault((what, j), []).append((i, number_))
-        self.shared = {}
-        for number_, (what, i, j, owner) in enumerate(shared):
-            self.shared[owner, what, j] = (number_, i)
-            self.shared[owner, what, i] = (number_, j)
-
-    def slots(self, owner, what, node):
-        """3 slots whose forces are what all nodes on the side of ``node`` exert through the joint ``owner``."""
-        plain = 6 * node + 3 * (what == "R")
-        if (owner, what, node) not in self.shared:
-            return [plain, plain + 1, plain + 2]
-        edge, other = self.shared[owner, what, node]
-        side = self._side(what, node, edge)
-        if side == [node] or other in side:
-            return [plain, plain + 1, plain + 2]
-        first = self.n_slots + len(self.starts) - 1
-        for axis in range(3):
-            self.members += [6 * i + 3 * (what == "R") + axis for i in side]
-            self.starts.append(len(self.members))
-        return [first, first + 1, first + 2]
-
-    def _side(self, what, node, edge):
-        seen, stack = [node], [node]
-        while stack:
-            for j, number_ in self.neighbours.get((what, stack.pop()), []):
-                if number_ != edge and j not in seen:
-                    seen.append(j)
-                    stack.append(j)
-        return seen
-
-    def tables(self):
-        """CSR lists (starts, members) of the sums."""
-        return np.array(self.starts, np.int64), np.array(self.members, np.int64)
-
-
-def _batches(instances, of, first_multiplier_slot, sides):
-    """Batches in the order in which their kinds first appear."""
-    by_kind, row, scalar, n_nodes_slots = {}, 0, 0, None
-    n_scalars = int(np.sum(of.kind[: of.n_q] == 2))
-    for number_, item in enumerate(instances):
-        rows = list(range(row, row + len(item.kind.multipliers)))
-        row += len(rows)
-        own = list(range(scalar, scalar + len(item.kind.scalars)))
-        scalar += len(own)
-        parts = sum(len(part.kind.multipliers) for part in instances[number_ + 1 : number_ + 1 + item.n_parts])
-        by_kind.setdefault(id(item.kind), []).append((number_, item, own, rows, list(range(row, row + parts))))
-    batches = []
-    for group in by_kind.values():
-        kind = group[0][1].kind
-        p = np.zeros(len(group), kind.dtype)
-        dofs, rots, slots, watched, watched_slots, multipliers = [], [], [], [], [], []
-        for e, (number_, item, own, rows, part_rows) in enumerate(group):
-            for key, value in item.parameters.items():
-                p[key][e] = value
-            of_slot = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
-            place = [(of.x if what == "x" else of.r)[node] + i for what, node in of_slot for i in range(3)]
-            scalars = [of.n_q - n_scalars + i for i in own]
-            mine = place + scalars + [of.n_q + i for i in rows]
-            dofs.append(mine)
-            watched.append(mine + ([of.n_q + i for i in part_rows] if kind.force is None else []))
-            rots.append([of.rotation[node] for what, node in of_slot if what == "R"])
-            slots.append(
-                [6 * node + 3 * (what == "R") + i for what, node in of_slot for i in range(3)]
-                + [first_multiplier_slot - n_scalars + i for i in own]
-                + [first_multiplier_slot + i for i in rows]
-            )
-            watched_slots.append([s for what, node in of_slot for s in sides.slots(number_, what, node)])
-            multipliers.append(rows)
-        table = lambda rows, n=len(group): np.array(rows, np.int64).reshape(n, -1)  # noqa: E731
-        columns = [3 * i for i, slot in enumerate(kind.layout) if slot[0] == "R"]
-        names = [item.owner for _, item, *_ in group]
-        batches.append(
-            Batch(
-                kind, names, p, table(dofs), table(rots), table(slots), table(watched), table(watched_slots),
-                np.array(columns, np.int64), table(multipliers),
-            )  # fmt: skip
-        )
-    return batches

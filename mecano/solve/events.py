@@ -40,8 +40,7 @@ class Watch:
         if not self.system.has_events:
             return NO_EVENTS
         found = [
-            np.where(s.modes[i][:, None] == self.before[i], g, -np.inf).ravel()
-            for i, g in self.system.event_values(s)
+            np.where(s.modes[i][:, None] == self.before[i], g, -np.inf).ravel() for i, g in self.system.event_values(s)
         ]
         return np.concatenate(found)
 

@@ -1,42 +1,64 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
-import numpy as np
+from numba import njit
 
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
-from mecano.maths.vec import mat, matmul, mul, transpose
+from mecano.maths.vec import EYE, mat, matmul, mul, put, transpose, vec
 from mecano.model.numbering import ROTATION
+from mecano.solve.increments import put_matrix
 
 
 def interpolate(s0, s1, t, of):
     """State at t in [s0.t, s1.t]: cubic Hermite for positions and rotations, linear for accelerations and multipliers.
 
-    Positions are exact to O(h^4), velocities to O(h^3), the rest to O(h^2) of the accepted states. The modes are
-    those of the step, i.e. of ``s0``.
+    Between the accepted states positions are accurate to O(h^4), velocities to O(h^3), the rest to O(h^2). The modes
+    and memories are those of the step, i.e. of ``s0``.
     """
-    h = s1.t - s0.t
-    u = (t - s0.t) / h
     out = s1.copy()
     out.t, out.modes, out.memories = t, s0.modes, s0.memories
-    out.a = (1 - u) * s0.a + u * s1.a
-    out.z = (1 - u) * s0.z + u * s1.z
-    free = np.arange(of.n_all) < of.n_q
-    moving = free & (of.kind != ROTATION)
-    out.z[moving], out.v[moving] = hermite(u, h, s0.z[moving], s1.z[moving], s0.v[moving], s1.v[moving])
-    for r, d in enumerate(of.rotation_dof):
-        if d < of.n_q:
-            R0 = mat(s0.R[r])
-            psi = log(matmul(transpose(R0), mat(s1.R[r])))
-            rate1 = mul(tangent_inverse(psi), tuple(s1.v[d : d + 3]))
-            value, rate = hermite(u, h, np.zeros(3), np.array(psi), s0.v[d : d + 3], np.array(rate1))
-            out.R[r] = matmul(R0, exp(tuple(value)))
-            out.v[d : d + 3] = mul(tangent(tuple(value)), tuple(rate))
-    out.z[free & (of.kind == ROTATION)] = 0.0
-    out.T[:] = np.eye(3)
+    u, h = (t - s0.t) / (s1.t - s0.t), s1.t - s0.t
+    _between(
+        u, h, s0.z, s0.v, s0.a, s0.R, s1.z, s1.v, s1.a, s1.R, of.kind, of.rotation_dof, of.n_q,
+        out.z, out.v, out.a, out.R, out.T,
+    )  # fmt: skip
     return out
 
 
+@njit
 def hermite(u, h, x0, x1, v0, v1):
     """Cubic Hermite value and rate at the fraction u of an interval of length h."""
     d = x1 - x0
-    c2, c3 = 3 * d - h * (2 * v0 + v1), h * (v0 + v1) - 2 * d
-    return x0 + u * (h * v0 + u * (c2 + u * c3)), v0 + (2 * u * c2 + 3 * u * u * c3) / h
+    c2, c3 = 3.0 * d - h * (2.0 * v0 + v1), h * (v0 + v1) - 2.0 * d
+    return x0 + u * (h * v0 + u * (c2 + u * c3)), v0 + (2.0 * u * c2 + 3.0 * u * u * c3) / h
+
+
+@njit(cache=True)
+def _between(
+    # place in the step
+    u, h,
+    # state at both ends
+    z0, v0, a0, R0, z1, v1, a1, R1,
+    # model
+    kind, rotation_dof, n_q,
+    # out
+    z_out, v_out, a_out, R_out, T_out,
+):  # fmt: skip
+    for i in range(z0.shape[0]):
+        a_out[i] = (1.0 - u) * a0[i] + u * a1[i]
+        z_out[i] = (1.0 - u) * z0[i] + u * z1[i]
+        if i < n_q and kind[i] != ROTATION:
+            z_out[i], v_out[i] = hermite(u, h, z0[i], z1[i], v0[i], v1[i])
+    for r in range(rotation_dof.shape[0]):
+        d = rotation_dof[r]
+        if d < n_q:
+            start = mat(R0[r])
+            psi = log(matmul(transpose(start), mat(R1[r])))
+            last = mul(tangent_inverse(psi), vec(v1, d))
+            p0, r0 = hermite(u, h, 0.0, psi[0], v0[d], last[0])
+            p1, r1 = hermite(u, h, 0.0, psi[1], v0[d + 1], last[1])
+            p2, r2 = hermite(u, h, 0.0, psi[2], v0[d + 2], last[2])
+            between = (p0, p1, p2)
+            put_matrix(matmul(start, exp(between)), R_out[r])
+            put(v_out, d, mul(tangent(between), (r0, r1, r2)))
+            put(z_out, d, (0.0, 0.0, 0.0))
+        put_matrix(EYE, T_out[r])

@@ -186,7 +186,7 @@ def failure(system, info, t, h):
     force, constraint, increment = info.norms
     return (
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
-        f"residuals over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
+        f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
         f"worst equations:\n{worst}\n"
         "what to try: a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; "
         "`mecano check` for redundant constraints and mechanisms"

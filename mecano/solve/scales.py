@@ -63,4 +63,3 @@ def norms(r, size, kind, n, k, length, force_tolerance, constraint_tolerance):
     tiny = 1e-300
     worst = max(force / (f + tiny), moment / (m + tiny), scalar / (scalar_size + tiny))
     return worst / force_tolerance, constraint / constraint_tolerance
-

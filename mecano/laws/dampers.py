@@ -1,0 +1,134 @@
+r"""Nonlinear damper terms: polynomial and table of the rate, oil through orifices.
+
+Oil of density :math:`\rho` that a piston of area A presses through an orifice of area :math:`A_o` meets the
+pressure :math:`p = \frac{\rho}{2} (A v / (C_d A_o))^2` (Bernoulli; Currey, Aircraft Landing Gear Design, 1988,
+chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A metering pin makes
+:math:`A_o` a function of the stroke.
+"""
+
+from numba import njit
+
+from mecano.laws.linear_forces import no_energy
+from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
+from mecano.laws.tabulated import (
+    BEYOND, FILE, INTERPOLATION, POINTS_FIELD, pack_points, pack_table, some_points, table,
+)  # fmt: skip
+from mecano.laws.term import Term, numbers_of
+from mecano.schema import NUMBER, Field, not_negative, positive
+
+
+@njit
+def damper_polynomial(a, i, s, v):
+    """The polynomial, of the rate."""
+    y, d, _ = polynomial(a, i, v)
+    return y, 0.0, d
+
+
+@njit
+def damper_table(a, i, s, v):
+    """The table, of the rate."""
+    y, d, _ = table(a, i, v)
+    return y, 0.0, d
+
+
+@njit
+def oil_damper(a, i, s, v):
+    """Numbers: compression, rebound."""
+    c = a[i] if v < 0.0 else a[i + 1]
+    return c * v * abs(v), 0.0, 2.0 * c * abs(v)
+
+
+@njit
+def metering_pin(a, i, s, v):
+    """Numbers: rho A^3/(2 Cd^2), then the table of the orifice area over the stroke -s."""
+    area, slope, _ = table(a, i + 1, -s)
+    c = a[i] / (area * area)
+    F = c * v * abs(v)
+    return F, 2.0 * F * slope / area, 2.0 * c * abs(v)
+
+
+def pack_metering_pin(values):
+    """The numbers of the term."""
+    c = values["density"] * values["piston_area"] ** 3 / (2 * values["discharge_coefficient"] ** 2)
+    return [c, *pack_points(values["points"], values["interpolation"], "hold")]
+
+
+def no_force_at_rest(values):
+    """Check: a damper polynomial starts with 0."""
+    if values["coefficients"][0] == 0:
+        return []
+    return ["'coefficients' must begin with 0: a damper gives no force at rest (see 'preload')"]
+
+
+def opposes_motion(values):
+    """Check: a damper table goes through [0, 0] and takes energy at every other point."""
+    problems = some_points(values)
+    if problems:
+        return problems
+    if not any(x == 0 and y == 0 for x, y in values["points"]):
+        return ["'points' must hold the point [0, 0]: a damper gives no force at rest (see 'preload')"]
+    wrong = [[x, y] for x, y in values["points"] if x * y < 0]
+    return [f"'points' must oppose the motion: force and rate have different signs at {wrong}"] if wrong else []
+
+
+def open_orifice(values):
+    """Check: the orifice never closes."""
+    problems = some_points(values)
+    if problems or all(y > 0 for _, y in values["points"]):
+        return problems
+    return ["'points' must have orifice areas greater than zero"]
+
+
+DAMPER_POLYNOMIAL = Term(
+    name="damper_polynomial",
+    doc="F = c1 v + c2 v^2 + c3 v^3 + ..., a polynomial of the rate; c0 = 0.",
+    role="force",
+    fields=(COEFFICIENTS,),
+    pack=pack_polynomial,
+    evaluate=damper_polynomial,
+    integral=no_energy,
+    check=no_force_at_rest,
+)
+
+DAMPER_TABLE = Term(
+    name="damper_table",
+    doc="F(v) through given points [rate, force], the point [0, 0] among them; corners as in 'table'.",
+    role="force",
+    fields=(POINTS_FIELD, FILE, INTERPOLATION, BEYOND),
+    pack=pack_table,
+    evaluate=damper_table,
+    integral=no_energy,
+    check=opposes_motion,
+)
+
+OIL_DAMPER_FIELDS = (
+    Field("compression", NUMBER, "N s2/m2", "coefficient while the length decreases", check=not_negative),
+    Field("rebound", NUMBER, "N s2/m2", "coefficient while the length increases", check=not_negative),
+)
+OIL_DAMPER = Term(
+    name="oil_damper",
+    doc="F = c v |v|, c by the direction; C1.",
+    role="force",
+    fields=OIL_DAMPER_FIELDS,
+    pack=numbers_of(OIL_DAMPER_FIELDS),
+    evaluate=oil_damper,
+    integral=no_energy,
+)
+
+METERING_PIN = Term(
+    name="metering_pin",
+    doc="F = rho A^3/(2 (Cd Ao)^2) v |v|, the orifice area Ao a function of the stroke -s (held outside its points).",
+    role="force",
+    fields=(
+        Field("density", NUMBER, "kg/m3", "density of the oil", check=positive),
+        Field("piston_area", NUMBER, "m2", "area A of the piston", check=positive),
+        Field("discharge_coefficient", NUMBER, "-", "discharge coefficient Cd of the orifice", check=positive),
+        Field("points", POINTS_FIELD.type, "m, m2", "points [stroke, orifice area]", None, POINTS_FIELD.check),
+        FILE,
+        INTERPOLATION,
+    ),
+    pack=pack_metering_pin,
+    evaluate=metering_pin,
+    integral=no_energy,
+    check=open_orifice,
+)

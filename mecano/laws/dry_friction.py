@@ -1,0 +1,37 @@
+r"""Dry friction, regularized after Oden & Martins (1985).
+
+:math:`F = F_f\,\phi(|v|)\,\mathrm{sign}(v)` with :math:`\phi(s) = (s/\epsilon)(2 - s/\epsilon)` for
+:math:`s < \epsilon`, 1 beyond: C1 everywhere (Cardona, Geradin & Doan 1991, eq. 34).
+"""
+
+from numba import njit
+
+from mecano.laws.linear_forces import no_energy
+from mecano.laws.term import Term, numbers_of
+from mecano.schema import NUMBER, Field, not_negative, positive
+
+
+@njit
+def dry_friction(a, i, s, v):
+    """Numbers: force, regularization."""
+    if v >= a[i + 1]:
+        return a[i], 0.0, 0.0
+    if v <= -a[i + 1]:
+        return -a[i], 0.0, 0.0
+    u = abs(v) / a[i + 1]
+    return a[i] * v / a[i + 1] * (2.0 - u), 0.0, 2.0 * a[i] / a[i + 1] * (1.0 - u)
+
+
+DRY_FRICTION_FIELDS = (
+    Field("force", NUMBER, "N or N m", "friction force in sliding", check=not_negative),
+    Field("regularization", NUMBER, "m/s or rad/s", "rate at which it is fully reached", check=positive),
+)
+DRY_FRICTION = Term(
+    name="dry_friction",
+    doc="F = force phi(|v|) sign(v), phi = u (2 - u) with u = |v|/regularization up to u = 1, then 1; C1.",
+    role="force",
+    fields=DRY_FRICTION_FIELDS,
+    pack=numbers_of(DRY_FRICTION_FIELDS),
+    evaluate=dry_friction,
+    integral=no_energy,
+)

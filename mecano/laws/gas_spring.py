@@ -1,0 +1,60 @@
+r"""Gas spring: polytropic compression of a gas column of length L.
+
+:math:`F = -F_0 (L/(L + s))^n`, a push for every extension s > -L, with the potential
+:math:`U = -F_0 \int_0^s (L/(L + s))^n ds`. A real gas column is never used up: when less than ``LEAST`` of it is
+left, the force goes on along its tangent, so that trial states of Newton's iteration beyond it are finite and
+smooth (C1).
+"""
+
+import math
+
+from numba import njit
+
+from mecano.laws.term import Term, numbers_of
+from mecano.schema import NUMBER, Field, positive
+
+LEAST = 0.01  # fraction of the gas column below which the force is continued along its tangent
+
+
+@njit
+def gas_force(F0, L, n, s):
+    """Force and its derivative."""
+    column = max(1.0 + s / L, LEAST)
+    F = -F0 * column ** (-n)
+    slope = -n * F / (L * column)
+    return F + slope * (s - L * (column - 1.0)), slope
+
+
+@njit
+def gas_spring(a, i, s, v):
+    """Numbers: force F0, length L, exponent n."""
+    F, slope = gas_force(a[i], a[i + 1], a[i + 2], s)
+    return F, slope, 0.0
+
+
+@njit
+def gas_energy(a, i, s):
+    """Potential, zero at s = 0; the form with expm1 holds for n = 1 and near it."""
+    F0, L, n = a[i], a[i + 1], a[i + 2]
+    column = max(1.0 + s / L, LEAST)
+    x = (1.0 - n) * math.log(column)
+    mean = math.expm1(x) / x if x != 0.0 else 1.0
+    beyond = s - L * (column - 1.0)
+    F, slope = gas_force(F0, L, n, L * (column - 1.0))
+    return -F0 * L * math.log(column) * mean + beyond * (F + 0.5 * slope * beyond)
+
+
+GAS_SPRING_FIELDS = (
+    Field("force", NUMBER, "N", "push F0 at the extension zero", check=positive),
+    Field("length", NUMBER, "m", "length L of the gas column at the extension zero", check=positive),
+    Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic (air)", check=positive),
+)
+GAS_SPRING = Term(
+    name="gas_spring",
+    doc="F = -F0 (L/(L + s))^n; where less than 1 % of the gas column is left, along the tangent there (C1, finite).",
+    role="force",
+    fields=GAS_SPRING_FIELDS,
+    pack=numbers_of(GAS_SPRING_FIELDS),
+    evaluate=gas_spring,
+    integral=gas_energy,
+)

@@ -1,0 +1,71 @@
+"""Linear force terms: spring, damper, preload."""
+
+from numba import njit
+
+from mecano.laws.polynomial import constant_integral
+from mecano.laws.term import Term, numbers_of
+from mecano.schema import NUMBER, Field, not_negative
+
+
+@njit
+def spring(a, i, s, v):
+    """Stiffness times extension."""
+    return a[i] * s, a[i], 0.0
+
+
+@njit
+def spring_energy(a, i, s):
+    """Half stiffness times extension squared."""
+    return 0.5 * a[i] * s * s
+
+
+@njit
+def damper(a, i, s, v):
+    """Coefficient times rate."""
+    return a[i] * v, 0.0, a[i]
+
+
+@njit
+def no_energy(a, i, s):
+    """What gives no force at rest stores no energy."""
+    return 0.0
+
+
+@njit
+def preload(a, i, s, v):
+    """The same force everywhere."""
+    return a[i], 0.0, 0.0
+
+
+SPRING_FIELDS = (Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension"),)
+SPRING = Term(
+    name="spring",
+    doc="F = stiffness s. For a nonlinear spring write 'polynomial' or 'table': they act on the extension.",
+    role="force",
+    fields=SPRING_FIELDS,
+    pack=numbers_of(SPRING_FIELDS),
+    evaluate=spring,
+    integral=spring_energy,
+)
+
+DAMPER_FIELDS = (Field("coefficient", NUMBER, "N s/m or N m s/rad", "force per rate", check=not_negative),)
+DAMPER = Term(
+    name="damper",
+    doc="F = coefficient v.",
+    role="force",
+    fields=DAMPER_FIELDS,
+    pack=numbers_of(DAMPER_FIELDS),
+    evaluate=damper,
+    integral=no_energy,
+)
+
+PRELOAD_FIELDS = (Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),)
+PRELOAD = Term(
+    name="preload",
+    doc="F = force, whatever the extension.",
+    role="force",
+    fields=PRELOAD_FIELDS,
+    pack=numbers_of(PRELOAD_FIELDS),
+    evaluate=preload,
+    integral=constant_integral,
+)

@@ -1,0 +1,101 @@
+"""Polynomial curves: constant, linear, polynomial."""
+
+from numba import njit
+
+from mecano.laws.term import ARGUMENT, NUMBERS, SLOPE, VALUE, Term, numbers_of
+from mecano.schema import NUMBER, Field
+
+
+def at_least_one(coefficients):
+    """Check: not empty."""
+    return None if len(coefficients) else "must hold at least one coefficient"
+
+
+@njit
+def constant(a, i, s):
+    """Value and zero derivatives."""
+    return a[i], 0.0, 0.0
+
+
+@njit
+def constant_integral(a, i, s):
+    """Value times s."""
+    return a[i] * s
+
+
+@njit
+def linear(a, i, s):
+    """Straight line."""
+    return a[i] * s + a[i + 1], a[i], 0.0
+
+
+@njit
+def linear_integral(a, i, s):
+    """Parabola through zero."""
+    return s * (0.5 * a[i] * s + a[i + 1])
+
+
+@njit
+def polynomial(a, i, s):
+    """Horner's scheme; a[i] is the number of coefficients."""
+    y = d = h = 0.0
+    for j in range(i + int(a[i]), i, -1):
+        h = h * s + 2.0 * d
+        d = d * s + y
+        y = y * s + a[j]
+    return y, d, h
+
+
+@njit
+def polynomial_integral(a, i, s):
+    """Antiderivative that is zero at s = 0."""
+    n = int(a[i])
+    y = 0.0
+    for j in range(n, 0, -1):
+        y = y * s + a[i + j] / j
+    return y * s
+
+
+def pack_polynomial(values):
+    """Count and coefficients."""
+    return [len(values["coefficients"]), *values["coefficients"]]
+
+
+COEFFICIENTS = Field(
+    "coefficients", NUMBERS, "-", "c0, c1, c2 ... (SI), in ascending powers from the power 0", check=at_least_one
+)
+
+CONSTANT_FIELDS = (Field("value", NUMBER, VALUE, "the value"),)
+CONSTANT = Term(
+    name="constant",
+    doc="The same value everywhere; a plain number means the same.",
+    role="curve",
+    fields=CONSTANT_FIELDS,
+    pack=numbers_of(CONSTANT_FIELDS),
+    evaluate=constant,
+    integral=constant_integral,
+)
+
+LINEAR_FIELDS = (
+    Field("slope", NUMBER, SLOPE, "slope"),
+    Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
+)
+LINEAR = Term(
+    name="linear",
+    doc="y = slope s + offset.",
+    role="curve",
+    fields=LINEAR_FIELDS,
+    pack=numbers_of(LINEAR_FIELDS),
+    evaluate=linear,
+    integral=linear_integral,
+)
+
+POLYNOMIAL = Term(
+    name="polynomial",
+    doc=f"y = c0 + c1 s + c2 s^2 + ..., s in the {ARGUMENT}.",
+    role="curve",
+    fields=(COEFFICIENTS,),
+    pack=pack_polynomial,
+    evaluate=polynomial,
+    integral=polynomial_integral,
+)

@@ -1,0 +1,95 @@
+r"""Stops and dead bands: no force between two extensions, an elastic one outside.
+
+With the penetration d >= 0 of a stop, :math:`F = \mp k d (1 + \chi \dot d)`, never adhesive (Hunt & Crossley
+1975): the force is continuous when contact begins, whatever the speed. It has a corner at the stop and, with
+damping, one where it would become adhesive.
+"""
+
+import math
+
+from numba import njit
+
+from mecano.laws.term import Term
+from mecano.schema import NUMBER, Field, not_negative, positive
+
+
+@njit
+def stop(a, i, s, v):
+    """Numbers: stiffness, lower, upper, damping."""
+    k, lower, upper, chi = a[i], a[i + 1], a[i + 2], a[i + 3]
+    if s < lower:
+        d, factor = s - lower, 1.0 - chi * v
+    elif s > upper:
+        d, factor = s - upper, 1.0 + chi * v
+    else:
+        return 0.0, 0.0, 0.0
+    if factor <= 0.0:
+        return 0.0, 0.0, 0.0
+    return k * d * factor, k * factor, k * chi * abs(d)
+
+
+@njit
+def stop_energy(a, i, s):
+    """Half stiffness times penetration squared."""
+    d = min(s - a[i + 1], 0.0) + max(s - a[i + 2], 0.0)
+    return 0.5 * a[i] * d * d
+
+
+def pack_stop(values):
+    """The numbers of a stop or of a dead band."""
+    return [values["stiffness"], values["lower"], values["upper"], values.get("damping", 0.0)]
+
+
+def lower_below_upper(values):
+    """Check: there is room between the stops."""
+    return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
+
+
+def some_stop(values):
+    """Check: at least one stop, and room between two."""
+    if math.isinf(values["lower"]) and math.isinf(values["upper"]):
+        return ["at least one of 'lower' and 'upper' must be given"]
+    return lower_below_upper(values)
+
+
+def corners(values):
+    """Both stops, those at infinity left out."""
+    both = ((values["lower"], -values["stiffness"]), (values["upper"], values["stiffness"]))
+    return [(s, k) for s, k in both if not math.isinf(s)]
+
+
+STIFFNESS = Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension outside", check=positive)
+
+STOP = Term(
+    name="stop",
+    doc="F = -k d (1 + damping ddot) at the lower stop, +k d (1 + damping ddot) at the upper, d the penetration; "
+    "never adhesive.",
+    role="force",
+    fields=(
+        STIFFNESS,
+        Field("lower", NUMBER, "m or rad", "extension at which the lower stop is met; none when absent", -math.inf),
+        Field("upper", NUMBER, "m or rad", "extension at which the upper stop is met; none when absent", math.inf),
+        Field("damping", NUMBER, "s/m or s/rad", "damping relative to the elastic force", 0.0, not_negative),
+    ),
+    pack=pack_stop,
+    evaluate=stop,
+    integral=stop_energy,
+    check=some_stop,
+    stops=corners,
+)
+
+DEAD_BAND = Term(
+    name="dead_band",
+    doc="F = 0 from 'lower' to 'upper', F = stiffness times what goes beyond: a spring with free play.",
+    role="force",
+    fields=(
+        STIFFNESS,
+        Field("lower", NUMBER, "m or rad", "extension at which the free play begins"),
+        Field("upper", NUMBER, "m or rad", "extension at which the free play ends"),
+    ),
+    pack=pack_stop,
+    evaluate=stop,
+    integral=stop_energy,
+    check=lower_below_upper,
+    stops=corners,
+)

@@ -1,0 +1,177 @@
+r"""Table: a curve through given points, monotone cubic or linear between them.
+
+The cubic is the Hermite cubic with the slopes of Fritsch & Butland (SIAM J. Sci. Stat. Comput. 5, 1984), which
+keeps the theorem of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980): it is monotone where the points are and
+never overshoots. It is C1; its second derivative jumps at the points. The linear curve has a corner at every
+point. Outside the points the curve holds its last value (a corner, unless the end slope is zero) or goes on
+along its end tangent.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.laws.term import POINTS, Term
+from mecano.schema import TEXT, Field, choice
+
+HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
+
+
+@njit
+def interval(a, first, n, s):
+    """Index j of the interval x_j <= s < x_{j+1} (the last one closed); x_0 = a[first]."""
+    low, high = 0, n - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if a[first + middle] <= s:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@njit
+def piece(a, i, s):
+    """Of the interval around s: x0, h, u = (s - x0)/h, y0, y1, slopes d0 and d1, its number."""
+    n = int(a[i + 2])
+    x = i + HEAD
+    y, d = x + n, x + 2 * n
+    j = interval(a, x, n, s)
+    h = a[x + j + 1] - a[x + j]
+    if a[i] == 1.0:
+        d0 = d1 = (a[y + j + 1] - a[y + j]) / h
+    else:
+        d0, d1 = a[d + j], a[d + j + 1]
+    return a[x + j], h, (s - a[x + j]) / h, a[y + j], a[y + j + 1], d0, d1, j
+
+
+@njit
+def end(a, i, s):
+    """(is s outside, x, y, slope beyond, integral) of the end of the table next to s."""
+    n = int(a[i + 2])
+    x = i + HEAD
+    j = n - 1 if s > a[x] else 0
+    outside = s < a[x] or s > a[x + n - 1]
+    slope = 0.0 if a[i + 1] == 1.0 else a[x + 2 * n + j]
+    return outside, a[x + j], a[x + n + j], slope, a[x + 3 * n + j]
+
+
+@njit
+def table(a, i, s):
+    """Value and derivatives of the Hermite cubic, or of its continuation."""
+    outside, x_end, y_end, slope, _ = end(a, i, s)
+    if outside:
+        return y_end + slope * (s - x_end), slope, 0.0
+    _, h, u, y0, y1, d0, d1, _ = piece(a, i, s)
+    chord = (y1 - y0) / h
+    c2 = 3.0 * chord - 2.0 * d0 - d1
+    c3 = d0 + d1 - 2.0 * chord
+    y = y0 + h * u * (d0 + u * (c2 + u * c3))
+    return y, d0 + u * (2.0 * c2 + 3.0 * u * c3), (2.0 * c2 + 6.0 * u * c3) / h
+
+
+@njit
+def table_integral(a, i, s):
+    """Antiderivative, zero at the first point."""
+    outside, x_end, y_end, slope, area = end(a, i, s)
+    if outside:
+        w = s - x_end
+        return area + w * (y_end + 0.5 * slope * w)
+    _, h, u, y0, y1, d0, d1, j = piece(a, i, s)
+    chord = (y1 - y0) / h
+    c2 = 3.0 * chord - 2.0 * d0 - d1
+    c3 = d0 + d1 - 2.0 * chord
+    before = a[i + HEAD + 3 * int(a[i + 2]) + j]
+    return before + h * u * (y0 + h * u * (d0 / 2.0 + u * (c2 / 3.0 + u * c3 / 4.0)))
+
+
+def monotone_slopes(x, y):
+    """Slopes (n,) at the points (x, y) of the monotone cubic."""
+    h, chord = np.diff(x), np.diff(y) / np.diff(x)
+    if len(x) == 2:
+        return np.repeat(chord, 2)
+    d = np.zeros(len(x))
+    same = chord[:-1] * chord[1:] > 0
+    w1, w2 = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+    m0, m1 = np.where(same, chord[:-1], 1.0), np.where(same, chord[1:], 1.0)
+    d[1:-1] = np.where(same, (w1 + w2) / (w1 / m0 + w2 / m1), 0.0)
+    d[0] = end_slope(h[0], h[1], chord[0], chord[1])
+    d[-1] = end_slope(h[-1], h[-2], chord[-1], chord[-2])
+    return d
+
+
+def end_slope(h0, h1, m0, m1):
+    """Slope at an end from three points, bounded so that the curve keeps its shape."""
+    d = ((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1)
+    if np.sign(d) != np.sign(m0):
+        return 0.0
+    if np.sign(m0) != np.sign(m1) and abs(d) > 3 * abs(m0):
+        return 3 * m0
+    return d
+
+
+def pack_points(points, interpolation, beyond):
+    """The numbers of a table: head, x, y, slopes, areas up to each point."""
+    x, y = np.asarray(points, float).T
+    h, chord = np.diff(x), np.diff(y) / np.diff(x)
+    if interpolation == "linear":
+        d, bulge = np.append(chord, chord[-1]), 0.0
+    else:
+        d = monotone_slopes(x, y)
+        bulge = h**2 / 12 * (d[:-1] - d[1:])
+    area = np.concatenate([[0.0], np.cumsum(h * (y[:-1] + y[1:]) / 2 + bulge)])
+    return [float(interpolation == "linear"), float(beyond == "hold"), len(x), *x, *y, *d, *area]
+
+
+def pack_table(values):
+    """The numbers of the term."""
+    return pack_points(values["points"], values["interpolation"], values["beyond"])
+
+
+def two_increasing(points):
+    """Check: at least 2 points [x, y], their x strictly increasing."""
+    if points is None:
+        return None
+    if len(points) < 2:
+        return "must hold at least 2 points"
+    for i in range(1, len(points)):
+        if not points[i][0] > points[i - 1][0]:
+            return f"must have strictly increasing x: point {i + 1} has {points[i][0]} after {points[i - 1][0]}"
+    return None
+
+
+def some_points(values):
+    """Check of the values together: points there, from the deck or read from the file."""
+    if values.get("points") is None:
+        return ["one of 'points' and 'file' must be given"]
+    text = two_increasing(values["points"])
+    return [f"'points' {text}"] if text else []
+
+
+def table_breakpoints(values):
+    """Corners: every point of a linear table, the ends of one that holds its value."""
+    x = [float(point[0]) for point in values["points"]]
+    inner = x[1:-1] if values["interpolation"] == "linear" else []
+    return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
+
+
+POINTS_FIELD = Field("points", POINTS, "-", "points [x, y] (SI), x strictly increasing", None, two_increasing)
+FILE = Field("file", TEXT, "-", "CSV file with the columns x and y, in place of 'points'", None)
+INTERPOLATION = Field(
+    "interpolation", choice("cubic", "linear"), "-", "monotone cubic (C1) or linear between the points", "cubic"
+)
+BEYOND = Field(
+    "beyond", choice("hold", "extend"), "-", "outside the points: hold the last value or extend the end tangent",
+    "hold",
+)  # fmt: skip
+
+TABLE = Term(
+    name="table",
+    doc="Curve through given points: monotone cubic (no overshoot) or linear.",
+    role="curve",
+    fields=(POINTS_FIELD, FILE, INTERPOLATION, BEYOND),
+    pack=pack_table,
+    evaluate=table,
+    integral=table_integral,
+    check=some_points,
+    breakpoints=table_breakpoints,
+)

@@ -1,0 +1,54 @@
+"""What a term of a law is: one summand with its deck fields, its numbers and its compiled functions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mecano.schema import Type
+
+NUMBERS = Type("numbers", "a list of numbers")
+POINTS = Type("points", "a list of [x, y] pairs")
+
+# A law serves metres as well as seconds or radians: its units are those of its place in the deck.
+ARGUMENT = "unit of the argument"
+VALUE = "unit of the value"
+SLOPE = "unit of the value / unit of the argument"
+
+
+def nothing(values):
+    """No complaints, no corners."""
+    return []
+
+
+@dataclass(frozen=True)
+class Term:
+    """One summand of a law.
+
+    The compiled functions read the numbers of the term from the flat table ``a`` of all laws, from ``a[i]`` on:
+
+    role "curve": ``evaluate(a, i, s)`` -> (y, dy/ds, d2y/ds2)
+    role "force": ``evaluate(a, i, s, v)`` -> (F, dF/ds, dF/dv) for the extension s and its rate v; F > 0 pulls
+    the two ends together.
+
+    ``integral(a, i, s)`` is a continuous antiderivative of y(s) or of F(s, 0).
+    """
+
+    name: str
+    doc: str
+    role: str
+    fields: tuple  # schema.Field
+    pack: Callable
+    """{field: value} -> the numbers of the term"""
+    evaluate: Callable
+    integral: Callable
+    check: Callable = nothing
+    """{field: value} -> [text]: what is wrong with the values taken together"""
+    stops: Callable = nothing
+    """{field: value} -> [(extension, stiffness)]: corners of a force; a stiffness < 0 marks a lower stop"""
+    breakpoints: Callable = nothing
+    """{field: value} -> [argument]: jumps and corners of a curve"""
+
+
+def numbers_of(fields):
+    """The ``pack`` of a term whose numbers are its fields, in their order."""
+    names = tuple(field.name for field in fields)
+    return lambda values: [values[name] for name in names]

@@ -1,0 +1,167 @@
+"""Curves that are mostly functions of time: sine, ramp, step with a smooth edge, exponential."""
+
+import math
+
+from numba import njit
+
+from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.schema import NUMBER, Field, not_negative
+
+
+@njit
+def sine(a, i, s):
+    """Numbers: amplitude, frequency, phase, offset."""
+    w = 2.0 * math.pi * a[i + 1]
+    y, d = a[i] * math.sin(w * s + a[i + 2]), a[i] * math.cos(w * s + a[i + 2])
+    return y + a[i + 3], w * d, -w * w * y
+
+
+@njit
+def sine_integral(a, i, s):
+    """Antiderivative, zero at s = 0."""
+    half = math.pi * a[i + 1] * s
+    mean = math.sin(half + a[i + 2]) * (math.sin(half) / half if half != 0.0 else 1.0)
+    return (a[i] * mean + a[i + 3]) * s
+
+
+@njit
+def ramp(a, i, s):
+    """Numbers: start, end, from, to."""
+    if s <= a[i]:
+        return a[i + 2], 0.0, 0.0
+    if s >= a[i + 1]:
+        return a[i + 3], 0.0, 0.0
+    slope = (a[i + 3] - a[i + 2]) / (a[i + 1] - a[i])
+    return a[i + 2] + slope * (s - a[i]), slope, 0.0
+
+
+@njit
+def ramp_integral(a, i, s):
+    """Antiderivative, zero at the start of the ramp."""
+    w, length, rise = s - a[i], a[i + 1] - a[i], a[i + 3] - a[i + 2]
+    if w <= 0.0:
+        return a[i + 2] * w
+    if w <= length:
+        return w * (a[i + 2] + 0.5 * rise * w / length)
+    return a[i + 2] * w + rise * (w - 0.5 * length)
+
+
+@njit
+def step(a, i, s):
+    """Numbers: time, rise, from, to; the edge is u^3 (10 - 15 u + 6 u^2)."""
+    w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
+    if w >= rise:
+        return a[i + 3], 0.0, 0.0
+    if w <= 0.0:
+        return a[i + 2], 0.0, 0.0
+    u = w / rise
+    y = a[i + 2] + jump * u * u * u * (10.0 - u * (15.0 - 6.0 * u))
+    d = jump / rise * 30.0 * u * u * (1.0 - u) * (1.0 - u)
+    return y, d, jump / (rise * rise) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+
+
+@njit
+def step_integral(a, i, s):
+    """Antiderivative, zero at the start of the edge."""
+    w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
+    if w <= 0.0:
+        return a[i + 2] * w
+    if w >= rise:
+        return a[i + 2] * w + jump * (w - 0.5 * rise)
+    u = w / rise
+    return a[i + 2] * w + jump * rise * u * u * u * u * (2.5 - u * (3.0 - u))
+
+
+@njit
+def exponential(a, i, s):
+    """Numbers: start, limit, rate, origin."""
+    w = s - a[i + 3]
+    if w < 0.0:
+        return a[i], 0.0, 0.0
+    y = (a[i] - a[i + 1]) * math.exp(-a[i + 2] * w)
+    return a[i + 1] + y, -a[i + 2] * y, a[i + 2] * a[i + 2] * y
+
+
+@njit
+def exponential_integral(a, i, s):
+    """Antiderivative, zero at the origin."""
+    w, x = s - a[i + 3], -a[i + 2] * (s - a[i + 3])
+    if w < 0.0:
+        return a[i] * w
+    mean = math.expm1(x) / x if x != 0.0 else 1.0
+    return w * (a[i + 1] + (a[i] - a[i + 1]) * mean)
+
+
+def end_after_start(values):
+    """Check: the ramp takes some time."""
+    return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
+
+
+SINE_FIELDS = (
+    Field("amplitude", NUMBER, VALUE, "amplitude"),
+    Field("frequency", NUMBER, "1 / unit of the argument", "full waves per unit of the argument: Hz for time"),
+    Field("phase", NUMBER, "rad", "phase at the argument zero", 0.0),
+    Field("offset", NUMBER, VALUE, "mean value", 0.0),
+)
+SINE = Term(
+    name="sine",
+    doc="y = offset + amplitude sin(2 pi frequency s + phase).",
+    role="curve",
+    fields=SINE_FIELDS,
+    pack=numbers_of(SINE_FIELDS),
+    evaluate=sine,
+    integral=sine_integral,
+)
+
+RAMP_FIELDS = (
+    Field("start", NUMBER, ARGUMENT, "where the ramp starts"),
+    Field("end", NUMBER, ARGUMENT, "where the ramp ends"),
+    Field("from", NUMBER, VALUE, "value before"),
+    Field("to", NUMBER, VALUE, "value after"),
+)
+RAMP = Term(
+    name="ramp",
+    doc="Constant, then a straight line from 'start' to 'end', then constant; a corner at both.",
+    role="curve",
+    fields=RAMP_FIELDS,
+    pack=numbers_of(RAMP_FIELDS),
+    evaluate=ramp,
+    integral=ramp_integral,
+    check=end_after_start,
+    breakpoints=lambda values: [values["start"], values["end"]],
+)
+
+STEP_FIELDS = (
+    Field("time", NUMBER, ARGUMENT, "where the edge starts"),
+    Field("rise", NUMBER, ARGUMENT, "length of the edge; 0 for a jump", check=not_negative),
+    Field("from", NUMBER, VALUE, "value before"),
+    Field("to", NUMBER, VALUE, "value after"),
+)
+STEP = Term(
+    name="step",
+    doc="From one value to another along a smooth edge, u^3 (10 - 15 u + 6 u^2) with u from 0 to 1, which is C2.",
+    role="curve",
+    fields=STEP_FIELDS,
+    pack=numbers_of(STEP_FIELDS),
+    evaluate=step,
+    integral=step_integral,
+    # A smooth edge has no corner, but a step of time must not leap over it.
+    breakpoints=lambda values: sorted({values["time"], values["time"] + values["rise"]}),
+)
+
+EXPONENTIAL_FIELDS = (
+    Field("start", NUMBER, VALUE, "value at the origin and before it"),
+    Field("limit", NUMBER, VALUE, "value far beyond the origin", 0.0),
+    Field("rate", NUMBER, "1 / unit of the argument", "rate of the approach", check=not_negative),
+    Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
+)
+EXPONENTIAL = Term(
+    name="exponential",
+    doc="y = limit + (start - limit) exp(-rate (s - origin)) from the origin on, y = start before it.",
+    role="curve",
+    fields=EXPONENTIAL_FIELDS,
+    pack=numbers_of(EXPONENTIAL_FIELDS),
+    evaluate=exponential,
+    integral=exponential_integral,
+    breakpoints=lambda values: [values["origin"]],
+)

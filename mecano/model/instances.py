@@ -1,0 +1,38 @@
+"""Elements and the parts they are made of, as one list, before anything is numbered."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class Instance:
+    """One element or part of an element, before it is numbered."""
+
+    owner: str
+    kind: object
+    nodes: tuple  # indices
+    parameters: dict
+    n_parts: int = 0  # parts that follow it in the list
+
+
+def expand(model, context):
+    """Elements and their parts; shared unknowns (what, i, j, element name); used unknowns."""
+    index = {node.name: i for i, node in enumerate(model.nodes)}
+    instances, shared, used = [], [], set()
+    for element in model.elements:
+        kind, nodes = element.kind, tuple(index[name] for name in element.nodes)
+        frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
+        title = f"{kind.name} '{element.name}'"
+        record = kind.prepare(element.values, frames, context)
+        parts = kind.parts(element.values, frames, context)
+        instances.append(Instance(title, kind, nodes, record, len(parts)))
+        for part in parts:
+            on = tuple(nodes[i] for i in part.nodes)
+            instances.append(Instance(title, part.kind, on, part.parameters))
+        for what, i, j in kind.shares(element.values, len(nodes)):
+            shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
+    for item in instances:
+        if item.kind.force is not None:
+            used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
+    return instances, shared, used

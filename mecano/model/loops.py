@@ -1,0 +1,149 @@
+"""Compiled loops over all elements of one kind: gather, call the element's function, scatter.
+
+A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with
+the element among its globals and a name of its own is (see docs/architecture.md).
+"""
+
+import types
+from functools import cache
+
+from numba import njit
+
+
+def _assemble(
+    # element
+    p, memory, mode, dofs, rots, slots, columns, entries,
+    t, k, penalty, laws,
+    # state in
+    z_in, v_in, a_in, R_in, T_in,
+    # out, added to
+    force_out, size_out, data_out, cK, cC, cM,
+    # work
+    q, v, a, R, f, K, C, M,
+):  # fmt: skip
+    n = dofs.shape[1]
+    for e in range(dofs.shape[0]):
+        for i in range(n):
+            d = dofs[e, i]
+            q[i] = z_in[d]
+            v[i] = v_in[d]
+            a[i] = a_in[d]
+            f[i] = 0.0
+            for j in range(n):
+                K[i, j] = 0.0
+                C[i, j] = 0.0
+                M[i, j] = 0.0
+        for r in range(rots.shape[1]):
+            for i in range(3):
+                for j in range(3):
+                    R[r, i, j] = R_in[rots[e, r], i, j]
+        function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
+        # K is the derivative by the material variation; T turns it into one by the rotation increment
+        for r in range(rots.shape[1]):
+            c, s = columns[r], rots[e, r]
+            for i in range(n):
+                k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
+                for j in range(3):
+                    K[i, c + j] = k0 * T_in[s, 0, j] + k1 * T_in[s, 1, j] + k2 * T_in[s, 2, j]
+        for i in range(n):
+            force_out[slots[e, i]] += f[i]
+            size_out[slots[e, i]] += abs(f[i])
+            for j in range(n):
+                data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
+
+
+def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
+    for e in range(dofs.shape[0]):
+        for i in range(dofs.shape[1]):
+            d = dofs[e, i]
+            q[i] = z_in[d]
+            v[i] = v_in[d]
+            a[i] = a_in[d]
+        for r in range(rots.shape[1]):
+            for i in range(3):
+                for j in range(3):
+                    R[r, i, j] = R_in[rots[e, r], i, j]
+        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g)  # noqa: F821
+        for i in range(multipliers.shape[1]):
+            for j in range(3):
+                g_out[multipliers[e, i], j] = g[i, j]
+
+
+def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, q, v, a, R):
+    for e in range(dofs.shape[0]):
+        for i in range(dofs.shape[1]):
+            d = dofs[e, i]
+            q[i] = z_in[d]
+            v[i] = v_in[d]
+            a[i] = a_in[d]
+        for r in range(rots.shape[1]):
+            for i in range(3):
+                for j in range(3):
+                    R[r, i, j] = R_in[rots[e, r], i, j]
+        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
+
+
+def _observe(
+    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, total_out,
+    y_out, e_out, q, v, a, R, F,
+):  # fmt: skip
+    for e in range(dofs.shape[0]):
+        for i in range(dofs.shape[1]):
+            d = dofs[e, i]
+            q[i] = z_in[d]
+            v[i] = v_in[d]
+            a[i] = a_in[d]
+        for i in range(slots.shape[1]):
+            F[i] = force_in[slots[e, i]]
+        for r in range(rots.shape[1]):
+            for i in range(3):
+                for j in range(3):
+                    R[r, i, j] = R_in[rots[e, r], i, j]
+        y_out[e] = 0.0
+        e_out[e] = 0.0
+        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
+        for i in range(4):
+            total_out[i] += e_out[e, i]
+
+
+@njit(cache=True)
+def clear(force_out, size_out, data_out):
+    """Zero the arrays that the loops add to."""
+    force_out[:] = 0.0
+    size_out[:] = 0.0
+    data_out[:] = 0.0
+
+
+@njit(cache=True)
+def collect(force_in, size_in, slot_dof, r_out, size_out):
+    """Sum the forces (and their sizes) of all slots that are one unknown."""
+    r_out[:] = 0.0
+    size_out[:] = 0.0
+    for s in range(slot_dof.shape[0]):
+        d = slot_dof[s]
+        r_out[d] += force_in[s]
+        size_out[d] += size_in[s]
+
+
+@njit(cache=True)
+def transmitted(force_in, slots, starts, members, out, total_out):
+    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model.
+
+    Zeroes the sums of energies and powers total_out (4,), to which the loops over the outputs add.
+    """
+    total_out[:] = 0.0
+    for s in range(slots):
+        out[s] = -force_in[s]
+    for i in range(starts.shape[0] - 1):
+        total = 0.0
+        for j in range(starts[i], starts[i + 1]):
+            total -= force_in[members[j]]
+        out[slots + i] = total
+
+
+@cache
+def loop_over(template, function, name):
+    """The loop ``template`` bound to the compiled ``function`` of one element; cached on disk by ``name``."""
+    bound = types.FunctionType(template.__code__, {**template.__globals__, "function": function}, name)
+    bound.__qualname__ = name
+    return njit(cache=True)(bound)

@@ -1,0 +1,98 @@
+"""The numbers of one instant as one flat row: motion of the nodes, outputs of the elements, energies."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from mecano.maths.so3 import quaternion
+from mecano.maths.vec import mat, mul, put, vec
+
+
+SECTIONS = ("elements", "joints", "loads")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A named quantity of the row, with its unit and meaning; ``shape`` () or (3,) or (4,)."""
+
+    path: str
+    unit: str
+    doc: str
+    shape: tuple
+    start: int
+
+    @property
+    def size(self):
+        """How many numbers it is."""
+        return int(np.prod(self.shape, dtype=int))
+
+
+NODE_OUTPUTS = (
+    ("position", "m", "position, inertial", (3,)),
+    ("rotation", "-", "unit quaternion (w, x, y, z) of the rotation from material to inertial axes", (4,)),
+    ("velocity", "m/s", "velocity, inertial", (3,)),
+    ("angular_velocity", "rad/s", "angular velocity, inertial", (3,)),
+)
+ENERGIES = (
+    ("kinetic", "J", "kinetic energy"),
+    ("potential", "J", "potential energy of gravity and of elastic forces"),
+    ("dissipated", "J", "energy dissipated since the start"),
+    ("given", "J", "work done by loads and prescribed motions since the start"),
+    ("total", "J", "kinetic + potential"),
+    ("balance", "J", "kinetic + potential + dissipated - given: constant for an exact integration"),
+)
+
+
+class Sampler:
+    """Builds the row; ``columns`` describe it."""
+
+    def __init__(self, system):
+        self.system, self.columns = system, []
+        of = system.numbering
+        shown = [i for i, node in enumerate(system.nodes) if " " not in node.name]
+        self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
+        for i in shown:
+            self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)
+        self.node_size = self._size()
+        self.batches = [b for b in system.batches if b.kind.section and b.n_outputs]
+        for b in self.batches:
+            for name in b.names:
+                outputs = [(o.name, o.unit, o.doc, o.shape) for o in b.kind.outputs]
+                self._declare(f"{b.kind.section}/{name.split(chr(39))[1]}", outputs)
+        self.energy_start = self._size()
+        self._declare("energy", [(*item, ()) for item in ENERGIES])
+        self.row = np.zeros(self._size())
+
+    def _size(self):
+        return self.columns[-1].start + self.columns[-1].size if self.columns else 0
+
+    def _declare(self, path, outputs):
+        for name, unit, doc, shape in outputs:
+            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), self._size()))
+
+    def take(self, run):
+        """The row at ``run.motion``, whose outputs stand in the batches (system.observe); the array is reused."""
+        s, row, energy = run.motion, self.row, self.system.energy
+        _node_rows(*self.nodes, s.z, s.v, s.R, row)
+        i = self.node_size
+        for b in self.batches:
+            row[i : i + b.y.size] = b.y.ravel()
+            i += b.y.size
+        total = energy[0] + energy[1]
+        row[i:] = energy[0], energy[1], run.dissipated, run.given, total, total + run.dissipated - run.given
+        return row
+
+
+@njit(cache=True)
+def _node_rows(x, r, rotation, z, v, R, row_out):
+    """Position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
+    for i in range(x.shape[0]):
+        A = mat(R[rotation[i]])
+        j = 13 * i
+        put(row_out, j, vec(z, x[i]))
+        w = quaternion(A)
+        for k in range(4):
+            row_out[j + 3 + k] = w[k]
+        put(row_out, j + 7, vec(v, x[i]))
+        put(row_out, j + 10, mul(A, vec(v, r[i])))

@@ -1,0 +1,27 @@
+"""Largest and smallest value of every number of the row over all accepted steps, with their times."""
+
+import numpy as np
+from numba import njit
+
+
+class Extremes:
+    """Running extremes of rows of ``size`` numbers."""
+
+    def __init__(self, size):
+        self.high, self.low = np.full(size, -np.inf), np.full(size, np.inf)
+        self.high_time, self.low_time = np.full(size, np.nan), np.full(size, np.nan)
+
+    def take(self, t, row):
+        """Compare with the row (size,) at the time t [s]."""
+        _update(t, row, self.high, self.high_time, self.low, self.low_time)
+
+
+@njit(cache=True)
+def _update(t, row, high_out, high_time_out, low_out, low_time_out):
+    for i in range(row.shape[0]):
+        if row[i] > high_out[i]:
+            high_out[i] = row[i]
+            high_time_out[i] = t
+        if row[i] < low_out[i]:
+            low_out[i] = row[i]
+            low_time_out[i] = t
