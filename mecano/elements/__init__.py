@@ -1,3 +1,24 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
-KINDS = {kind.name: kind for kind in ()}
+from mecano.elements.cylindrical import CYLINDRICAL
+from mecano.elements.fixed import FIXED
+from mecano.elements.held_rotation import HELD_ROTATION
+from mecano.elements.hinge import HINGE
+from mecano.elements.point_mass import POINT_MASS
+from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
+from mecano.elements.prescribed_position import PRESCRIBED_POSITION
+from mecano.elements.prismatic import PRISMATIC
+from mecano.elements.rigid_body import RIGID_BODY
+from mecano.elements.rigid_link import RIGID_LINK
+from mecano.elements.rigid_rod import RIGID_ROD
+from mecano.elements.spherical import SPHERICAL
+from mecano.elements.universal import UNIVERSAL
+
+KINDS = {
+    kind.name: kind
+    for kind in (
+        POINT_MASS, RIGID_BODY, RIGID_LINK,
+        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
+        PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
+    )
+}  # fmt: skip
