@@ -13,6 +13,7 @@ N > 0 pulls the nodes together. With :math:`P = I - u u^T` and :math:`w = P (v_1
 import numpy as np
 from numba import njit
 
+from mecano.constraints.joint_frame import at_one_place
 from mecano.contract import Kind, Output, record
 from mecano.elements.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.laws.table import evaluate_force, potential
@@ -81,9 +82,7 @@ def prepare(d, nodes, context):
 
 def check(d, nodes):
     """The line must have a direction at the start."""
-    if np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])) > SHORTEST:
-        return []
-    return ["its nodes must not be at the same place: the line between them has no direction"]
+    return at_one_place(nodes)
 
 
 def sample(rng):
@@ -91,12 +90,16 @@ def sample(rng):
     strut = (
         ("gas_spring", {"force": rng.uniform(5, 9), "length": rng.uniform(8, 9), "exponent": 1.3}),
         ("oil_damper", {"compression": 2.0, "rebound": 5.0}),
-        ("stop", {"stiffness": 30.0, "lower": -0.4, "upper": 0.3, "damping": 0.1}),
+        ("stop", {"stiffness": 30.0, "lower": -0.4, "upper": 0.4, "damping": 0.1}),
         ("dry_friction", {"force": 1.5, "regularization": 0.6}),
     )
     cubic = (("polynomial", {"coefficients": [1.0, 20.0, 0.0, 7.0]}), ("damper", {"coefficient": 3.0}))
-    samples = [({"law": strut, "natural_length": 2.0}, 2, mode) for mode in MODES]
-    return [*samples, ({"law": cubic, "natural_length": None}, 2, "between")]
+    samples = []
+    for mode, length in zip(MODES, (1.0, 2.0, 3.0), strict=True):
+        x, line = rng.normal(size=(2, 3))
+        nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
+        samples.append(({"law": strut, "natural_length": 2.0}, nodes, mode))
+    return [*samples, ({"law": cubic}, 2, "between")]
 
 
 SPRING_DAMPER = Kind(

@@ -19,9 +19,10 @@ back against a positive angle, as N > 0 of a spring pulls its ends together.
 
 import math
 
-import numpy as np
 from numba import njit
 
+from mecano.constraints.carried import follow, relative_rotation
+from mecano.constraints.joint_frame import triad
 from mecano.contract import Kind, Output, record
 from mecano.elements.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.laws.table import evaluate_force, potential
@@ -62,14 +63,13 @@ def _gradient(p, P):
 def _angle(p, last, P):
     """The angle, by whole turns nearest to ``last`` [rad]."""
     Q = matmul(mat(p.axes_a), matmul(P, transpose(mat(p.axes_b))))
-    angle = math.atan2(Q[1][0] - Q[0][1], Q[0][0] + Q[1][1])
-    return angle + 2.0 * math.pi * math.floor((last - angle) / (2.0 * math.pi) + 0.5)
+    return follow(last, math.atan2(Q[1][0] - Q[0][1], Q[0][0] + Q[1][1]))
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes; H_ij is the derivative of G_i by the material rotation of node j."""
-    P = matmul(transpose(mat(R[0])), mat(R[1]))
+    P = relative_rotation(mat(R[0]), mat(R[1]))
     G_a, G_b, s_a, xi_a, mu_b, s_b, size = _gradient(p, P)
     omega_a, omega_b = vec(v, 0), vec(v, 3)
     rate = dot(G_b, omega_b) - dot(G_a, omega_a)
@@ -98,7 +98,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 @njit
 def _angle_and_rate(p, m, v, R):
-    P = matmul(transpose(mat(R[0])), mat(R[1]))
+    P = relative_rotation(mat(R[0]), mat(R[1]))
     gradient = _gradient(p, P)
     return _angle(p, m[0], P), dot(gradient[1], vec(v, 3)) - dot(gradient[0], vec(v, 0))
 
@@ -128,14 +128,6 @@ def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     m_out[0] = _angle_and_rate(p, m, v, R)[0]
 
 
-def triad(axis):
-    """Right-handed orthonormal rows (3, 3), the third along ``axis``."""
-    third = np.asarray(axis, float) / np.linalg.norm(axis)
-    first = np.cross(np.eye(3)[np.argmin(np.abs(third))], third)
-    first /= np.linalg.norm(first)
-    return np.array([first, np.cross(third, first), third])
-
-
 def prepare(d, nodes, context):
     """Record of one spring: the triad in the axes of both nodes."""
     axes = triad(d["axis"])
@@ -158,7 +150,10 @@ def sample(rng):
         ("table", {"points": [[-7, -3], [0, 0], [7, 8]], "file": None, "interpolation": "cubic", "beyond": "extend"}),
         ("damper", {"coefficient": 1.5}),
     )
-    samples = [({"law": law, "axis": rng.normal(size=3), "natural_angle": 0.0}, 2, mode) for mode in MODES]
+    samples = [
+        ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, mode)
+        for mode, angle in zip(MODES, (1.5, 0.0, -1.5), strict=True)
+    ]
     return [*samples, ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": 0.7}, 2, "between")]
 
 
