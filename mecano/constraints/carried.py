@@ -1,4 +1,4 @@
-r"""Vectors carried by nodes: their rates, the product of two of them, the angle between them.
+r"""Vectors carried by nodes: their rates, the product of two of them, the angle of two triads.
 
 For m carried by node 0 and s by node 1 (material components), with :math:`A = R_0^T R_1`, the product
 :math:`(R_0 m) \cdot (R_1 s)` has, in material variations, the gradients
@@ -60,50 +60,66 @@ def add_product_curvature(K, i, j, g, A, m, s):
 
 
 @njit
-def angle_gradient(A, m_1, m_2, s):
-    """Angle of s from m_1 towards m_2, the vectors c, c_h of node 0 that make its gradient and curvature.
+def twist(A, mu, xi):
+    """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi], and the vectors c, h that make its gradient.
 
-    The angle is the argument of u + i w with u = mu_1 . xi, w = mu_2 . xi. Its gradient is that of a product with
-    c = (u m_2 - w m_1)/(u^2 + w^2) held constant; c_h = (u m_1 + w m_2)/(u^2 + w^2) gives that of log |u + i w|.
+    ``mu`` and ``xi`` are the axes of the nodes (rows, material). The angle is the argument of u + i w with
+    u = mu_1 . xi_1 + mu_2 . xi_2, w = mu_2 . xi_1 - mu_1 . xi_2: it does not depend on which mu_1 is chosen, and where
+    mu_3 and xi_3 differ it is twice the argument of the quaternion's parts along mu_3.
     """
-    S = mul(A, s)
-    u, w = dot(m_1, S), dot(m_2, S)
+    X, Y = mul(A, xi[0]), mul(A, xi[1])
+    u, w = dot(mu[0], X) + dot(mu[1], Y), dot(mu[1], X) - dot(mu[0], Y)
     size = 1.0 / (u * u + w * w)
-    c = scale(size, sub(scale(u, m_2), scale(w, m_1)))
-    return math.atan2(w, u), c, scale(size, add(scale(u, m_1), scale(w, m_2)))
+    c = scale(size, sub(scale(u, mu[1]), scale(w, mu[0])))
+    return math.atan2(w, u), c, scale(size, add(scale(u, mu[0]), scale(w, mu[1])))
 
 
 @njit
-def add_angle_curvature(K, i, j, g, A, c, c_h, s):
-    """Add g times the derivative of the gradient of the angle: with dlog z = h + i b, its part -(b h^T + h b^T)."""
-    add_product_curvature(K, i, j, g, A, c, s)
-    b, h = product_gradient(A, c, s), product_gradient(A, c_h, s)
-    for r in range(2):
-        for q in range(2):
-            row, column = (i, j)[r], (i, j)[q]
-            add_mat(K, row, column, -g, outer(b[r], h[q]))
-            add_mat(K, row, column, -g, outer(h[r], b[q]))
+def twist_gradient(A, c, h, xi):
+    """Gradients of the angle, (b_0, b_1), and of log |u + i w|, (h_0, h_1); c and h from ``twist``."""
+    c_1, c_2 = product_gradient(A, c, xi[0]), product_gradient(A, c, xi[1])
+    h_1, h_2 = product_gradient(A, h, xi[0]), product_gradient(A, h, xi[1])
+    return (sub(c_1[0], h_2[0]), sub(c_1[1], h_2[1])), (add(h_1[0], c_2[0]), add(h_1[1], c_2[1]))
 
 
 @njit
-def angle_rates(mu_1, mu_2, xi):
-    """Angle of xi from mu_1 towards mu_2 in (-pi, pi] and its first two rates; vectors given with their rates."""
-    u, u1, u2 = product_rates(mu_1, xi)
-    w, w1, w2 = product_rates(mu_2, xi)
-    size = u * u + w * w
-    rate = (u * w1 - w * u1) / size
-    second = (u * w2 - w * u2) / size - 2.0 * rate * (u * u1 + w * w1) / size
-    return math.atan2(w, u), rate, second
+def add_twist_curvature(K, g, A, c, h, xi):
+    """Add g times the derivative of (b_0, b_1) to K; the rotations are the first two slots.
+
+    Of the second derivative of log z it is the imaginary part: -(b h^T + h b^T) and the curvature of u + i w.
+    """
+    add_product_curvature(K, 0, 3, g, A, c, xi[0])
+    add_product_curvature(K, 0, 3, -g, A, h, xi[1])
+    b_blocks, h_blocks = twist_gradient(A, c, h, xi)
+    for i in range(2):
+        for j in range(2):
+            add_mat(K, 3 * i, 3 * j, -g, outer(b_blocks[i], h_blocks[j]))
+            add_mat(K, 3 * i, 3 * j, -g, outer(h_blocks[i], b_blocks[j]))
+
+
+@njit
+def argument_rates(u, w):
+    """Argument of u + i w in (-pi, pi] and its first two rates; u and w are given with theirs."""
+    size = u[0] * u[0] + w[0] * w[0]
+    rate = (u[0] * w[1] - w[0] * u[1]) / size
+    second = (u[0] * w[2] - w[0] * u[2]) / size - 2.0 * rate * (u[0] * u[1] + w[0] * w[1]) / size
+    return math.atan2(w[0], u[0]), rate, second
+
+
+@njit
+def twist_rates(mu_1, mu_2, xi_1, xi_2):
+    """The angle of ``twist`` and its first two rates; vectors given with theirs."""
+    u = product_rates(mu_1, xi_1), product_rates(mu_2, xi_2)
+    w = product_rates(mu_2, xi_1), product_rates(mu_1, xi_2)
+    return argument_rates(add(u[0], u[1]), sub(w[0], w[1]))
 
 
 @njit
 def turned(R_0, omega_0, mu, R_1, omega_1, xi):
-    """Angle in (-pi, pi] of node 1 about mu_3 relative to node 0, and its rate [rad, rad/s].
-
-    ``mu`` are the three axes carried by node 0 (rows), xi is carried by node 1 and started along mu_1.
-    """
+    """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
     mu_1, mu_2 = carried(R_0, omega_0, ZERO, mu[0]), carried(R_0, omega_0, ZERO, mu[1])
-    angle, rate, _ = angle_rates(mu_1, mu_2, carried(R_1, omega_1, ZERO, xi))
+    xi_1, xi_2 = carried(R_1, omega_1, ZERO, xi[0]), carried(R_1, omega_1, ZERO, xi[1])
+    angle, rate, _ = twist_rates(mu_1, mu_2, xi_1, xi_2)
     return angle, rate
 
 

@@ -20,12 +20,12 @@ from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import ZERO, mat, put, sub, vec
 from mecano.schema import DIRECTION, NODE_PAIR, Field
 
-RECORD = record(mu=(3, 3), xi_1=3, xi_3=3, start=3)
+RECORD = record(mu=(3, 3), xi=(3, 3), start=3)
 
 
 @njit
 def _angle(p, v, R):
-    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), vec(p.xi_1, 0))
+    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
 
 
 @njit
@@ -48,21 +48,21 @@ def commit(p, m, mode, t, laws, q, v, a, R, m_out):
 
 def prepare(d, nodes, context):
     """Axes of both nodes and the start of b along those of a."""
-    mu, R_b = triad(d["axis"]), nodes[1][1]
+    mu = triad(d["axis"])
     start = mu @ np.subtract(nodes[1][0], nodes[0][0])
-    return {"mu": mu @ nodes[0][1], "xi_1": R_b.T @ mu[0], "xi_3": R_b.T @ mu[2], "start": start}
+    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1], "start": start}
 
 
 def parts(d, nodes, context):
     """The axis of b stays parallel to that of a, and b in two planes of a."""
     p = prepare(d, nodes, context)
-    turns = [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][i], "xi": p["xi_3"]}) for i in (0, 1)]
+    turns = [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][i], "xi": p["xi"][2]}) for i in (0, 1)]
     return turns + [Part(IN_PLANE, (0, 1), {"mu": p["mu"][i], "offset": p["start"][i], "law": 0}) for i in (0, 1)]
 
 
 def admissible(p, q, R):
     """Refuse the flipped solution."""
-    if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi_3"]) < 0.0:
+    if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi"][2]) < 0.0:
         return "the axis carried by its second node points against that of the first (flipped by half a turn)"
     return ""
 

@@ -20,12 +20,12 @@ from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, mul, put, scale, tmul, vec
 from mecano.schema import DIRECTION, NODE_PAIR, Field
 
-RECORD = record(mu=(3, 3), xi_1=3, xi_3=3)
+RECORD = record(mu=(3, 3), xi=(3, 3))
 
 
 @njit
 def _angle(p, v, R):
-    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), vec(p.xi_1, 0))
+    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
 
 
 @njit
@@ -44,20 +44,16 @@ def commit(p, m, mode, t, laws, q, v, a, R, m_out):
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes; xi_1 is where mu_1 goes when the axis of a is turned onto that of b."""
-    mu, R_b = triad(d["axis"]), nodes[1][1]
+    """Axes of both nodes; those of b are mu_1, mu_2, mu_3 turned with the axis of a onto that of b."""
+    mu = triad(d["axis"])
     axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
-    return {
-        "mu": mu @ nodes[0][1],
-        "xi_1": R_b.T @ turned_onto(d["axis"], axis_b) @ mu[0],
-        "xi_3": R_b.T @ triad(axis_b)[2],
-    }
+    return {"mu": mu @ nodes[0][1], "xi": mu @ turned_onto(d["axis"], axis_b).T @ nodes[1][1]}
 
 
 def parts(d, nodes, context):
     """mu_1 and mu_2 perpendicular to xi_3."""
     p = prepare(d, nodes, context)
-    return [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][i], "xi": p["xi_3"]}) for i in (0, 1)]
+    return [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][i], "xi": p["xi"][2]}) for i in (0, 1)]
 
 
 def shares(d, n_nodes):
@@ -72,7 +68,7 @@ def check(d, nodes):
 
 def admissible(p, q, R):
     """Refuse the flipped solution."""
-    if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi_3"]) < 0.0:
+    if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi"][2]) < 0.0:
         return "the axis carried by its second node points against that of the first (flipped by half a turn)"
     return ""
 

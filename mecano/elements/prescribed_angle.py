@@ -19,13 +19,13 @@ from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
 
-RECORD = record(mu=(3, 3), xi=3, **TARGET)
+RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Motion, moment and power."""
-    angle, y[1] = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), vec(p.xi, 0))
+    angle, y[1] = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
     wanted, wanted_rate, _ = target(p, laws, t)
     y[0] = follow(wanted, angle)
     y[2] = q[6]
@@ -35,14 +35,13 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 def prepare(d, nodes, context):
     """Axes of both nodes and the law."""
     mu = triad(d["axis"])
-    return {"mu": mu @ nodes[0][1], "xi": mu[0] @ nodes[1][1], "offset": 0.0, "law": context.laws.add(d["value"])}
+    law = context.laws.add(d["value"])
+    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1], "offset": 0.0, "law": law}
 
 
 def parts(d, nodes, context):
     """One relative angle."""
-    p = prepare(d, nodes, context)
-    mu = p.pop("mu")
-    return [Part(RELATIVE_ANGLE, (0, 1), {**p, "mu_1": mu[0], "mu_2": mu[1]})]
+    return [Part(RELATIVE_ANGLE, (0, 1), prepare(d, nodes, context))]
 
 
 def sample(rng):

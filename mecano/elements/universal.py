@@ -10,11 +10,11 @@ The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one
 import numpy as np
 from numba import njit
 
-from mecano.constraints.carried import follow, turned
+from mecano.constraints.carried import argument_rates, carried, follow, product_rates
 from mecano.constraints.joint_frame import not_at_one_place, triad
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import mat, put, scale, vec
+from mecano.maths.vec import ZERO, mat, put, scale, vec
 from mecano.schema import DIRECTION, NODE_PAIR, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
@@ -22,13 +22,22 @@ PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
 
 
 @njit
+def _pin_angle(A, omega_a, mu, B, omega_b, pin):
+    """Angle and rate, about mu_3 carried by the rotation A, of a pin carried by B."""
+    xi = carried(B, omega_b, ZERO, pin)
+    u = product_rates(carried(A, omega_a, ZERO, mu[0]), xi)
+    angle, rate, _ = argument_rates(u, product_rates(carried(A, omega_a, ZERO, mu[1]), xi))
+    return angle, rate
+
+
+@njit
 def _angles(p, v, R):
     """Angle and rate of the cross about the pin of a, and of b about its own pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
     A, B, omega_a, omega_b = mat(R[0]), mat(R[1]), vec(v, 3), vec(v, 9)
-    first, first_rate = turned(A, omega_a, mu, B, omega_b, xi[2])
+    first, first_rate = _pin_angle(A, omega_a, mu, B, omega_b, xi[2])
     # seen from b the cross turns the other way
-    second, second_rate = turned(B, omega_b, xi, A, omega_a, mu[2])
+    second, second_rate = _pin_angle(B, omega_b, xi, A, omega_a, mu[2])
     return first, first_rate, -second, -second_rate
 
 

@@ -19,7 +19,7 @@ from mecano.laws.tabulated import (
     pack_table,
     some_points,
     table,
-)
+)  # fmt: skip
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative, positive
 
