@@ -110,7 +110,7 @@ class System:
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
         data = cK K T + cC C + cM M; ``k`` and ``penalty`` scale the constraints (contract.py). ``size`` sums the
-        absolute contributions: the scale on which a residual is small.
+        absolute contributions of the elements and of their inertia: the scale on which a residual is small.
         """
         loops.clear(self.force, self._slot_size, self.data)
         state = (s.z, s.v, s.a, s.R, s.T, self.force, self._slot_size, self.data, cK, cC, cM)
