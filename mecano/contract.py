@@ -74,7 +74,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Part:
-    """A basic constraint or element that a kind is made of: on which of its nodes, with which parameters."""
+    """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record."""
 
     kind: "Kind"
     nodes: tuple  # indices into the nodes of the owner
@@ -117,8 +117,12 @@ class Kind:
     commit: Callable | None = None
     start: Callable | None = None
     """(record, nodes) -> (n_memory,) memory at the start; zeros when absent"""
+    admissible: Callable | None = None
+    """(record, q, R) -> text: what is wrong with an assembled configuration that satisfies the equations, or "";
+    q and R as ``observe`` receives them; called from Python after the assembly"""
     sample: Callable | None = None
-    """rng -> list of (deck values, nodes, mode): admissible samples for the generic tests, every mode among them"""
+    """rng -> list of (values, nodes, mode): admissible samples for the generic tests, every mode among them. values:
+    deck values without defaults (of a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
 
     @property
     def n_local(self):

@@ -1,5 +1,6 @@
 """The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
 
+from mecano.elements.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
     BOOLEAN,
     CURVE,
@@ -93,8 +94,6 @@ GROUND_FIELDS = (
     Field("plane", mapping(*PLANE_FIELDS), "-", "the plane, or that from which the profile is measured"),
     Field("profile", mapping(*PROFILE_FIELDS), "-", "unevenness; the ground is flat when absent", None),
 )
-
-TIRE_LAW_FIELDS = ()
 
 VELOCITY_FIELDS = (
     Field("nodes", either(NODES, "all"), "-", "the nodes that move so", check=not_empty),

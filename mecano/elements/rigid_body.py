@@ -34,7 +34,7 @@ from mecano.maths.vec import (
     transpose,
     vec,
 )  # fmt: skip
-from mecano.schema import INERTIA, NODE, NODES, NUMBER, VECTOR, Field, positive
+from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, positive
 
 RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
@@ -143,7 +143,7 @@ RIGID_BODY = Kind(
         Field("node", NODE, "-", "node that carries the body"),
         Field("mass", NUMBER, "kg", "mass", check=positive),
         Field("inertia", INERTIA, "kg m2", "inertia about the centre of mass, in the axes of the node"),
-        Field("center_of_mass", VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0, 0.0, 0.0)),
+        Field("center_of_mass", NODE_VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0,) * 3),
         Field("attached", NODES, "-", "further nodes that move with the body", ()),
     ),
     outputs=(

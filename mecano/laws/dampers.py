@@ -11,7 +11,14 @@ from numba import njit
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
 from mecano.laws.tabulated import (
-    BEYOND, FILE, INTERPOLATION, POINTS_FIELD, pack_points, pack_table, some_points, table,
+    BEYOND,
+    FILE,
+    INTERPOLATION,
+    POINTS_FIELD,
+    pack_points,
+    pack_table,
+    some_points,
+    table,
 )  # fmt: skip
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative, positive

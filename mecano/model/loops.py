@@ -46,10 +46,12 @@ def _assemble(
                 for j in range(3):
                     K[i, c + j] = k0 * T_in[s, 0, j] + k1 * T_in[s, 1, j] + k2 * T_in[s, 2, j]
         for i in range(n):
-            force_out[slots[e, i]] += f[i]
-            size_out[slots[e, i]] += abs(f[i])
+            size = abs(f[i])
             for j in range(n):
                 data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
+                size += abs(M[i, j] * a[j])
+            force_out[slots[e, i]] += f[i]
+            size_out[slots[e, i]] += size
 
 
 def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):

@@ -8,7 +8,6 @@ from numba import njit
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
 
-
 SECTIONS = ("elements", "joints", "loads")
 
 

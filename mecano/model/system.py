@@ -110,7 +110,7 @@ class System:
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
         data = cK K T + cC C + cM M; ``k`` and ``penalty`` scale the constraints (contract.py). ``size`` sums the
-        absolute contributions: the scale on which a residual is small.
+        absolute contributions of the elements and of their inertia: the scale on which a residual is small.
         """
         loops.clear(self.force, self._slot_size, self.data)
         state = (s.z, s.v, s.a, s.R, s.T, self.force, self._slot_size, self.data, cK, cC, cM)
@@ -156,3 +156,13 @@ class System:
             loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, new, *work)
             memories[i] = new
         return tuple(memories)
+
+    def inadmissible(self, s):
+        """What the kinds object to in an assembled configuration although it satisfies the equations: texts."""
+        return [
+            f"{name}: {text}"
+            for b in self.batches
+            if b.kind.admissible
+            for name, p, dofs, rots in zip(b.names, b.p, b.watched, b.rots, strict=True)
+            if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
+        ]

@@ -2,10 +2,10 @@ r"""Velocities, accelerations and multipliers that fit a given configuration.
 
 All three come from one matrix, factored once,
 
-.. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -\epsilon k \end{bmatrix},
+.. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -k^2 c \end{bmatrix},
 
 with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty
-p makes it regular for nodes without mass; the compliance eps is zero unless constraints are redundant.
+p makes it regular for nodes without mass; the compliances c are zero unless constraints are redundant.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from mecano.solve.increments import moved
 class Consistent:
     """The matrix above at one configuration, and what is solved with it."""
 
-    def __init__(self, system, linear, s, compliance=0.0):
+    def __init__(self, system, linear, s, compliance=None):
         """Factor at the positions of ``s`` (its a and multipliers are not used); raises AssemblyError if singular."""
         self.system, self.linear = system, linear
         bare = s.copy()
@@ -32,7 +32,8 @@ class Consistent:
         diagonal = data[system.diagonal[: system.n_q]]
         self.loose = loose & (diagonal <= 0.0)  # neither mass nor constraint: stays at rest
         data[system.diagonal[: system.n_q][self.loose]] = self.k
-        data[system.diagonal[system.n_q :]] -= compliance * self.k
+        if compliance is not None:
+            data[system.diagonal[system.n_q :]] -= self.k**2 * compliance
         self._solve(data, np.zeros(system.n))
         self.bare = bare
 

@@ -70,7 +70,7 @@ class StepInfo:
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
 
-    def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=0.0):
+    def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.compliance = k, penalty, compliance
@@ -119,7 +119,7 @@ class GeneralizedAlpha:
         k, penalty = self._scales(s0, h, cC, cM)
         s, n_q, n, rotations = s0.copy(), system.n_q, system.n, of.rotation_dof
         s.t = s0.t + h
-        predict(
+        reach = predict(
             h, h / history.h, c.am, c.af, c.beta, c.gamma,
             history.a, s0.a, history.previous, history.v_shift, history.multiplier_rate, s0.R,
             of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
@@ -127,9 +127,9 @@ class GeneralizedAlpha:
 
         def evaluate():
             system.assemble(s, k, penalty, 1.0, cC, cM)
-            if self.compliance:
+            if self.compliance is not None:
                 self._comply(s, k)
-            return norms(system.residual, system.size, of.kind, n, k, length, *self.limits)
+            return norms(system.residual, system.size, of.kind, n, k, length, reach, *self.limits)
 
         def solve(fresh):
             b, x = -system.residual[:n], self._increment
@@ -154,10 +154,10 @@ class GeneralizedAlpha:
         return s, new, StepInfo(True, result.iterations, result.norms, error)
 
     def _comply(self, s, k):
-        """Give the constraints of a redundant model a compliance, far below their tolerance, on their whole forces."""
+        """Give the constraints of a redundant model their compliance."""
         system = self.system
-        system.residual[system.n_q : system.n] -= self.compliance * s.z[system.n_q : system.n]
-        system.data[system.diagonal[system.n_q :]] -= self.compliance * k
+        system.residual[system.n_q : system.n] -= k * self.compliance * s.z[system.n_q : system.n]
+        system.data[system.diagonal[system.n_q :]] -= k * k * self.compliance
 
     def _scales(self, s, h, cC, cM):
         """k and penalty for steps of size h: those of the deck, or the mean stiffness, kept while h stays."""

@@ -43,19 +43,23 @@ def predict(
     """Move a state to the end of a step with accelerations extrapolated from the last step.
 
     a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step, previous (n_all,) at
-    the beginning of the last step; extrapolation = h over the last h; rate (n_l,) of the multipliers.
+    the beginning of the last step; extrapolation = h over the last h; rate (n_l,) of the multipliers. Returns the
+    largest coordinate [m].
     """
+    reach = 0.0
     for i in range(n_q):
         guess = acceleration0[i] + extrapolation * (acceleration0[i] - previous[i])
         a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
         v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
         z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
+        reach = max(reach, abs(z_out[i]))
         v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         acceleration_out[i] = guess
     for i in range(n_q, n):
         z_out[i] += h * rate[i - n_q]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
+    return reach
 
 
 @njit(cache=True)

@@ -7,10 +7,11 @@ from mecano.solve.increments import displaced
 
 MAX_ITERATIONS = 50
 TOLERANCE = 1e-12  # of the length scale, or rad
+REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration makes up for it
 NAMED = 5  # constraints named in a refusal
 
 
-def assemble_positions(system, linear, s, length, compliance=0.0):
+def assemble_positions(system, linear, s, length):
     """Bring the positions of ``s`` to the nearest that fulfil all constraints: (state, largest displacement [m, rad]).
 
     Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
@@ -24,7 +25,7 @@ def assemble_positions(system, linear, s, length, compliance=0.0):
         error = np.abs(phi) / scale
         if not len(phi) or error.max() <= TOLERANCE:
             break
-        dq = _least_change(system, linear, s, phi, weight, compliance)
+        dq = _least_change(system, linear, s, phi, weight)
         if dq is None or not np.all(np.isfinite(dq)):
             break
         limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
@@ -38,13 +39,13 @@ def assemble_positions(system, linear, s, length, compliance=0.0):
     return s, float(shift.max(initial=0.0))
 
 
-def _least_change(system, linear, s, phi, weight, compliance):
+def _least_change(system, linear, s, phi, weight):
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
     data[system.diagonal[: system.n_q]] = weight
     system.add_constraints(bare, 1.0, 0.0, data)
-    data[system.diagonal[system.n_q :]] -= compliance
+    data[system.diagonal[system.n_q :]] -= REGULARIZATION
     b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
     status = linear.solve(data, b, x)
     return None if status.singular else x[: system.n_q]

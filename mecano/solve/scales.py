@@ -5,6 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
+
+HUGE = 1e300  # beyond this a number counts as infinite
+TINY = 1e-300
+SOFTNESS = 1e-11  # a tenth of the tolerance of the constraints
+ROUNDING = 16 * 2.2e-16  # of a sum of a few numbers
 ANGULAR_SHARE = 1e-3  # moments count against at least this share of (largest force) x (length), and vice versa
 
 
@@ -33,33 +39,43 @@ def balance(system, s, cK, cC, cM):
     return float(diagonal.mean()) if len(diagonal) else 1.0
 
 
+def compliance(system, s, length):
+    """Compliances (n_l,) [m/N, rad/(N m)] that let redundant constraints share their force, see docs/theory.md section 3.
+
+    Under the forces at work in ``s`` they give way by SOFTNESS of the length scale, or rad.
+    """
+    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+    of = system.numbering
+    masses = system.data[system.diagonal[: system.n_q]][of.kind[: system.n_q] == TRANSLATION]
+    force = max(system.size[of.kind == TRANSLATION].max(initial=0.0), 9.81 * masses.max(initial=0.0), TINY)
+    angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
+    return SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)
+
+
 @njit(cache=True)
-def norms(r, size, kind, n, k, length, force_tolerance, constraint_tolerance):
+def norms(r, size, kind, n, k, length, reach, force_tolerance, constraint_tolerance):
     """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
-    r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows.
+    r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale of
+    the forces is the largest at work anywhere, at fixed nodes too; that of the moments likewise. No force is judged
+    below what the rounding of positions as large as ``reach`` [m] makes of the constraints.
     """
     force = moment = scalar = constraint = 0.0
-    force_size = moment_size = scalar_size = 0.0
-    for i in range(n):
-        x = abs(r[i])
-        if not x <= 1e300:
+    force_size = moment_size = scalar_size = TINY
+    for i in range(r.shape[0]):
+        x = abs(r[i]) if i < n else 0.0
+        if not x <= HUGE:
             return np.inf, np.inf
-        if kind[i] == 0:
-            force = max(force, x)
-            force_size = max(force_size, size[i])
-        elif kind[i] == 1:
-            moment = max(moment, x)
-            moment_size = max(moment_size, size[i])
-        elif kind[i] == 2:
-            scalar = max(scalar, x)
-            scalar_size = max(scalar_size, size[i])
-        elif kind[i] == 3:
-            constraint = max(constraint, x / (k * length))
+        if kind[i] == TRANSLATION:
+            force, force_size = max(force, x), max(force_size, size[i])
+        elif kind[i] == ROTATION:
+            moment, moment_size = max(moment, x), max(moment_size, size[i])
+        elif kind[i] == SCALAR:
+            scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
         else:
-            constraint = max(constraint, x / k)
+            constraint = max(constraint, x / (k * length) if kind[i] == LENGTH_CONSTRAINT else x / k)
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
-    tiny = 1e-300
-    worst = max(force / (f + tiny), moment / (m + tiny), scalar / (scalar_size + tiny))
-    return worst / force_tolerance, constraint / constraint_tolerance
+    f = max(f * force_tolerance, ROUNDING * k * reach)
+    m = max(m * force_tolerance, ROUNDING * k * max(reach * length, 1.0))
+    return max(force / f, moment / m, scalar / (scalar_size * force_tolerance)), constraint / constraint_tolerance

@@ -1,0 +1,38 @@
+r"""What every scalar constraint does with its gradient: augmented Lagrangian, bordered.
+
+With :math:`g = p\,\Phi - k\lambda` and B the gradient of Phi by blocks of three unknowns (theory.md section 1,
+equations (12)-(14) of the seed paper):
+
+.. math::  f = B^T g, \quad f_\lambda = -k \Phi, \quad K = p B^T B + g\, \partial B^T/\partial q, \quad
+           K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B
+"""
+
+from numba import njit
+
+from mecano.maths.vec import add_col, add_mat, add_row, add_vec, outer
+
+
+@njit
+def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
+    """Add one constraint without its curvature; return g = penalty Phi - k lambda [N, N m].
+
+    ``blocks`` is a tuple of (local index, gradient (3,)), ``row`` the local index of the multiplier, whose value
+    ``multiplier`` is k lambda.
+    """
+    g = penalty * Phi - multiplier
+    f[row] -= k * Phi
+    for i, b in blocks:
+        add_vec(f, i, g, b)
+        add_col(K, i, row, -k, b)
+        add_row(K, row, i, -k, b)
+        for j, c in blocks:
+            add_mat(K, i, j, penalty, outer(b, c))
+    return g
+
+
+@njit
+def put_levels(g, row, Phi, rate, second_rate):
+    """Write the three levels of one constraint."""
+    g[row, 0] = Phi
+    g[row, 1] = rate
+    g[row, 2] = second_rate

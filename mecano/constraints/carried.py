@@ -1,0 +1,119 @@
+r"""Vectors carried by nodes: their rates, the product of two of them, the angle of two triads.
+
+For m carried by node 0 and s by node 1 (material components), with :math:`A = R_0^T R_1`, the product
+:math:`(R_0 m) \cdot (R_1 s)` has, in material variations, the gradients
+
+.. math::  b_0 = m \times A s, \qquad b_1 = s \times A^T m,
+
+which in inertial axes are :math:`\mu \times \xi` and :math:`-\mu \times \xi`. Their own derivatives are not symmetric.
+"""
+
+import math
+
+from numba import njit
+
+from mecano.maths.vec import (
+    add,
+    add_mat,
+    cross,
+    dot,
+    madd,
+    matmul,
+    mscale,
+    mul,
+    outer,
+    scale,
+    skew,
+    tmul,
+    transpose,
+)  # fmt: skip
+
+
+@njit
+def carried(R, omega, alpha, m):
+    """R m and its first and second rate, inertial; omega, alpha material angular velocity and acceleration."""
+    spin = cross(omega, m)
+    return mul(R, m), mul(R, spin), mul(R, add(cross(alpha, m), cross(omega, spin)))
+
+
+@njit
+def product_rates(u, w):
+    """u . w and its first two rates for two vectors given with theirs."""
+    value, rate = dot(u[0], w[0]), dot(u[1], w[0]) + dot(u[0], w[1])
+    return value, rate, dot(u[2], w[0]) + 2.0 * dot(u[1], w[1]) + dot(u[0], w[2])
+
+
+@njit
+def product_gradient(A, m, s):
+    """Gradients (b_0, b_1) of (R_0 m) . (R_1 s) by the material variations of both nodes."""
+    return cross(m, mul(A, s)), cross(s, tmul(A, m))
+
+
+@njit
+def add_product_curvature(K, i, j, g, A, m, s):
+    """Add g times the derivative of (b_0, b_1) to K; i, j are the local indices of the two rotations."""
+    hat_m, hat_s = skew(m), skew(s)
+    add_mat(K, i, i, g, matmul(hat_m, skew(mul(A, s))))
+    add_mat(K, i, j, -g, matmul(hat_m, matmul(A, hat_s)))
+    add_mat(K, j, j, g, matmul(hat_s, skew(tmul(A, m))))
+    add_mat(K, j, i, -g, matmul(hat_s, matmul(transpose(A), hat_m)))
+
+
+@njit
+def twist(A, mu, xi):
+    """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
+
+    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). It does not depend on which mu_1 is chosen, and
+    where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
+    turns mu_3 into xi_3 is taken off.
+    """
+    X, Y = mul(A, xi[0]), mul(A, xi[1])
+    return math.atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
+
+
+@njit
+def twist_gradient(A, mu_3, xi_3):
+    """(G_0, G_1): dangle = G_1 . dTheta_1 - G_0 . dTheta_0; both are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
+    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    return scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+
+
+@njit
+def twist_curvature(A, mu_3, xi_3):
+    """((H_00, H_01), (H_10, H_11)): derivative of G_i by the material rotation of node j, not symmetric."""
+    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    G_0, G_1 = scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+    by_0, by_1 = scale(-size, cross(mu_3, xi)), scale(-size, cross(xi_3, mu))
+    H_00 = madd(mscale(size, skew(xi)), outer(G_0, by_0))
+    H_01 = madd(mscale(-size, matmul(A, skew(xi_3))), outer(G_0, by_1))
+    H_10 = madd(mscale(-size, matmul(transpose(A), skew(mu_3))), outer(G_1, by_0))
+    H_11 = madd(mscale(size, skew(mu)), outer(G_1, by_1))
+    return (H_00, H_01), (H_10, H_11)
+
+
+@njit
+def turned(R_0, omega_0, mu, R_1, omega_1, xi):
+    """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
+    A = relative_rotation(R_0, R_1)
+    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
+    return twist(A, mu, xi), dot(G_1, omega_1) - dot(G_0, omega_0)
+
+
+@njit
+def wrap(angle):
+    """The angle brought to (-pi, pi] by whole turns [rad]."""
+    return angle - 2.0 * math.pi * math.ceil(angle / (2.0 * math.pi) - 0.5)
+
+
+@njit
+def follow(previous, angle):
+    """The angle plus the whole turns that bring it nearest to ``previous`` [rad]."""
+    return previous + wrap(angle - previous)
+
+
+@njit
+def relative_rotation(R_0, R_1):
+    """R_0^T R_1"""
+    return matmul(transpose(R_0), R_1)

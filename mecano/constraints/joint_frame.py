@@ -1,0 +1,52 @@
+"""Axes and checks that joints share: the triad of a joint axis, coinciding nodes. Python, once per joint."""
+
+import numpy as np
+
+PLACE = 1e-6  # nodes that share a position may be this far apart in the deck [m]
+ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [rad]
+
+
+def triad(axis, first=None):
+    """Right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 along ``first`` made perpendicular to it.
+
+    Without ``first``, mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y before z).
+    """
+    mu_3 = np.asarray(axis, float) / np.linalg.norm(axis)
+    if first is None:
+        # rounding must not decide between axes that are equally perpendicular
+        first = np.eye(3)[np.argmin(np.round(np.abs(mu_3), 6))]
+    mu_1 = first - (first @ mu_3) * mu_3
+    mu_1 /= np.linalg.norm(mu_1)
+    return np.array([mu_1, np.cross(mu_3, mu_1), mu_3])
+
+
+def turned_onto(a, b):
+    """The smallest rotation (3, 3) that turns the direction of ``a`` into that of ``b``."""
+    a, b = triad(a)[2], triad(b)[2]
+    if a @ b < -1.0 + 1e-12:
+        mu = triad(a)
+        return 2.0 * np.outer(mu[0], mu[0]) - np.eye(3)
+    w = np.cross(a, b)
+    hat = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+    return np.eye(3) + hat + hat @ hat / (1.0 + a @ b)
+
+
+def not_at_one_place(nodes):
+    """Texts when two nodes that share a position do not start at one place; nodes as in contract.py."""
+    gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    return [f"its nodes must be at the same place; they are {gap:.6g} m apart"] if gap > PLACE else []
+
+
+def not_parallel(nodes):
+    """Texts when two nodes that share a rotation do not start with the same one."""
+    turn = np.linalg.norm(np.subtract(nodes[1][1], nodes[0][1])) / np.sqrt(2.0)
+    if turn <= ANGLE:
+        return []
+    degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn / 2.0)))
+    return [f"its nodes must have the same rotation; they are turned by {degrees:.6g} degrees"]
+
+
+def at_one_place(nodes):
+    """Texts when two nodes whose distance must not vanish start at one place."""
+    gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    return ["its nodes must not be at the same place"] if gap <= PLACE else []

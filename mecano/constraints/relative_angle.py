@@ -1,0 +1,76 @@
+r"""Relative angle: angle of the second node about an axis, relative to the first, equal to f(t).
+
+Axes mu are carried by the first node, xi by the second. The angle is the rotation about :math:`\mu_3` as long as both
+nodes share it, and else that part of the relative rotation which is twist (see carried.py). Its difference to f(t) is
+brought to :math:`(-\pi, \pi]`, so that any number of turns needs no memory. The multiplier is the moment on the second
+node about :math:`\mu_3`.
+"""
+
+from numba import njit
+
+from mecano.constraints.augmented import add_constraint, put_levels
+from mecano.constraints.carried import (
+    carried,
+    product_rates,
+    relative_rotation,
+    twist,
+    twist_curvature,
+    twist_gradient,
+    wrap,
+)  # fmt: skip
+from mecano.constraints.joint_frame import triad
+from mecano.constraints.target import TARGET, target
+from mecano.contract import Kind, Row, record
+from mecano.maths.vec import add, add_mat, dot, mat, mul, scale, sub, vec
+
+RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
+MULTIPLIER = 6
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Moments on both nodes."""
+    mu, xi = mat(p.mu), mat(p.xi)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    Phi = wrap(twist(A, mu, xi) - target(p, laws, t)[0])
+    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, scale(-1.0, G_0)), (3, G_1)))
+    H_0, H_1 = twist_curvature(A, mu[2], xi[2])
+    for j in range(2):
+        add_mat(K, 0, 3 * j, -g, H_0[j])
+        add_mat(K, 3, 3 * j, g, H_1[j])
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Value and rates, those of f(t) included."""
+    R_0, R_1 = mat(R[0]), mat(R[1])
+    mu, xi = mat(p.mu), mat(p.xi)
+    mu_3 = carried(R_0, vec(v, 0), vec(a, 0), mu[2])
+    xi_3 = carried(R_1, vec(v, 3), vec(a, 3), xi[2])
+    spin, spin_rate = sub(mul(R_1, vec(v, 3)), mul(R_0, vec(v, 0))), sub(mul(R_1, vec(a, 3)), mul(R_0, vec(a, 0)))
+    cosine, cosine_rate, _ = product_rates(mu_3, xi_3)
+    G = scale(1.0 / (1.0 + cosine), add(mu_3[0], xi_3[0]))
+    G_rate = scale(1.0 / (1.0 + cosine), sub(add(mu_3[1], xi_3[1]), scale(cosine_rate, G)))
+    y, y1, y2 = target(p, laws, t)
+    Phi = wrap(twist(relative_rotation(R_0, R_1), mu, xi) - y)
+    put_levels(g, 0, Phi, dot(G, spin) - y1, dot(G_rate, spin) + dot(G, spin_rate) - y2)
+
+
+def sample(rng):
+    """Axes in general position."""
+    mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
+    return [({"mu": mu, "xi": xi, "offset": rng.normal(), "law": 0}, 2, "")]
+
+
+RELATIVE_ANGLE = Kind(
+    name="relative_angle",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    multipliers=(Row("moment that holds the angle", "N m", "rad"),),
+    force=force,
+    levels=levels,
+    sample=sample,
+)

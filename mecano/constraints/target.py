@@ -1,0 +1,14 @@
+"""The value that a constraint is held at: a constant and, where there is a law, a function of time."""
+
+from numba import njit
+
+from mecano.laws.table import evaluate_curve
+
+TARGET = {"offset": (), "law": "i"}
+
+
+@njit
+def target(p, laws, t):
+    """Value, rate and second rate of offset + law(t) of a record with the fields of ``TARGET``; law 0 is zero."""
+    y, y1, y2 = evaluate_curve(laws, p.law, t)
+    return p.offset + y, y1, y2

@@ -1,0 +1,70 @@
+"""Checked deck -> model: nodes, elements, laws, and the velocities at the start."""
+
+import numpy as np
+
+from mecano.elements import KINDS
+from mecano.laws.table import LawTable, breakpoints
+from mecano.maths import so3
+from mecano.model.model import Element, Model, Node
+from mecano.schema import CURVE
+
+NODE_KEYS = ("node", "nodes", "attached")
+SECTIONS = ("elements", "joints", "loads")
+
+
+def build(deck):
+    """The Model of a checked deck (deck.Deck)."""
+    values = deck.values
+    nodes = [
+        Node(name, np.array(d["position"], float), np.array(so3.exp(tuple(d["orientation"]))), d["fixed"])
+        for name, d in values["nodes"].items()
+    ]
+    elements = [
+        Element(name, KINDS[d["type"]], node_names(d), d) for section in SECTIONS for name, d in values[section].items()
+    ]
+    return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
+
+
+def node_names(values):
+    """Names of the nodes of an element, in the order in which its kind counts them."""
+    names = []
+    for key in NODE_KEYS:
+        given = values.get(key) or ()
+        names += [given] if isinstance(given, str) else list(given)
+    return tuple(names)
+
+
+def set_velocities(deck, system, s):
+    """Set the velocities of the state ``s`` in place from ``initial.velocities`` of the deck.
+
+    Entries add up. An unknown that several nodes share takes the mean over those that an entry names.
+    """
+    of, n_nodes = system.numbering, len(system.nodes)
+    v, omega, named = np.zeros((n_nodes, 3)), np.zeros((n_nodes, 3)), np.zeros(n_nodes, bool)
+    index = {node.name: i for i, node in enumerate(system.nodes)}
+    for entry in deck.values["initial"]["velocities"]:
+        names = list(deck.values["nodes"]) if entry["nodes"] == "all" else entry["nodes"]
+        for i in (index[name] for name in names):
+            x = system.nodes[i].x
+            about = x if entry["about"] in (None, "own") else np.array(entry["about"])
+            spin = np.array(entry["angular_velocity"])
+            v[i] += np.array(entry["velocity"]) + np.cross(spin, x - about)
+            omega[i] += spin
+            named[i] = True
+    sums, counts = np.zeros_like(s.v), np.zeros_like(s.v)
+    for i in np.flatnonzero(named):
+        for first, value in ((of.x[i], v[i]), (of.r[i], system.nodes[i].R.T @ omega[i])):
+            sums[first : first + 3] += value
+            counts[first : first + 3] += 1.0
+    free = np.arange(of.n_all) < of.n_q
+    s.v[:] = np.where(free & (counts > 0), sums / np.maximum(counts, 1.0), 0.0)
+
+
+def time_breakpoints(deck):
+    """Times [s] at which a law of time has a jump or a corner, ascending: steps must end there."""
+    times = set()
+    for section in ("joints", "loads"):
+        for d in deck.values[section].values():
+            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type is CURVE)
+            times |= {t for law in laws for t in breakpoints(law)}
+    return tuple(sorted(times))

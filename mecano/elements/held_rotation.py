@@ -1,0 +1,48 @@
+"""Held rotation: two nodes share their rotation, their positions stay free (Boolean identification: no equation).
+
+With ground as the first node the second one translates only; the moment of the joint is what holds it.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.joint_frame import not_parallel
+from mecano.contract import Kind, Output
+from mecano.maths.vec import mat, mul, put, scale, vec
+from mecano.schema import NODE_PAIR, Field
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reaction."""
+    put(y, 0, scale(-1.0, mul(mat(R[1]), vec(F, 3))))
+
+
+def shares(d, n_nodes):
+    """One rotation."""
+    return [("R", 0, 1)]
+
+
+def check(d, nodes):
+    """The nodes start with one rotation."""
+    return not_parallel(nodes)
+
+
+def sample(rng):
+    """Two nodes of one rotation."""
+    R = np.diag([-1.0, 1.0, -1.0])
+    return [({}, [(rng.normal(size=3), R), (rng.normal(size=3), R)], "")]
+
+
+HELD_ROTATION = Kind(
+    name="held_rotation",
+    section="joints",
+    doc=__doc__,
+    layout=("R0", "R1"),
+    fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, mostly [ground, the node that shall not turn]"),),
+    outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
+    shares=shares,
+    check=check,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,74 @@
+r"""Prescribed angle: node b is turned relative to node a about an axis, as a function of time.
+
+For two nodes that another joint (a hinge, a cylindrical joint) makes share that axis:
+
+.. math::  \theta - f(t) = 0
+
+with theta the angle of that joint, zero in the deck; f may go over many turns. The multiplier is the moment on b
+about the axis; its power :math:`k\lambda\, \dot f` is given by the surroundings.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.carried import follow, turned
+from mecano.constraints.joint_frame import triad
+from mecano.constraints.relative_angle import RELATIVE_ANGLE
+from mecano.constraints.target import TARGET, target
+from mecano.contract import Kind, Output, Part, record
+from mecano.maths.vec import mat, vec
+from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
+
+RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Motion, moment and power."""
+    angle, y[1] = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
+    wanted, wanted_rate, _ = target(p, laws, t)
+    y[0] = follow(wanted, angle)
+    y[2] = q[6]
+    e[3] = q[6] * wanted_rate
+
+
+def prepare(d, nodes, context):
+    """Axes of both nodes and the law."""
+    mu = triad(d["axis"])
+    law = context.laws.add(d["value"])
+    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1], "offset": 0.0, "law": law}
+
+
+def parts(d, nodes, context):
+    """One relative angle."""
+    return [Part(RELATIVE_ANGLE, (0, 1), prepare(d, nodes, context))]
+
+
+def sample(rng):
+    """Many turns."""
+    sine = (("sine", {"amplitude": 30.0, "frequency": 0.2, "phase": 0.4, "offset": 4.0}),)
+    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    return [({"axis": rng.normal(size=3), "value": sine}, nodes, "")]
+
+
+PRESCRIBED_ANGLE = Kind(
+    name="prescribed_angle",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        Field("axis", DIRECTION, "-", "axis at the start, inertial; both nodes carry it"),
+        Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
+    ),
+    outputs=(
+        Output("angle", "rad", "rotation of b relative to a about the axis since the start"),
+        Output("rate", "rad/s", "rate of the angle"),
+        Output("moment", "N m", "moment of a on b about the axis"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,69 @@
+r"""Prescribed position: a node is displaced along an inertial direction n as a function of time.
+
+.. math::  n \cdot (x - x_0) - f(t) = 0
+
+with x_0 the position in the deck. The multiplier is the force on the node along n; its power :math:`k\lambda\, \dot f`
+is given by the surroundings.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.held_coordinate import HELD_COORDINATE
+from mecano.constraints.joint_frame import triad
+from mecano.constraints.target import TARGET, target
+from mecano.contract import Kind, Output, Part, record
+from mecano.maths.vec import dot, sub, vec
+from mecano.schema import CURVE, DIRECTION, NODE, Field
+
+RECORD = record(direction=3, origin=3, **TARGET)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Motion, force and power."""
+    n = vec(p.direction, 0)
+    y[0] = dot(n, sub(vec(q, 0), vec(p.origin, 0)))
+    y[1] = dot(n, vec(v, 0))
+    y[2] = q[3]
+    e[3] = q[3] * target(p, laws, t)[1]
+
+
+def prepare(d, nodes, context):
+    """Direction, origin and law."""
+    law = context.laws.add(d["value"])
+    return {"direction": triad(d["direction"])[2], "origin": np.asarray(nodes[0][0]), "offset": 0.0, "law": law}
+
+
+def parts(d, nodes, context):
+    """One held coordinate."""
+    return [Part(HELD_COORDINATE, (0,), prepare(d, nodes, context))]
+
+
+def sample(rng):
+    """A moving support."""
+    sine = (("sine", {"amplitude": 0.3, "frequency": 0.7, "phase": 0.4, "offset": 0.1}),)
+    return [({"direction": rng.normal(size=3), "value": sine}, 1, "")]
+
+
+PRESCRIBED_POSITION = Kind(
+    name="prescribed_position",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0",),
+    fields=(
+        Field("node", NODE, "-", "node that is moved"),
+        Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
+        Field("value", CURVE, "m", "displacement from the position in the deck as a function of time [s]"),
+    ),
+    outputs=(
+        Output("displacement", "m", "displacement of the node along the direction"),
+        Output("velocity", "m/s", "rate of the displacement"),
+        Output("force", "N", "force on the node along the direction"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,53 @@
+r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends turn freely."""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.distance import DISTANCE
+from mecano.constraints.joint_frame import at_one_place
+from mecano.contract import Kind, Output, Part
+from mecano.maths.vec import norm, sub, vec
+from mecano.schema import NODE_PAIR, NUMBER, Field, positive
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Tension and length."""
+    y[0] = -q[6]
+    y[1] = norm(sub(vec(q, 3), vec(q, 0)))
+
+
+def parts(d, nodes, context):
+    """One distance."""
+    initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    return [Part(DISTANCE, (0, 1), {"length": initial if d["length"] is None else d["length"]})]
+
+
+def check(d, nodes):
+    """The rod has a direction at the start."""
+    return at_one_place(nodes)
+
+
+def sample(rng):
+    """A rod that fits and one to be assembled."""
+    return [({}, 2, ""), ({"length": 1.3}, 2, "")]
+
+
+RIGID_ROD = Kind(
+    name="rigid_rod",
+    section="joints",
+    doc=__doc__,
+    layout=("x0", "x1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        Field("length", NUMBER, "m", "length; the distance at the start when not given", None, check=positive),
+    ),
+    outputs=(
+        Output("tension", "N", "force in the rod, positive when it pulls its ends together"),
+        Output("length", "m", "distance of the nodes"),
+    ),
+    parts=parts,
+    check=check,
+    observe=observe,
+    sample=sample,
+)

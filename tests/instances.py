@@ -1,0 +1,195 @@
+"""Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
+
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mecano.constraints import CONSTRAINTS
+from mecano.contract import Context
+from mecano.elements import KINDS
+from mecano.laws.table import LawTable
+from mecano.model.loops import loop_over
+from mecano.schema import DIRECTION, GROUND, VECTOR
+
+ALL_KINDS = {**KINDS, **CONSTRAINTS}
+GRAVITY = np.array([0.7, -0.4, -9.3])
+SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
+
+
+def _call(p, *arguments):
+    function(p[0], *arguments)  # noqa: F821
+
+
+@dataclass
+class Motion:
+    """Nodes in motion; material angular velocities and accelerations, everything else inertial."""
+
+    t: float
+    x: np.ndarray  # (n, 3, 3): node, level (position, velocity, acceleration), component
+    R: np.ndarray  # (n, 3, 3)
+    turn: np.ndarray  # (n, 3, 3): node, level (zero, velocity, acceleration), component
+
+    def after(self, h):
+        """The motion h seconds later, exact to the second order."""
+        x, turn = self.x.copy(), self.turn.copy()
+        x[:, 0] += h * x[:, 1] + 0.5 * h * h * x[:, 2]
+        increments = h * turn[:, 1] + 0.5 * h * h * turn[:, 2]
+        for level in (x, turn):
+            level[:, 1] += h * level[:, 2]
+        return Motion(self.t + h, x, self.R @ Rotation.from_rotvec(increments).as_matrix(), turn)
+
+    def moved(self, Q, shift):
+        """The same motion, all of it turned by Q (3, 3) and shifted."""
+        x = self.x @ Q.T
+        x[:, 0] += shift
+        return Motion(self.t, x, Q @ self.R, self.turn.copy())
+
+
+@dataclass
+class Instance:
+    """One element, constraint or joint on its nodes, with its compiled functions."""
+
+    kind: object
+    p: np.ndarray  # (1,) record
+    nodes: tuple
+    mode: int
+    memory: np.ndarray
+    laws: np.ndarray
+    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
+    multipliers: np.ndarray  # k lambda, of its parts when it has no force
+
+    def local(self, motion):
+        """(q, v, a, R) as contract.py has them."""
+        levels, R = [], []
+        for slot in self.kind.layout:
+            node = self.nodes[int(slot[1:])]
+            levels.append((motion.x if slot[0] == "x" else motion.turn)[node])
+            R += [motion.R[node]] if slot[0] == "R" else []
+        q, v, a = np.concatenate([*levels, self.scalars, np.zeros((3, len(self.multipliers)))], axis=1)
+        q[len(q) - len(self.multipliers) :] = self.multipliers
+        return q, v, a, np.array(R).reshape(-1, 3, 3)
+
+    def after(self, h):
+        """The instance with its scalars h seconds later."""
+        s = self.scalars
+        later = np.array([s[0] + h * s[1] + 0.5 * h * h * s[2], s[1] + h * s[2], s[2]])
+        return Instance(**{**vars(self), "scalars": later})
+
+    def run(self, name, t, *arguments):
+        """Call the compiled function ``name`` of the kind."""
+        loop = loop_over(_call, getattr(self.kind, name), f"test_{name}_{self.kind.name}")
+        loop(self.p, self.memory, self.mode, t, *arguments)
+
+    def force(self, t, state, k=1.0, penalty=0.0):
+        """f, K, C, M at the local ``state`` (q, v, a, R)."""
+        n = self.kind.n_local
+        out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
+        self.run("force", t, k, penalty, self.laws, *state, *out)
+        return out
+
+    def levels(self, t, state):
+        """(n_multipliers, 3)"""
+        g = np.zeros((len(self.kind.multipliers), 3))
+        if self.kind.levels is not None:
+            self.run("levels", t, self.laws, *state, g)
+        return g
+
+    def observe(self, t, state, F):
+        """Outputs (n_outputs,) and energies (4,)."""
+        y, e = np.zeros(sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)), np.zeros(4)
+        if self.kind.observe is not None:
+            self.run("observe", t, self.laws, *state, F, y, e)
+        return y, e
+
+    def written(self, name, size, t, state):
+        """What ``event_values`` or ``commit`` writes, (size,)."""
+        out = np.zeros(size)
+        self.run(name, t, self.laws, *state, out)
+        return out
+
+
+@dataclass
+class Sample:
+    """One sample of a kind: the element itself, then its parts, in a random motion near its nodes."""
+
+    name: str
+    values: dict
+    nodes: list
+    mode: str
+    instances: list
+    motion: Motion
+
+
+def seed_of(name):
+    """A generator of its own for each name, the same in every run."""
+    return np.random.default_rng(zlib.crc32(name.encode()))
+
+
+def samples(kind):
+    """All samples of a kind."""
+    rng = seed_of(kind.name)
+    found = []
+    for values, nodes, mode in kind.sample(rng):
+        if isinstance(nodes, int):
+            nodes = [(rng.normal(size=3), Rotation.random(rng=rng).as_matrix()) for _ in range(nodes)]
+        defaults = {field.name: field.default for field in kind.fields if not field.required}
+        values = {**defaults, **values}
+        instances = expand(kind, values, nodes, mode, GRAVITY, rng)
+        found.append(Sample(kind.name, values, nodes, mode, instances, _motion(kind, values, nodes, rng)))
+    return found
+
+
+def expand(kind, values, nodes, mode, gravity, rng):
+    """[Instance]: the element and its parts, with random scalars and multipliers."""
+    context = Context(LawTable(), gravity)
+    own = kind.prepare(values, nodes, context) if kind.section else values
+    parts = kind.parts(values, nodes, context)
+    laws = context.laws.array()
+    listed = [(kind, own, tuple(range(len(nodes))), kind.modes.index(mode))]
+    listed += [(part.kind, part.parameters, part.nodes, 0) for part in parts]
+    instances = []
+    for of, record, on, mode_number in listed:
+        p = np.zeros(1, of.dtype)
+        for key, value in record.items():
+            p[key][0] = value
+        memory = np.zeros(len(of.memory)) if of.start is None else of.start(p[0], [nodes[i] for i in on])
+        scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
+        multipliers = rng.normal(size=len(of.multipliers))
+        instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
+    if kind.force is None:
+        instances[0].multipliers = np.concatenate([part.multipliers for part in instances[1:]] or [np.zeros(0)])
+    return instances
+
+
+def _motion(kind, values, nodes, rng):
+    n = len(nodes)
+    x, turn = rng.normal(size=(2, n, 3, 3))
+    R = np.array([node[1] for node in nodes]) @ Rotation.from_rotvec(SPREAD * rng.normal(size=(n, 3))).as_matrix()
+    x[:, 0] = [node[0] for node in nodes] + SPREAD * x[:, 0]
+    turn[:, 0] = 0.0
+    for what, i, j in kind.shares(values, n):
+        if what == "x":
+            x[j] = x[i]
+        else:
+            R[j], turn[j] = R[i], turn[i]
+    return Motion(rng.uniform(0.1, 0.9), x, R, turn)
+
+
+def turned_values(kind, values, Q, shift):
+    """The deck values with everything that is inertial turned by Q and shifted."""
+    out = dict(values)
+    for field in kind.fields:
+        value = values.get(field.name)
+        if value is not None and field.type in (VECTOR, DIRECTION):
+            out[field.name] = Q @ np.asarray(value, float)
+        if value is not None and field.type == GROUND:
+            out[field.name] = _turned_ground(value, Q, shift)
+    return out
+
+
+def _turned_ground(ground, Q, shift):
+    plane, profile = ground["plane"], ground.get("profile")
+    turned = {"point": Q @ plane["point"] + shift, "normal": Q @ plane["normal"]}
+    return {"plane": turned, "profile": profile and {**profile, "direction": Q @ profile["direction"]}}

@@ -1,0 +1,249 @@
+"""What every kind of element, joint, load and basic constraint must fulfil. No kind is named here."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from instances import ALL_KINDS, GRAVITY, KINDS, expand, samples, seed_of, turned_values
+from scipy.spatial.transform import Rotation
+
+every_kind = pytest.mark.parametrize("kind", ALL_KINDS.values(), ids=ALL_KINDS)
+deck_kind = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
+
+
+def difference(function, h):
+    """Central difference of the fourth order of function(step) at 0."""
+    near, far = (np.asarray(function(s)) - np.asarray(function(-s)) for s in (h, 2.0 * h))
+    return (8.0 * near - far) / (12.0 * h)
+
+
+def elements(kind):
+    """[(sample, instance)] of all that has a force in the samples of a kind."""
+    return [(s, i) for s in samples(kind) for i in s.instances if i.kind.force is not None]
+
+
+def displaced(instance, state, column, h, array):
+    """The local state with one unknown of q, v or a (``array`` 0, 1, 2) moved; rotations by material increments."""
+    q, v, a, R = (part.copy() for part in state)
+    slot = column // 3
+    layout = instance.kind.layout
+    if array == 0 and slot < len(layout) and layout[slot][0] == "R":
+        r = sum(name[0] == "R" for name in layout[:slot])
+        increment = np.zeros(3)
+        increment[column % 3] = h
+        R[r] = R[r] @ Rotation.from_rotvec(increment).as_matrix()
+    else:
+        (q, v, a)[array][column] += h
+    return q, v, a, R
+
+
+def close(actual, expected, rtol, **labels):
+    """Compare row by row: the rows of a tangent are of different units and sizes."""
+    size = np.abs(expected).max(axis=-1, keepdims=True)
+    error = np.abs(actual - expected) - rtol * np.maximum(size, 1e-6 * size.max(initial=0.0)) - 1e-9
+    worst = np.unravel_index(np.argmax(error), error.shape)
+    assert np.all(error <= 0.0), f"{labels} {worst}: {actual[worst]} instead of {expected[worst]}"
+
+
+def slope(instance, t, state, array, column):
+    """df/dq, df/dv or df/da of one unknown, (n_local,)."""
+    return difference(
+        lambda h: instance.force(t, displaced(instance, state, column, h, array), K_SCALE, PENALTY)[0], 1e-4
+    )
+
+
+@every_kind
+def test_tangents_are_derivatives_of_the_force(kind):
+    for sample, instance in elements(kind):
+        t, state = sample.motion.t, instance.local(sample.motion)
+        tangents = instance.force(t, state, K_SCALE, PENALTY)[1:]
+        n = instance.kind.n_local
+        end = n - len(instance.kind.multipliers)
+        for array, tangent in enumerate(tangents):
+            expected = np.zeros((n, n))
+            for column in range(n if array == 0 else end):
+                expected[:, column] = slope(instance, t, state, array, column)
+            expected[:, end:] *= K_SCALE  # the multiplier in q is k lambda, that of the tangent lambda
+            close(tangent, expected, 1e-7, mode=sample.mode, of=instance.kind.name, tangent="KCM"[array])
+
+
+@every_kind
+def test_force_is_not_zero_everywhere(kind):
+    for of in {id(i.kind): i.kind for _, i in elements(kind)}.values():
+        found = [i.force(s.motion.t, i.local(s.motion), 1.0, 1.0) for s, i in elements(kind) if i.kind is of]
+        assert any(np.any(array) for result in found for array in result)
+
+
+@every_kind
+def test_functions_are_pure(kind):
+    for sample in samples(kind):
+        for instance in sample.instances:
+            t, state = sample.motion.t, instance.local(sample.motion)
+            F = seed_of("F").normal(size=3 * len(instance.kind.layout))
+            inputs = (*state, F, instance.p, instance.memory, instance.laws)
+            before = [array.copy() for array in inputs]
+
+            def results(i=instance, t=t, state=state, F=F):
+                found = [i.levels(t, state), *i.observe(t, state, F)]
+                if i.kind.force is not None:
+                    found += i.force(t, state, K_SCALE, PENALTY)
+                for name, size in (("event_values", len(i.kind.events)), ("commit", len(i.kind.memory))):
+                    if getattr(i.kind, name) is not None:
+                        found.append(i.written(name, size, t, state))
+                return found
+
+            for first, second in zip(results(), results(), strict=True):
+                assert first.tobytes() == second.tobytes()
+                assert np.all(np.isfinite(first))
+            for array, old in zip(inputs, before, strict=True):
+                assert array.tobytes() == old.tobytes()
+
+
+@every_kind
+def test_levels_are_rates_of_the_constraint(kind):
+    for sample, instance in elements(kind):
+        if not instance.kind.multipliers:
+            continue
+
+        def levels(h, sample=sample, instance=instance):
+            later = sample.motion.after(h)
+            return instance.levels(later.t, instance.after(h).local(later))
+
+        rates = difference(levels, 1e-4)
+        value, rate, second = levels(0.0).T
+        position = value != 0.0  # a constraint on velocities has no value, its rate is the constraint
+        np.testing.assert_allclose(rate[position], rates[position, 0], rtol=1e-7, atol=1e-8)
+        np.testing.assert_allclose(second, rates[:, 1], rtol=1e-7, atol=1e-8)
+        assert np.all(rate != 0.0)
+        _, v, a, _ = state = instance.local(sample.motion)
+        np.testing.assert_array_equal(instance.levels(sample.motion.t, (state[0], v, 0.0 * a, state[3]))[:, 1], rate)
+
+
+@every_kind
+def test_multiplier_rows_are_the_constraint(kind):
+    for sample, instance in elements(kind):
+        n = len(instance.kind.multipliers)
+        if n == 0:
+            continue
+        t, state = sample.motion.t, instance.local(sample.motion)
+        value, rate, _ = instance.levels(t, state).T
+        f = instance.force(t, state, K_SCALE, 0.0)[0]
+        np.testing.assert_allclose(f[-n:], -K_SCALE * np.where(value != 0.0, value, rate), rtol=1e-12, atol=1e-14)
+
+
+@every_kind
+def test_power_of_the_forces_is_the_change_of_energy(kind):
+    """f.v = d(T + V)/dt + dissipated - given - (k lambda) dPhi/dt; the last vanishes on the constraints."""
+    for sample in samples(kind):
+        motion, owner = sample.motion, sample.instances[0]
+        F = np.zeros(3 * len(owner.kind.layout))
+
+        def energy(h, motion=motion, owner=owner, F=F):
+            later = motion.after(h)
+            e = owner.observe(later.t, owner.after(h).local(later), F)[1]
+            return e[:2], e[0] + e[1]
+
+        _, _, dissipated, given = owner.observe(motion.t, owner.local(motion), F)[1]
+        power, size = -dissipated + given, 1.0
+        for instance in sample.instances:
+            if instance.kind.force is None:
+                continue
+            state, n = instance.local(motion), len(instance.kind.multipliers)
+            f = instance.force(motion.t, state)[0]
+            terms = (f * state[1])[: len(f) - n]
+            power += terms.sum() + instance.multipliers @ instance.levels(motion.t, state)[:, 1]
+            size += np.abs(terms).sum()
+        size += np.abs(energy(0.0)[0]).sum()
+        assert power == pytest.approx(difference(lambda h: energy(h)[1], 1e-3), abs=1e-8 * size), sample.mode
+        assert dissipated >= -1e-12 * size
+
+
+@deck_kind
+def test_forces_turn_with_the_whole_model(kind):
+    rng = seed_of("turn")
+    Q, shift = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3)
+    for sample in samples(kind):
+        values = turned_values(kind, sample.values, Q, shift)
+        nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
+        twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
+        here, there = sample.motion, sample.motion.moved(Q, shift)
+        forces, energies = [], []
+        for instances, motion in ((sample.instances, here), (twins, there)):
+            for instance, original in zip(instances, sample.instances, strict=True):
+                instance.scalars, instance.multipliers = original.scalars, 0.0 * original.multipliers
+            forces.append(force_on_nodes(instances, motion))
+            owner = instances[0]
+            energies.append(owner.observe(motion.t, owner.local(motion), np.zeros(3 * len(kind.layout)))[1])
+        np.testing.assert_allclose(energies[1][[0, 2, 3]], energies[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
+        expected, actual = forces
+        expected[0] = expected[0] @ Q.T
+        for one, other in zip(actual, expected, strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(other).max(initial=0.0)))
+
+
+def force_on_nodes(instances, motion):
+    """Forces (n, 3), material moments (n, 3), forces of the scalars, and the size of all constraint rows.
+
+    The rows themselves may be other combinations of the same constraints in a model that is turned.
+    """
+    force, moment, scalars, size = np.zeros_like(motion.x[:, 0]), np.zeros_like(motion.x[:, 0]), [], 0.0
+    for instance in instances:
+        if instance.kind.force is None:
+            continue
+        f = instance.force(motion.t, instance.local(motion), 1.0, PENALTY)[0]
+        for i, slot in enumerate(instance.kind.layout):
+            (force if slot[0] == "x" else moment)[instance.nodes[int(slot[1:])]] += f[3 * i : 3 * i + 3]
+        end = len(f) - len(instance.kind.multipliers)
+        scalars.append(f[3 * len(instance.kind.layout) : end])
+        size += f[end:] @ f[end:]
+    return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
+
+
+@every_kind
+def test_declarations_are_complete(kind):
+    assert kind.doc and kind.doc.strip()
+    named = [(item.name, item.unit, item.doc) for item in (*kind.fields, *kind.outputs)]
+    named += [(row.name, row.unit, row.constraint_unit) for row in kind.multipliers]
+    named += [(event.name, event.before, event.doc) for event in kind.events]
+    for name, unit, doc in named:
+        assert name and doc, f"{kind.name}: {name} lacks unit or doc"
+        assert unit or len(kind.modes) > 1
+    names = [field.name for field in kind.fields], [output.name for output in kind.outputs]
+    assert all(len(set(group)) == len(group) for group in names)
+    assert bool(kind.multipliers) == (kind.levels is not None)
+    assert bool(kind.outputs) <= (kind.observe is not None)
+    assert bool(kind.memory) == (kind.commit is not None)
+    assert bool(kind.events) == (kind.event_values is not None)
+    assert kind.force is not None or kind.observe is not None
+    for event in kind.events:
+        assert event.before in kind.modes and event.after in kind.modes
+
+
+@every_kind
+def test_every_mode_has_a_sample_that_passes_the_check(kind):
+    found = samples(kind)
+    assert {sample.mode for sample in found} == set(kind.modes)
+    for sample in found:
+        assert kind.check(sample.values, sample.nodes) == []
+        for name in set(sample.values) - {field.name for field in kind.fields}:
+            assert not kind.section, f"{name} is no field of {kind.name}"
+
+
+def kinds_in(node):
+    """All values of ``type`` in a deck."""
+    if isinstance(node, dict):
+        return {node["type"]} & set(KINDS) if "type" in node else set().union(*map(kinds_in, node.values()), set())
+    return set().union(*map(kinds_in, node), set()) if isinstance(node, list) else set()
+
+
+@pytest.fixture(scope="module")
+def deck_kinds():
+    folder = Path(__file__).parent.parent / "inputs"
+    return set().union(*(kinds_in(yaml.safe_load(path.read_text())) for path in folder.rglob("*.yaml")), set())
+
+
+@deck_kind
+def test_a_deck_uses_it(kind, deck_kinds):
+    assert kind.name in deck_kinds
