@@ -34,6 +34,11 @@ def _cache_folder():
 os.environ["NUMBA_CACHE_DIR"] = _cache_folder()
 
 
+def compiled_before():
+    """True when compiled code of this state of the sources is found on disk."""
+    return any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi"))
+
+
 def __getattr__(name):
     if name == "open_results":
         from mecano.results.reader import open_results

@@ -3,9 +3,10 @@
 import numpy as np
 
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable
+from mecano.laws.table import LawTable, breakpoints
 from mecano.maths import so3
 from mecano.model.model import Element, Model, Node
+from mecano.schema import CURVE
 
 NODE_KEYS = ("node", "nodes", "attached")
 SECTIONS = ("elements", "joints", "loads")
@@ -57,3 +58,13 @@ def set_velocities(deck, system, s):
             counts[first : first + 3] += 1.0
     free = np.arange(of.n_all) < of.n_q
     s.v[:] = np.where(free & (counts > 0), sums / np.maximum(counts, 1.0), 0.0)
+
+
+def time_breakpoints(deck):
+    """Times [s] at which a law of time has a jump or a corner, ascending: steps must end there."""
+    times = set()
+    for section in ("joints", "loads"):
+        for d in deck.values[section].values():
+            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type is CURVE)
+            times |= {t for law in laws for t in breakpoints(law)}
+    return tuple(sorted(times))

@@ -1,9 +1,12 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
+from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
+from mecano.elements.force import FOLLOWER_FORCE, FORCE
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
+from mecano.elements.moment import FOLLOWER_MOMENT, MOMENT
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
@@ -12,7 +15,10 @@ from mecano.elements.rigid_body import RIGID_BODY
 from mecano.elements.rigid_link import RIGID_LINK
 from mecano.elements.rigid_rod import RIGID_ROD
 from mecano.elements.spherical import SPHERICAL
+from mecano.elements.spring_damper import SPRING_DAMPER
+from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.universal import UNIVERSAL
+from mecano.elements.wheel import WHEEL
 
 KINDS = {
     kind.name: kind
@@ -20,5 +26,8 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
+        SPRING_DAMPER, TORSION_SPRING_DAMPER,
+        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
+        WHEEL,
     )
 }  # fmt: skip

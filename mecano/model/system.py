@@ -156,3 +156,13 @@ class System:
             loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, new, *work)
             memories[i] = new
         return tuple(memories)
+
+    def inadmissible(self, s):
+        """What the kinds object to in an assembled configuration although it satisfies the equations: texts."""
+        return [
+            f"{name}: {text}"
+            for b in self.batches
+            if b.kind.admissible
+            for name, p, dofs, rots in zip(b.names, b.p, b.watched, b.rots, strict=True)
+            if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
+        ]

@@ -26,6 +26,11 @@ class RunState:
     given: float = 0.0  # [J] by the surroundings since the start
     powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
 
+    @property
+    def work(self):
+        """Energy dissipated and given since the start [J]."""
+        return self.dissipated, self.given
+
     def tried(self, rejected, iterations):
         """The same run with more rejected trials and Newton iterations counted."""
         return RunState(
@@ -43,7 +48,17 @@ class Accepted:
     info: object  # StepInfo
     h: float
     rejected: int  # trials rejected before it
+    work: tuple  # dissipated and given [J] at the beginning of the step
     happenings: tuple = ()  # events at its end
+
+    def at(self, state):
+        """The run at a ``state`` within the step, work interpolated."""
+        run, (dissipated, given) = self.run, self.work
+        u = (state.t - self.before.t) / self.h
+        return RunState(
+            state, run.history, run.h, run.steps, run.rejected, run.iterations,
+            dissipated + u * (run.dissipated - dissipated), given + u * (run.given - given), run.powers,
+        )  # fmt: skip
 
 
 @dataclass
@@ -102,7 +117,7 @@ class March:
         if found[1] is None:
             s, happenings = self.watch.apply(s0, found[2])
             run = self._start_again(counted, s)
-            self._tell(Accepted(s0, run, trial[2], 0.0, rejected, tuple(happenings)))
+            self._tell(Accepted(s0, run, trial[2], 0.0, rejected, run.work, tuple(happenings)))
             return run
         return self._accept_event(counted, found, rejected)
 
@@ -126,14 +141,14 @@ class March:
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
         new = self._stepped(run, s, history, planned, h)
-        self._tell(Accepted(run.motion, new, info, h, rejected))
+        self._tell(Accepted(run.motion, new, info, h, rejected, run.work))
         return new
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
         new = self._stepped(run, s, history, run.h, h)
         after, happenings = self.watch.apply(s, hit)
-        self._tell(Accepted(run.motion, new, info, h, rejected, tuple(happenings)))
+        self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
         return self._start_again(new, after)
 
     def _stepped(self, run, s, history, planned, h):

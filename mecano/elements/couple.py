@@ -1,0 +1,76 @@
+r"""Couple: a moment between two nodes as a function of time, about an axis that the first carries, as of a motor.
+
+With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
+
+.. math::  f_a = M s, \qquad f_b = -M P^T s
+
+so that node b is turned about +axis and node a about -axis; the surroundings (the motor) give the power
+:math:`M\, \mu \cdot (\omega_b - \omega_a)`. The tangents are :math:`M P^T \hat s` and :math:`-M \widehat{P^T s}`.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.contract import Kind, Output, record
+from mecano.laws.table import evaluate_curve
+from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, skew, tmul, transpose, vec
+from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
+
+RECORD = record(law="i", axis=3)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Opposite moments on both nodes."""
+    size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)
+    back = matmul(transpose(mat(R[1])), mat(R[0]))
+    s_b = mul(back, s)
+    add_vec(f, 0, size, s)
+    add_vec(f, 3, -size, s_b)
+    add_mat(K, 3, 0, size, matmul(back, skew(s)))
+    add_mat(K, 3, 3, -size, skew(s_b))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment, relative rate about the axis, power."""
+    size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)
+    y[0] = size
+    y[1] = dot(tmul(mat(R[1]), mul(mat(R[0]), s)), vec(v, 3)) - dot(s, vec(v, 0))
+    y[2] = size * y[1]
+    e[3] = y[2]
+
+
+def prepare(d, nodes, context):
+    """Record of one couple: the axis in the axes of the first node."""
+    axis = np.asarray(d["axis"], float)
+    return {"law": context.laws.add(d["value"]), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
+
+
+def sample(rng):
+    """A falling curve about a random axis."""
+    value = (("exponential", {"start": 5.0, "limit": 2.0, "rate": 0.3, "origin": -9.0}),)
+    return [({"axis": rng.normal(size=3), "value": value}, 2, "")]
+
+
+COUPLE = Kind(
+    name="couple",
+    section="loads",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axis) and b; either may be ground"),
+        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+        Field("value", CURVE, "N m", "moment on b about the axis, and on a against it, as a function of time [s]"),
+    ),
+    outputs=(
+        Output("moment", "N m", "moment on b about the axis"),
+        Output("rate", "rad/s", "angular velocity of b relative to a about the axis"),
+        Output("power", "W", "power given to both nodes"),
+    ),
+    prepare=prepare,
+    force=force,
+    observe=observe,
+    sample=sample,
+)

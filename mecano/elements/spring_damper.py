@@ -1,0 +1,134 @@
+r"""Spring-damper: a force along the line between two nodes, from a law of its extension and rate.
+
+With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell` (theory.md section 3):
+
+.. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0), \qquad N = N(e, \dot e), \qquad f_1 = -f_0 = N u
+
+N > 0 pulls the nodes together. With :math:`P = I - u u^T` and :math:`w = P (v_1 - v_0)/\ell` the tangents of
+:math:`f_1` by :math:`d` and :math:`\dot d` are
+
+.. math::  K = u\,(N_e u + N_{\dot e} w)^T + \frac{N}{\ell} P, \qquad C = N_{\dot e}\, u u^T
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.joint_frame import at_one_place
+from mecano.contract import Kind, Output, record
+from mecano.elements.stop_modes import EVENTS, MODES, law_record, put_stop_events
+from mecano.laws.table import evaluate_force, potential
+from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, madd, mscale, norm, outer, scale, sub, vec
+from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
+
+SHORTEST = 1e-12  # [m]: below it the line has no direction
+RECORD = record(law="i", natural_length=(), low=(), high=())
+
+
+@njit
+def _line(p, q, v):
+    """Length, its inverse, direction, relative velocity, extension and rate."""
+    d, velocity = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0))
+    length = norm(d)
+    inverse = 1.0 / max(length, SHORTEST)
+    u = scale(inverse, d)
+    return length, inverse, u, velocity, length - p.natural_length, dot(u, velocity)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Equal and opposite forces along the line."""
+    _, inverse, u, velocity, extension, rate = _line(p, q, v)
+    N, N_e, N_rate = evaluate_force(laws, p.law, extension, rate)
+    add_vec(f, 0, -N, u)
+    add_vec(f, 3, N, u)
+    across = madd(EYE, mscale(-1.0, outer(u, u)))
+    w = scale(inverse, sub(velocity, scale(rate, u)))
+    stiffness = madd(outer(u, add(scale(N_e, u), scale(N_rate, w))), mscale(N * inverse, across))
+    damping = mscale(N_rate, outer(u, u))
+    for i in range(2):
+        for j in range(2):
+            sign = 1.0 if i == j else -1.0
+            add_mat(K, 3 * i, 3 * j, sign, stiffness)
+            add_mat(C, 3 * i, 3 * j, sign, damping)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Length, extension, rate, force, stroke; energies."""
+    length, _, _, _, extension, rate = _line(p, q, v)
+    N, _, _ = evaluate_force(laws, p.law, extension, rate)
+    elastic, _, _ = evaluate_force(laws, p.law, extension, 0.0)
+    y[0] = length
+    y[1] = extension
+    y[2] = rate
+    y[3] = N
+    y[4] = -extension
+    e[1] = potential(laws, p.law, extension)
+    e[2] = (N - elastic) * rate
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Stops of the law."""
+    put_stop_events(g, p.low, p.high, _line(p, q, v)[4])
+
+
+def prepare(d, nodes, context):
+    """Record of one spring; its natural length is the initial distance unless given."""
+    distance = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    natural = d["natural_length"]
+    return {"natural_length": distance if natural is None else natural, **law_record(d["law"], context)}
+
+
+def check(d, nodes):
+    """The line must have a direction at the start."""
+    return at_one_place(nodes)
+
+
+def sample(rng):
+    """A landing gear strut between its stops and on them, a nonlinear spring of given natural length."""
+    strut = (
+        ("gas_spring", {"force": rng.uniform(5, 9), "length": rng.uniform(8, 9), "exponent": 1.3}),
+        ("oil_damper", {"compression": 2.0, "rebound": 5.0}),
+        ("stop", {"stiffness": 30.0, "lower": -0.4, "upper": 0.4, "damping": 0.1}),
+        ("dry_friction", {"force": 1.5, "regularization": 0.6}),
+    )
+    cubic = (("polynomial", {"coefficients": [1.0, 20.0, 0.0, 7.0]}), ("damper", {"coefficient": 3.0}))
+    samples = []
+    for mode, length in zip(MODES, (1.0, 2.0, 3.0), strict=True):
+        x, line = rng.normal(size=(2, 3))
+        nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
+        samples.append(({"law": strut, "natural_length": 2.0}, nodes, mode))
+    return [*samples, ({"law": cubic}, 2, "between")]
+
+
+SPRING_DAMPER = Kind(
+    name="spring_damper",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "x1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
+        Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
+        Field(
+            "natural_length", NUMBER, "m", "length at the extension zero; the initial distance when absent", None,
+            not_negative,
+        ),
+    ),
+    outputs=(
+        Output("length", "m", "distance of the nodes"),
+        Output("extension", "m", "length - natural length"),
+        Output("rate", "m/s", "rate of the extension"),
+        Output("force", "N", "axial force; > 0 pulls the nodes together"),
+        Output("stroke", "m", "compression: natural length - length"),
+    ),
+    modes=MODES,
+    events=EVENTS,
+    prepare=prepare,
+    check=check,
+    force=force,
+    observe=observe,
+    event_values=event_values,
+    sample=sample,
+)  # fmt: skip

@@ -1,0 +1,64 @@
+"""What a run says while it goes on: a bar on a terminal, plain lines otherwise."""
+
+import sys
+import time
+
+BAR = 30  # characters
+INTERVAL = 0.1  # s between redrawings of the bar
+LINES = 10  # plain lines for a whole run
+
+
+class Progress:
+    """Observer of accepted steps; all output goes to the standard error stream."""
+
+    def __init__(self, values, quiet, path):
+        self.start, self.end, self.path = values["start"], values["end"], path
+        self.quiet, self.terminal = quiet, sys.stderr.isatty()
+        self.begun = self.drawn = time.monotonic()
+        self.tenths = 0
+
+    def compiling(self):
+        """Say that the first run compiles; nothing is said when the compiled code is there already."""
+        from mecano import compiled_before
+
+        if not compiled_before():
+            self.note("compiling, once for this version of mecano: this takes up to 40 s")
+
+    def note(self, text):
+        """A line of its own."""
+        if not self.quiet:
+            self._clear()
+            print(f"mecano: {text}", file=sys.stderr, flush=True)
+
+    def __call__(self, accepted):
+        """Show simulated time, step size and the time that is left."""
+        if self.quiet:
+            return
+        now, share = time.monotonic(), self._share(accepted.run)
+        if self.terminal and now - self.drawn >= INTERVAL:
+            self.drawn = now
+            filled = int(BAR * share)
+            bar = "#" * filled + "." * (BAR - filled)
+            print(f"\r[{bar}] {self._numbers(accepted, now, share)}\x1b[K", end="", file=sys.stderr, flush=True)
+        elif not self.terminal and int(LINES * share) > self.tenths:
+            self.tenths = int(LINES * share)
+            print(self._numbers(accepted, now, share), file=sys.stderr, flush=True)
+
+    def done(self, run):
+        """The last line: how it went and where the results are."""
+        elapsed = time.monotonic() - self.begun
+        self.note(
+            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations in {elapsed:.2f} s; "
+            f"results in {self.path}"
+        )
+
+    def _share(self, run):
+        return (run.motion.t - self.start) / (self.end - self.start)
+
+    def _numbers(self, accepted, now, share):
+        left = (now - self.begun) * (1 - share) / share if share > 0 else float("nan")
+        return f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s, {left:.0f} s left"
+
+    def _clear(self):
+        if self.terminal:
+            print("\r\x1b[K", end="", file=sys.stderr)

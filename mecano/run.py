@@ -1,0 +1,83 @@
+"""One run, from a checked deck to the results file: prepare, begin, march, close."""
+
+import numpy as np
+
+from mecano.model.sampler import Sampler
+from mecano.prepare import march_of, prepare, remarks
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+from mecano.solve.interpolate import interpolate
+
+
+class Recorder:
+    """Observer that writes saved times, solver history, events and extremes."""
+
+    def __init__(self, prepared, writer, sampler):
+        self.system, self.writer, self.sampler = prepared.system, writer, sampler
+        values = prepared.deck.values
+        every = values["output"]["every"]
+        self.every = None if every == "step" else every
+        self.start, self.end, self.saved = values["time"]["start"], values["time"]["end"], 0
+
+    def first(self, run):
+        """Write the start itself."""
+        row = self.sampler.take(run)
+        self.writer.extremes.take(run.motion.t, row)
+        self.writer.append(run.motion.t, row)
+
+    def __call__(self, accepted):
+        """Write one accepted step: its line in the history, the saved times it covers, its events."""
+        run, info = accepted.run, accepted.info
+        if accepted.h:
+            row = self.sampler.take(run)
+            self.writer.extremes.take(run.motion.t, row)
+            numbers = [accepted.h, info.iterations, info.error, accepted.rejected, *info.norms]
+            self.writer.append_step(run.motion.t, np.array(numbers, float))
+            self._save(accepted, row)
+        for happening in accepted.happenings:
+            self.writer.append_event(
+                happening.t, happening.element, happening.name, happening.before, happening.after
+            )  # fmt: skip
+
+    def _save(self, accepted, row):
+        """Save the step, or the motion at every multiple of the interval in it: interpolated, never a shortened step."""
+        t = accepted.run.motion.t
+        if self.every is None:
+            self.writer.append(t, row)
+            return
+        here, sliver = row.copy(), 1e-9 * self.every
+        while (wanted := self._next()) <= t + sliver and self.saved >= 0:
+            self.writer.append(wanted, here if wanted > t - sliver else self._between(accepted, wanted))
+            self.saved = self.saved + 1 if wanted < self.end else -1
+
+    def _between(self, accepted, t):
+        state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
+        self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 1.0)
+        self.system.observe(state)
+        return self.sampler.take(accepted.at(state))
+
+    def _next(self):
+        """The next time to be saved; the last one is the end."""
+        return min(self.start + (self.saved + 1) * self.every, self.end)
+
+
+def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
+    """Run a checked deck into the results file ``path``; returns the final RunState.
+
+    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Whatever
+    stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the start),
+    ConvergenceError, NonFiniteError (the march), ResultsError (the file).
+    """
+    prepared = prepare(deck)
+    sampler = Sampler(prepared.system)
+    layout = Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
+    source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files)
+    with Writer.create(path, layout, source, force=force) as writer:
+        for text in remarks(prepared):
+            announce(text)
+        recorder = Recorder(prepared, writer, sampler)
+        march = march_of(prepared, (recorder, *observers))
+        start = march.begin(prepared.state, deck.values["time"]["step"])
+        recorder.first(start)
+        return march.to(deck.values["time"]["end"], start)
