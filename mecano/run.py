@@ -53,7 +53,7 @@ class Recorder:
 
     def _between(self, accepted, t):
         state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
-        self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 1.0)
+        self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(state)
         return self.sampler.take(accepted.at(state))
 
