@@ -145,7 +145,8 @@ def transmitted(force_in, slots, starts, members, out, total_out):
     for i in range(starts.shape[0] - 1):
         total = 0.0
         for j in range(starts[i], starts[i + 1]):
-            total -= force_in[members[j]]
+            slot = members[j]
+            total += force_in[~slot] if slot < 0 else -force_in[slot]
         out[slots + i] = total
 
 

@@ -27,7 +27,7 @@ class System:
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
         self.n_q, self.n_l, self.n = self.numbering.n_q, self.numbering.n_l, self.numbering.n
         self._slots(len(names))
-        sides = Sides(len(names), shared, self.n_slots)
+        sides = Sides(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, sides)
         self._pattern()
         self.laws = model.laws.array()
