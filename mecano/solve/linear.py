@@ -1,4 +1,7 @@
-import numpy as np, scipy.sparse as sp, scipy.sparse.linalg as sla
+import scipy.sparse as sp
+import scipy.sparse.linalg as sla
+
+
 class St:
     singular=False
 class LinearSolver:
