@@ -40,7 +40,7 @@ def balance(system, s, cK, cC, cM):
 
 
 def compliance(system, s, length):
-    """Compliances (n_l,) [m/N, rad/(N m)] that let redundant constraints share their force, see docs/theory.md section 3.
+    """Compliances (n_l,) [m/N, rad/(N m)] that let redundant constraints share their force; docs/theory.md, section 3.
 
     Under the forces at work in ``s`` they give way by SOFTNESS of the length scale, or rad.
     """
@@ -56,9 +56,9 @@ def compliance(system, s, length):
 def norms(r, size, kind, n, k, length, reach, force_tolerance, constraint_tolerance):
     """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
-    r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale of
-    the forces is the largest at work anywhere, at fixed nodes too; that of the moments likewise. No force is judged
-    below what the rounding of positions as large as ``reach`` [m] makes of the constraints.
+    r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale
+    of the forces is the largest at work anywhere, at fixed nodes too; that of the moments likewise. No force is
+    judged below what the rounding of positions as large as ``reach`` [m] makes of the constraints.
     """
     force = moment = scalar = constraint = 0.0
     force_size = moment_size = scalar_size = TINY
