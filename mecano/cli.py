@@ -105,9 +105,9 @@ def _report(error):
     from mecano.errors import DeckError, MecanoError
 
     if isinstance(error, DeckError):
-        from mecano.deck.format import report
+        from mecano.deck.format import deck_error_text
 
-        _end(error.exit_code, report(error))
+        _end(error.exit_code, deck_error_text(error))
     if isinstance(error, MecanoError):
         _end(error.exit_code, f"mecano: {error}")
     raise error

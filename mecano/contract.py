@@ -23,7 +23,8 @@ dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constrain
 B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T.
 
 ``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
-``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a (theory.md section 1; docs/theory.md).
+``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
+writes 0, Phi, dPhi/dt.
 
 ``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
 arrive zeroed: kinetic

@@ -1,6 +1,6 @@
 """Errors that a user can cause or meet, each with the exit code of the command line."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -11,6 +11,7 @@ class Mark:
     line: int
     column: int
     stack: tuple = ()  # the marks of the including file or the template, outermost first
+    text: str = field(default="", repr=False, compare=False)  # the whole line, to be printed with a caret
 
     def __str__(self):
         return f"{self.file}:{self.line}:{self.column}"

@@ -15,7 +15,7 @@ class Type:
 
     name: str
     expects: str
-    options: tuple = ()  # choices, or the section a reference points into, or the length of a list
+    options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
 
 
 NUMBER = Type("number", "a number")
@@ -28,6 +28,8 @@ DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
 INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
+NUMBERS = Type("numbers", "a list of numbers")
+POINTS = Type("points", "a list of [x, y] pairs")
 LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
 GROUND = Type("ground", "the name of a ground")
@@ -47,9 +49,38 @@ def choice(*names):
     return Type("choice", "one of: " + ", ".join(names), names)
 
 
+def mapping(*fields):
+    """Keys and values, each declared by a ``Field``."""
+    return Type("mapping", "a mapping", fields)
+
+
+def named(type_, check=None):
+    """A mapping of names the user gives to values of one type; ``check`` as in ``Field``, for each value."""
+    return Type("named", "a mapping of names", (type_, check))
+
+
+def list_of(type_, check=None):
+    """A list of values of one type; ``check`` as in ``Field``, for each value."""
+    return Type("list", "a list", (type_, check))
+
+
+def either(type_, *words):
+    """A value of the given type, or one of the given words."""
+    return Type("either", " or ".join([type_.expects, *(f"'{word}'" for word in words)]), (type_, words))
+
+
+def one_of_kinds(section):
+    """One element, joint or load: a mapping whose ``type`` names the kind, with the fields of that kind."""
+    return Type("kind", "a mapping with the key 'type'", (section,))
+
+
 @dataclass(frozen=True)
 class Field:
-    """One key of a deck: SI ``unit`` ("-" for none), one-line ``doc``, ``check`` -> error text or None."""
+    """One key of a deck: SI ``unit`` ("-" for none), one-line ``doc``, ``check`` -> error text or None.
+
+    The text of a check completes "'mass' ..."; that of a check of a whole mapping is a sentence of its own, and
+    points at the key with which it begins in quotes.
+    """
 
     name: str
     type: Type

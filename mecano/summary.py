@@ -1,6 +1,6 @@
 """What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
-from mecano.run import prepare
+from mecano.prepare import prepare
 
 MOST_NAMES = 12  # names printed of one mechanism
 

@@ -13,20 +13,20 @@ import math
 from numba import njit
 
 from mecano.maths.vec import (
-    ZERO,
     add,
     add_mat,
     cross,
     dot,
+    madd,
     matmul,
+    mscale,
     mul,
     outer,
     scale,
     skew,
-    sub,
     tmul,
     transpose,
-)
+)  # fmt: skip
 
 
 @njit
@@ -61,66 +61,44 @@ def add_product_curvature(K, i, j, g, A, m, s):
 
 @njit
 def twist(A, mu, xi):
-    """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi], and the vectors c, h that make its gradient.
+    """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
 
-    ``mu`` and ``xi`` are the axes of the nodes (rows, material). The angle is the argument of u + i w with
-    u = mu_1 . xi_1 + mu_2 . xi_2, w = mu_2 . xi_1 - mu_1 . xi_2: it does not depend on which mu_1 is chosen, and where
-    mu_3 and xi_3 differ it is twice the argument of the quaternion's parts along mu_3.
+    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). It does not depend on which mu_1 is chosen, and
+    where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
+    turns mu_3 into xi_3 is taken off.
     """
     X, Y = mul(A, xi[0]), mul(A, xi[1])
-    u, w = dot(mu[0], X) + dot(mu[1], Y), dot(mu[1], X) - dot(mu[0], Y)
-    size = 1.0 / (u * u + w * w)
-    c = scale(size, sub(scale(u, mu[1]), scale(w, mu[0])))
-    return math.atan2(w, u), c, scale(size, add(scale(u, mu[0]), scale(w, mu[1])))
+    return math.atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
 
 
 @njit
-def twist_gradient(A, c, h, xi):
-    """Gradients of the angle, (b_0, b_1), and of log |u + i w|, (h_0, h_1); c and h from ``twist``."""
-    c_1, c_2 = product_gradient(A, c, xi[0]), product_gradient(A, c, xi[1])
-    h_1, h_2 = product_gradient(A, h, xi[0]), product_gradient(A, h, xi[1])
-    return (sub(c_1[0], h_2[0]), sub(c_1[1], h_2[1])), (add(h_1[0], c_2[0]), add(h_1[1], c_2[1]))
+def twist_gradient(A, mu_3, xi_3):
+    """(G_0, G_1): dangle = G_1 . dTheta_1 - G_0 . dTheta_0; both are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
+    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    return scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
 
 
 @njit
-def add_twist_curvature(K, g, A, c, h, xi):
-    """Add g times the derivative of (b_0, b_1) to K; the rotations are the first two slots.
-
-    Of the second derivative of log z it is the imaginary part: -(b h^T + h b^T) and the curvature of u + i w.
-    """
-    add_product_curvature(K, 0, 3, g, A, c, xi[0])
-    add_product_curvature(K, 0, 3, -g, A, h, xi[1])
-    b_blocks, h_blocks = twist_gradient(A, c, h, xi)
-    for i in range(2):
-        for j in range(2):
-            add_mat(K, 3 * i, 3 * j, -g, outer(b_blocks[i], h_blocks[j]))
-            add_mat(K, 3 * i, 3 * j, -g, outer(h_blocks[i], b_blocks[j]))
-
-
-@njit
-def argument_rates(u, w):
-    """Argument of u + i w in (-pi, pi] and its first two rates; u and w are given with theirs."""
-    size = u[0] * u[0] + w[0] * w[0]
-    rate = (u[0] * w[1] - w[0] * u[1]) / size
-    second = (u[0] * w[2] - w[0] * u[2]) / size - 2.0 * rate * (u[0] * u[1] + w[0] * w[1]) / size
-    return math.atan2(w[0], u[0]), rate, second
-
-
-@njit
-def twist_rates(mu_1, mu_2, xi_1, xi_2):
-    """The angle of ``twist`` and its first two rates; vectors given with theirs."""
-    u = product_rates(mu_1, xi_1), product_rates(mu_2, xi_2)
-    w = product_rates(mu_2, xi_1), product_rates(mu_1, xi_2)
-    return argument_rates(add(u[0], u[1]), sub(w[0], w[1]))
+def twist_curvature(A, mu_3, xi_3):
+    """((H_00, H_01), (H_10, H_11)): derivative of G_i by the material rotation of node j, not symmetric."""
+    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    G_0, G_1 = scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+    by_0, by_1 = scale(-size, cross(mu_3, xi)), scale(-size, cross(xi_3, mu))
+    H_00 = madd(mscale(size, skew(xi)), outer(G_0, by_0))
+    H_01 = madd(mscale(-size, matmul(A, skew(xi_3))), outer(G_0, by_1))
+    H_10 = madd(mscale(-size, matmul(transpose(A), skew(mu_3))), outer(G_1, by_0))
+    H_11 = madd(mscale(size, skew(mu)), outer(G_1, by_1))
+    return (H_00, H_01), (H_10, H_11)
 
 
 @njit
 def turned(R_0, omega_0, mu, R_1, omega_1, xi):
     """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
-    mu_1, mu_2 = carried(R_0, omega_0, ZERO, mu[0]), carried(R_0, omega_0, ZERO, mu[1])
-    xi_1, xi_2 = carried(R_1, omega_1, ZERO, xi[0]), carried(R_1, omega_1, ZERO, xi[1])
-    angle, rate, _ = twist_rates(mu_1, mu_2, xi_1, xi_2)
-    return angle, rate
+    A = relative_rotation(R_0, R_1)
+    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
+    return twist(A, mu, xi), dot(G_1, omega_1) - dot(G_0, omega_0)
 
 
 @njit

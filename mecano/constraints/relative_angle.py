@@ -10,17 +10,18 @@ from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import (
-    add_twist_curvature,
     carried,
+    product_rates,
     relative_rotation,
     twist,
+    twist_curvature,
     twist_gradient,
-    twist_rates,
     wrap,
 )  # fmt: skip
+from mecano.constraints.joint_frame import triad
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import mat, vec
+from mecano.maths.vec import add, add_mat, dot, mat, mul, scale, sub, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 MULTIPLIER = 6
@@ -29,30 +30,36 @@ MULTIPLIER = 6
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moments on both nodes."""
-    xi = mat(p.xi)
+    mu, xi = mat(p.mu), mat(p.xi)
     A = relative_rotation(mat(R[0]), mat(R[1]))
-    angle, c, h = twist(A, mat(p.mu), xi)
-    b, _ = twist_gradient(A, c, h, xi)
-    Phi = wrap(angle - target(p, laws, t)[0])
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b[0]), (3, b[1])))
-    add_twist_curvature(K, g, A, c, h, xi)
+    Phi = wrap(twist(A, mu, xi) - target(p, laws, t)[0])
+    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, scale(-1.0, G_0)), (3, G_1)))
+    H_0, H_1 = twist_curvature(A, mu[2], xi[2])
+    for j in range(2):
+        add_mat(K, 0, 3 * j, -g, H_0[j])
+        add_mat(K, 3, 3 * j, g, H_1[j])
 
 
 @njit
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of f(t) included."""
-    R_0, omega_0, alpha_0 = mat(R[0]), vec(v, 0), vec(a, 0)
-    R_1, omega_1, alpha_1 = mat(R[1]), vec(v, 3), vec(a, 3)
-    mu_1, mu_2 = carried(R_0, omega_0, alpha_0, vec(p.mu[0], 0)), carried(R_0, omega_0, alpha_0, vec(p.mu[1], 0))
-    xi_1, xi_2 = carried(R_1, omega_1, alpha_1, vec(p.xi[0], 0)), carried(R_1, omega_1, alpha_1, vec(p.xi[1], 0))
-    angle, rate, second = twist_rates(mu_1, mu_2, xi_1, xi_2)
+    R_0, R_1 = mat(R[0]), mat(R[1])
+    mu, xi = mat(p.mu), mat(p.xi)
+    mu_3 = carried(R_0, vec(v, 0), vec(a, 0), mu[2])
+    xi_3 = carried(R_1, vec(v, 3), vec(a, 3), xi[2])
+    spin, spin_rate = sub(mul(R_1, vec(v, 3)), mul(R_0, vec(v, 0))), sub(mul(R_1, vec(a, 3)), mul(R_0, vec(a, 0)))
+    cosine, cosine_rate, _ = product_rates(mu_3, xi_3)
+    G = scale(1.0 / (1.0 + cosine), add(mu_3[0], xi_3[0]))
+    G_rate = scale(1.0 / (1.0 + cosine), sub(add(mu_3[1], xi_3[1]), scale(cosine_rate, G)))
     y, y1, y2 = target(p, laws, t)
-    put_levels(g, 0, wrap(angle - y), rate - y1, second - y2)
+    Phi = wrap(twist(relative_rotation(R_0, R_1), mu, xi) - y)
+    put_levels(g, 0, Phi, dot(G, spin) - y1, dot(G_rate, spin) + dot(G, spin_rate) - y2)
 
 
 def sample(rng):
-    """Axes in general position: nothing is perpendicular or of unit length."""
-    mu, xi = rng.normal(size=(2, 3, 3))
+    """Axes in general position."""
+    mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
     return [({"mu": mu, "xi": xi, "offset": rng.normal(), "law": 0}, 2, "")]
 
 

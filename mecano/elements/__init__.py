@@ -18,6 +18,7 @@ from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
 from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.universal import UNIVERSAL
+from mecano.elements.wheel import WHEEL
 
 KINDS = {
     kind.name: kind
@@ -27,5 +28,6 @@ KINDS = {
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         SPRING_DAMPER, TORSION_SPRING_DAMPER,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
+        WHEEL,
     )
 }  # fmt: skip

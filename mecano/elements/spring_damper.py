@@ -109,7 +109,7 @@ SPRING_DAMPER = Kind(
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "its two nodes; either may be ground"),
+        Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
         Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
         Field(
             "natural_length", NUMBER, "m", "length at the extension zero; the initial distance when absent", None,

@@ -9,6 +9,7 @@ from numba import njit
 from mecano.contract import Event
 from mecano.laws.table import kinks
 
+FAR = 1e30  # [m or rad]: a stop that is never met, in event values that must be finite
 MODES = ("below", "between", "above")
 EVENTS = (
     Event("lower stop closes", "between", "below", "the extension falls to the lower stop"),
@@ -20,7 +21,7 @@ EVENTS = (
 
 @njit
 def put_stop_events(g, low, high, extension):
-    """g (4,) = values of ``EVENTS`` [m or rad]; stops at infinity are never met."""
+    """g (4,) = values of ``EVENTS`` [m or rad]."""
     g[0] = low - extension
     g[1] = extension - low
     g[2] = extension - high
@@ -30,4 +31,4 @@ def put_stop_events(g, low, high, extension):
 def law_record(law, context):
     """Values of the fields law (start in the table), low and high (stops) of a record."""
     low, high = kinks(law)
-    return {"law": context.laws.add(law), "low": low, "high": high}
+    return {"law": context.laws.add(law), "low": max(low, -FAR), "high": min(high, FAR)}

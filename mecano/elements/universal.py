@@ -7,10 +7,12 @@ Both nodes share one position. With :math:`\mu_3` the pin carried by a and :math
 The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one that the cross transmits.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 
-from mecano.constraints.carried import argument_rates, carried, follow, product_rates
+from mecano.constraints.carried import carried, follow, product_rates
 from mecano.constraints.joint_frame import not_at_one_place, triad
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.contract import Kind, Output, Part, record
@@ -25,9 +27,9 @@ PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
 def _pin_angle(A, omega_a, mu, B, omega_b, pin):
     """Angle and rate, about mu_3 carried by the rotation A, of a pin carried by B."""
     xi = carried(B, omega_b, ZERO, pin)
-    u = product_rates(carried(A, omega_a, ZERO, mu[0]), xi)
-    angle, rate, _ = argument_rates(u, product_rates(carried(A, omega_a, ZERO, mu[1]), xi))
-    return angle, rate
+    u, du, _ = product_rates(carried(A, omega_a, ZERO, mu[0]), xi)
+    w, dw, _ = product_rates(carried(A, omega_a, ZERO, mu[1]), xi)
+    return math.atan2(w, u), (u * dw - w * du) / (u * u + w * w)
 
 
 @njit

@@ -22,6 +22,7 @@ def _assemble(
     q, v, a, R, f, K, C, M,
 ):  # fmt: skip
     n = dofs.shape[1]
+    residual_only = cK == 0.0 and cC == 0.0 and cM == 0.0
     for e in range(dofs.shape[0]):
         for i in range(n):
             d = dofs[e, i]
@@ -38,6 +39,14 @@ def _assemble(
                 for j in range(3):
                     R[r, i, j] = R_in[rots[e, r], i, j]
         function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
+        for i in range(n):
+            size = abs(f[i])
+            for j in range(n):
+                size += abs(M[i, j] * a[j])
+            force_out[slots[e, i]] += f[i]
+            size_out[slots[e, i]] += size
+        if residual_only:
+            continue
         # K is the derivative by the material variation; T turns it into one by the rotation increment
         for r in range(rots.shape[1]):
             c, s = columns[r], rots[e, r]
@@ -46,12 +55,8 @@ def _assemble(
                 for j in range(3):
                     K[i, c + j] = k0 * T_in[s, 0, j] + k1 * T_in[s, 1, j] + k2 * T_in[s, 2, j]
         for i in range(n):
-            size = abs(f[i])
             for j in range(n):
                 data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
-                size += abs(M[i, j] * a[j])
-            force_out[slots[e, i]] += f[i]
-            size_out[slots[e, i]] += size
 
 
 def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
@@ -109,11 +114,12 @@ def _observe(
 
 
 @njit(cache=True)
-def clear(force_out, size_out, data_out):
-    """Zero the arrays that the loops add to."""
+def clear(force_out, size_out, data_out, residual_only):
+    """Zero the arrays that the loops add to; the values of the tangent only if they are wanted."""
     force_out[:] = 0.0
     size_out[:] = 0.0
-    data_out[:] = 0.0
+    if not residual_only:
+        data_out[:] = 0.0
 
 
 @njit(cache=True)
@@ -139,7 +145,8 @@ def transmitted(force_in, slots, starts, members, out, total_out):
     for i in range(starts.shape[0] - 1):
         total = 0.0
         for j in range(starts[i], starts[i + 1]):
-            total -= force_in[members[j]]
+            slot = members[j]
+            total += force_in[~slot] if slot < 0 else -force_in[slot]
         out[slots + i] = total
 
 

@@ -7,10 +7,11 @@ class Sides:
     """For each joint that shares an unknown: the slots of all that hangs on its second node.
 
     The force that such a joint transmits is no multiplier: it is the sum of what the nodes on one side of it exert.
+    Where a fixed node is on that side, whose support is unknown, it is the opposite of the sum over the other side.
     """
 
-    def __init__(self, n_nodes, shared, n_slots):
-        self.n_slots = n_slots
+    def __init__(self, shared, fixed, n_slots):
+        self.fixed, self.n_slots = fixed, n_slots
         self.starts, self.members = [0], []
         self.neighbours = {}
         for number_, (what, i, j, _) in enumerate(shared):
@@ -27,12 +28,17 @@ class Sides:
         if (owner, what, node) not in self.shared:
             return [plain, plain + 1, plain + 2]
         edge, other = self.shared[owner, what, node]
-        side = self._side(what, node, edge)
-        if side == [node] or other in side:
+        side, opposite = self._side(what, node, edge), False
+        if other in side:  # a ring of joints
             return [plain, plain + 1, plain + 2]
+        if not self.fixed.isdisjoint(side):
+            across = self._side(what, other, edge)
+            if self.fixed.isdisjoint(across):
+                side, opposite = across, True
         first = self.n_slots + len(self.starts) - 1
         for axis in range(3):
-            self.members += [6 * i + 3 * (what == "R") + axis for i in side]
+            slots = [6 * i + 3 * (what == "R") + axis for i in side]
+            self.members += [~slot for slot in slots] if opposite else slots
             self.starts.append(len(self.members))
         return [first, first + 1, first + 2]
 
@@ -46,5 +52,5 @@ class Sides:
         return seen
 
     def tables(self):
-        """CSR lists (starts, members) of the sums."""
+        """CSR lists (starts, members) of the sums; ~slot counts with the opposite sign."""
         return np.array(self.starts, np.int64), np.array(self.members, np.int64)

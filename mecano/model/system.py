@@ -27,7 +27,7 @@ class System:
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
         self.n_q, self.n_l, self.n = self.numbering.n_q, self.numbering.n_l, self.numbering.n
         self._slots(len(names))
-        sides = Sides(len(names), shared, self.n_slots)
+        sides = Sides(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, sides)
         self._pattern()
         self.laws = model.laws.array()
@@ -109,10 +109,10 @@ class System:
     def assemble(self, s, k, penalty, cK, cC, cM):
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
-        data = cK K T + cC C + cM M; ``k`` and ``penalty`` scale the constraints (contract.py). ``size`` sums the
+        data = cK K T + cC C + cM M, untouched where all three are zero; ``k`` and ``penalty`` scale the constraints (contract.py). ``size`` sums the
         absolute contributions of the elements and of their inertia: the scale on which a residual is small.
         """
-        loops.clear(self.force, self._slot_size, self.data)
+        loops.clear(self.force, self._slot_size, self.data, cK == cC == cM == 0.0)
         state = (s.z, s.v, s.a, s.R, s.T, self.force, self._slot_size, self.data, cK, cC, cM)
         for i, loop, p, tables, work in self._assembly:
             loop(p, s.memories[i], s.modes[i], *tables, s.t, k, penalty, self.laws, *state, *work)

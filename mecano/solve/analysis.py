@@ -7,7 +7,6 @@ left null space of B couples the constraints that repeat one another, its null s
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
@@ -103,7 +102,7 @@ def _left_null_projector(B):
     """Projector (m, m) on the y with B^T y = 0, and its rank."""
     if not B.size:
         return np.eye(B.shape[0]), B.shape[0]
-    U, sigma, _ = scipy.linalg.svd(B, full_matrices=True)
+    U, sigma, _ = np.linalg.svd(B, full_matrices=True)
     null = U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
     return null @ null.T, null.shape[1]
 
@@ -112,7 +111,7 @@ def _null_projector(B, rank):
     """Projector (n, n) on the motions dq with B dq = 0."""
     if not rank:
         return np.eye(B.shape[1])
-    _, _, Vt = scipy.linalg.svd(B, full_matrices=False)
+    _, _, Vt = np.linalg.svd(B, full_matrices=False)
     span = Vt[:rank]
     return np.eye(B.shape[1]) - span.T @ span
 

@@ -68,7 +68,7 @@ class Consistent:
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
         gamma = system.levels(bare)[:, 2]
-        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
+        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
         top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
         a, reaction = self._resolve(top, self.k * gamma)
         s.a[:] = 0.0

@@ -125,8 +125,8 @@ class GeneralizedAlpha:
             of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
         )  # fmt: skip
 
-        def evaluate():
-            system.assemble(s, k, penalty, 1.0, cC, cM)
+        def evaluate(tangent):
+            system.assemble(s, k, penalty, *((1.0, cC, cM) if tangent else (0.0, 0.0, 0.0)))
             if self.compliance is not None:
                 self._comply(s, k)
             return norms(system.residual, system.size, of.kind, n, k, length, reach, *self.limits)
@@ -157,7 +157,7 @@ class GeneralizedAlpha:
         """Give the constraints of a redundant model their compliance."""
         system = self.system
         system.residual[system.n_q : system.n] -= k * self.compliance * s.z[system.n_q : system.n]
-        system.data[system.diagonal[system.n_q :]] -= k * k * self.compliance
+        system.data[system.diagonal[system.n_q :]] = -k * k * self.compliance
 
     def _scales(self, s, h, cC, cM):
         """k and penalty for steps of size h: those of the deck, or the mean stiffness, kept while h stays."""

@@ -174,7 +174,7 @@ class March:
 
     def _observe(self, s):
         """Outputs at a state that no step has just evaluated."""
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(s)
 
     def _powers(self):

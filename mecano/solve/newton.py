@@ -20,13 +20,13 @@ class NewtonResult:
 def newton(evaluate, solve, correct, *, max_iterations):
     """Solve r(z) = 0 at least once, until residual and increment meet their tolerances.
 
-    evaluate() -> tuple of residual norms over their tolerances, at the current z, tangent prepared;
-    solve(fresh) -> increment, with the tangent of the last ``evaluate`` or, not fresh, with the kept factor;
-    correct(dz) -> norm of the increment over its tolerance; moves z. Never raises for non-convergence.
+    evaluate(tangent) -> tuple of residual norms over their tolerances, at the current z, with its tangent if asked for;
+    solve(fresh) -> increment, with the last tangent evaluated or, not fresh, with the factor kept from before, None if
+    singular; correct(dz) -> norm of the increment over its tolerance; moves z. Never raises for non-convergence.
     """
     increment, last = np.inf, np.inf
     for iteration in range(max_iterations + 1):
-        norms = evaluate()
+        norms = evaluate(iteration == 0)
         worst = max(norms)
         if not np.isfinite(worst):
             return NewtonResult(False, iteration, (*norms, increment), "a residual is not finite")
@@ -34,7 +34,10 @@ def newton(evaluate, solve, correct, *, max_iterations):
             return NewtonResult(True, iteration, (*norms, increment))
         if iteration == max_iterations:
             break
-        dz = solve(iteration == 0 or worst > SLOW * last)
+        fresh = not iteration or worst > SLOW * last
+        if fresh and iteration:
+            evaluate(True)
+        dz = solve(fresh)
         if dz is None:
             return NewtonResult(False, iteration, (*norms, increment), "the tangent is singular")
         increment, last = correct(dz), worst

@@ -1,0 +1,81 @@
+"""Tree of nodes -> checked values: version, structure, names, physics."""
+
+from mecano.deck import values
+from mecano.deck.containers import either, filled, kind, list_, mapping, named
+from mecano.deck.laws import law_in_place, law_or_name
+from mecano.deck.physics import check_model
+from mecano.deck.resolve import resolve
+from mecano.deck.scope import INVALID, Scope
+from mecano.deck.wording import found
+from mecano.errors import DeckError, Problem
+from mecano.schema import Field
+from mecano.schema import mapping as mapping_type
+
+VERSION = 1
+
+
+def parameter(node, field, scope):
+    """A number of the section ``parameters``, which all that stands behind it may use."""
+    value = values.number(node, field, scope)
+    scope.parameters[scope.owner.value] = None if value is INVALID else value
+    return value
+
+
+CHECKS = {
+    "number": values.number,
+    "integer": values.integer,
+    "boolean": values.boolean,
+    "text": values.text,
+    "choice": values.choice,
+    "numbers": values.numbers,
+    "vector": values.vector,
+    "direction": values.direction,
+    "inertia": values.inertia,
+    "points": values.points,
+    "node": values.node_name,
+    "nodes": values.node_names,
+    "ground": values.name_in("grounds"),
+    "tire_law": values.name_in("tire_laws"),
+    "law": law_or_name,
+    "curve": law_or_name,
+    "law_in_place": law_in_place,
+    "parameter": parameter,
+    "mapping": mapping,
+    "named": named,
+    "list": list_,
+    "either": either,
+    "kind": kind,
+}
+
+
+def checked_values(root, sections, kinds, terms, folder, problems):
+    """(values, {file read: SHA-256}) of a composed deck; ``problems`` are those found so far.
+
+    Raises DeckError with all problems of the first step that finds any.
+    """
+    _check_version(root, problems)
+    scope = Scope(CHECKS, kinds, terms, folder, problems)
+    result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
+    _stop_at(problems)
+    resolve(result, scope)
+    _stop_at(problems)
+    check_model(result, root, scope)
+    _stop_at(problems)
+    return result, scope.files
+
+
+def _stop_at(problems):
+    if problems:
+        raise DeckError(problems)
+
+
+def _check_version(root, problems):
+    """The version comes first: of a deck of another version nothing else can be said."""
+    if "mecano" not in root.value:
+        raise DeckError(
+            [*problems, Problem("missing 'mecano', the version of the deck", root.mark, "begin with 'mecano: 1'")]
+        )
+    node = root.value["mecano"][1]
+    if type(node.value) is not int or node.value != VERSION:
+        text = f"this program reads decks of version {VERSION}, got {found(node)}"
+        raise DeckError([Problem(text, node.mark, f"write 'mecano: {VERSION}'")])

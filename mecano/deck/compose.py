@@ -1,0 +1,222 @@
+"""YAML events -> a tree of nodes that know where they were written.
+
+The tree is built from the events without recursion and under limits, because the composer of the C library
+crashes on deeply nested input and expands aliases without bound. Anchors and aliases are allowed, tags are not.
+"""
+
+import re
+
+import yaml
+
+from mecano.deck.scalar import resolved
+from mecano.deck.wording import quoted, suggestion
+from mecano.errors import DeckError, Problem
+
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+MAX_DEPTH = 64
+MAX_NODES = 4_000_000
+MAX_EXPANDED = 100_000  # nodes that aliases may add
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+
+
+class Node:
+    """A value and its place: ``value`` is a scalar, a list of nodes, or {key: (node of the key, node)}."""
+
+    __slots__ = ("value", "raw", "source", "line", "column")
+
+    def __init__(self, value, source, line=0, column=0, raw=""):
+        self.value = value
+        self.raw = raw
+        self.source = source
+        self.line = line
+        self.column = column
+
+    @property
+    def mark(self):
+        """Where the value begins."""
+        return self.source.mark(self.line, self.column)
+
+
+class Frame:
+    """A list or mapping that is not yet closed."""
+
+    __slots__ = ("node", "key", "size", "height", "anchor")
+
+    def __init__(self, node, anchor):
+        self.node = node
+        self.key = None
+        self.size = 1  # nodes in it, aliases expanded
+        self.height = 0  # levels below it
+        self.anchor = anchor
+
+
+class Composer:
+    """Takes the events of one document; ``root`` is the tree, ``problems`` what is wrong but does not stop it."""
+
+    def __init__(self, source, problems):
+        self.source = source
+        self.problems = problems
+        self.root = None
+        self.frames = []
+        self.anchors = {}  # name -> (node, size, height), or None while it is open
+        self.count = 0
+        self.expanded = 0
+        self.documents = 0
+        self.handlers = {
+            yaml.ScalarEvent: self.scalar,
+            yaml.SequenceStartEvent: self.open_list,
+            yaml.MappingStartEvent: self.open_mapping,
+            yaml.SequenceEndEvent: self.close,
+            yaml.MappingEndEvent: self.close,
+            yaml.AliasEvent: self.alias,
+            yaml.DocumentStartEvent: self.document,
+        }
+
+    def take(self, event):
+        """Add one event to the tree."""
+        handler = self.handlers.get(type(event))
+        if handler:
+            handler(event)
+
+    def scalar(self, event):
+        """A scalar: plain ones become numbers, booleans or null; quoted ones and blocks are texts."""
+        text = event.value
+        plain = event.implicit[0] and event.tag is None
+        node = self.new(event, resolved(text) if plain else text, text)
+        if event.style == '"' and CONTROL.search(text):
+            self.problem("control characters are not allowed", node)
+        if event.anchor:
+            self.anchors[event.anchor] = (node, 1, 0)
+        self.add(node, 1, 0)
+
+    def open_list(self, event):
+        """The beginning of a list."""
+        self.open(event, [])
+
+    def open_mapping(self, event):
+        """The beginning of a mapping."""
+        self.open(event, {})
+
+    def open(self, event, value):
+        """The beginning of a list or mapping; it is attached now and counted when it is closed."""
+        node = self.new(event, value)
+        if len(self.frames) >= MAX_DEPTH:
+            self.stop(f"nested more than {MAX_DEPTH} levels deep", node)
+        self.attach(node)
+        if event.anchor:
+            self.anchors[event.anchor] = None
+        self.frames.append(Frame(node, event.anchor))
+
+    def close(self, _):
+        """The end of a list or mapping."""
+        frame = self.frames.pop()
+        if frame.anchor:
+            self.anchors[frame.anchor] = (frame.node, frame.size, frame.height)
+        self.measure(frame.size, frame.height)
+
+    def alias(self, event):
+        """A node used again, by reference; refused when it contains itself or when the tree explodes."""
+        place = Node(None, self.source, event.start_mark.line, event.start_mark.column)
+        if event.anchor not in self.anchors:
+            hint = suggestion(event.anchor, self.anchors)
+            self.stop(f"unknown alias {quoted('*' + event.anchor)}", place, hint)
+        if self.anchors[event.anchor] is None:
+            self.stop(f"alias {quoted('*' + event.anchor)} stands inside the value that it means", place)
+        node, size, height = self.anchors[event.anchor]
+        self.expanded += size
+        if self.expanded > MAX_EXPANDED:
+            self.stop(f"aliases expand to more than {MAX_EXPANDED} values", place)
+        if len(self.frames) + height > MAX_DEPTH:
+            self.stop(f"nested more than {MAX_DEPTH} levels deep", place)
+        self.add(node, size, height)
+
+    def document(self, event):
+        """The beginning of a document: there may be one."""
+        self.documents += 1
+        if self.documents > 1:
+            self.stop("a deck is one YAML document; this is the second", self.new(event, None))
+
+    def new(self, event, value, raw=""):
+        """A node at the place of an event."""
+        mark = event.start_mark
+        node = Node(value, self.source, mark.line, mark.column, raw)
+        self.count += 1
+        if self.count > MAX_NODES:
+            self.stop(f"more than {MAX_NODES} values", node)
+        if getattr(event, "tag", None) is not None:
+            self.problem(f"tags such as {quoted(event.tag)} are not used in decks", node)
+        return node
+
+    def add(self, node, size, height):
+        """Attach a complete node."""
+        self.attach(node)
+        self.measure(size, height)
+
+    def measure(self, size, height):
+        """Count a complete node in the collection around it."""
+        if self.frames:
+            frame = self.frames[-1]
+            frame.size += size
+            frame.height = max(frame.height, height + 1)
+
+    def attach(self, node):
+        """Put a node into the collection around it, as a key, a value or an item."""
+        if not self.frames:
+            self.root = node
+            return
+        frame = self.frames[-1]
+        if type(frame.node.value) is list:
+            frame.node.value.append(node)
+        elif frame.key is None:
+            frame.key = node
+            self.check_key(frame.node.value, node)
+        else:
+            key, frame.key = frame.key, None
+            if type(key.value) is str:
+                frame.node.value.setdefault(key.value, (key, node))
+
+    def check_key(self, mapping, key):
+        """A key must be a text, and new."""
+        if type(key.value) is not str:
+            shown = quoted(key.raw) if key.raw else "this"
+            self.problem(f"a key must be a name, and {shown} is none", key, "put names that look so in quotes")
+        elif key.value in mapping:
+            line = mapping[key.value][0].line + 1
+            self.problem(f"duplicate key {quoted(key.value)}, first given in line {line}", key)
+
+    def problem(self, message, node, hint=""):
+        """Note what is wrong and go on."""
+        self.problems.append(Problem(message, node.mark, hint))
+
+    def stop(self, message, node, hint=""):
+        """Give up."""
+        raise DeckError([*self.problems, Problem(message, node.mark, hint)])
+
+
+def compose(source, problems, loader=LOADER):
+    """The root Node of a Source, or None when it is empty; adds to ``problems``, raises DeckError."""
+    composer = Composer(source, problems)
+    try:
+        for event in yaml.parse(source.text[source.begin :], Loader=loader):
+            composer.take(event)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = Node(None, source, mark.line, mark.column) if mark else Node(None, source)
+        composer.stop(_syntax(error), place, _syntax_hint(place))
+    except (yaml.YAMLError, ValueError, OverflowError) as error:
+        composer.stop(f"not valid YAML: {error}".splitlines()[0], Node(None, source))
+    return composer.root
+
+
+def _syntax(error):
+    parts = [part for part in (error.context, error.problem) if part]
+    return "not valid YAML: " + ", ".join(parts)
+
+
+def _syntax_hint(place):
+    rest = place.mark.text[place.column :]
+    if rest.startswith("\t"):
+        return "indent with spaces, not with tabs"
+    if rest[:1] in ("%", "@", "`"):
+        return "put the text in quotes"
+    return ""

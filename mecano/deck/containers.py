@@ -1,0 +1,158 @@
+"""Checks of mappings and lists: known and required keys, defaults, names, kinds. Arguments as in values.py."""
+
+import re
+from dataclasses import replace
+
+from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
+from mecano.deck.wording import quoted, unit_text
+from mecano.schema import Field
+
+IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+RESERVED = {"nodes": ("ground", "all")}
+
+
+def checked(node, field, scope):
+    """The value of a field, of its type and passing its own check; else INVALID."""
+    owner = scope.owner
+    value = scope.checks[field.type.name](node, field, scope)
+    if field.check is None or value is INVALID or type(value) is Reference:
+        return value
+    if field.type.name == "either" and type(value) is str:
+        return value
+    text = field.check(value)
+    if not text:
+        return value
+    if type(value) is dict and field.type.name != "named":
+        path = scope.name_of(field.name)
+        return scope.refuse(place_of(text, node, owner or node), f"{path}: {text}" if path else text)
+    return scope.refuse_value(node, field, text)
+
+
+def default(field, scope):
+    """The checked default of a field; a new copy each time. An infinite number means a bound that is not there."""
+    if field.default is None or field.type.name == "number":
+        return field.default
+    if id(field) not in scope.defaults:
+        scope.defaults[id(field)] = checked(node_of(field.default), field, scope)
+    return _copy(scope.defaults[id(field)])
+
+
+def _copy(value):
+    if type(value) is dict:
+        return {key: _copy(item) for key, item in value.items()}
+    return [_copy(item) for item in value] if type(value) is list else value
+
+
+def mapping(node, field, scope):
+    """A dict with all fields of the type, defaults filled in."""
+    return filled(node, field, field.type.options, scope)
+
+
+def filled(node, field, fields, scope, given=None):
+    """A dict of the given fields from a mapping; ``given`` are keys and values that the caller has read."""
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, field)
+    before, owner = len(scope.problems), scope.owner or node
+    values = dict(given or {})
+    known = {inner.name for inner in fields}.union(values)
+    if field.name:
+        scope.path.append(field.name)
+    for key, (key_node, _) in node.value.items():
+        if key not in known:
+            hint = scope.suggest(key, sorted(known))
+            scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
+    for inner in fields:
+        pair = node.value.get(inner.name)
+        if pair:
+            scope.owner = pair[0]
+            place(values, inner.name, checked(pair[1], inner, scope), scope)
+        elif inner.required:
+            _missing(inner, owner, scope)
+        else:
+            values[inner.name] = default(inner, scope)
+    if field.name:
+        scope.path.pop()
+    return values if len(scope.problems) == before else INVALID
+
+
+def _missing(field, owner, scope):
+    what = f"{field.type.expects}{unit_text(field)}: {field.doc}"
+    scope.refuse(owner, f"missing {quoted(scope.name_of(field.name))}, {what}")
+
+
+def named(node, field, scope):
+    """A dict from names, which the user chooses, to values of one type."""
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, field)
+    before, values = len(scope.problems), {}
+    type_, check = field.type.options
+    inner = Field("", type_, field.unit, field.doc, check=check)
+    outer, path = scope.subject, scope.path
+    scope.path = []
+    for name, (key_node, value_node) in node.value.items():
+        scope.subject, scope.owner = f"{singular(field.name)} {quoted(name)}", key_node
+        _check_name(name, key_node, field, scope)
+        place(values, name, checked(value_node, inner, scope), scope)
+    scope.subject, scope.path = outer, path
+    return values if len(scope.problems) == before else INVALID
+
+
+def singular(section):
+    """What one thing of a section is called."""
+    return section.removesuffix("s").replace("_", " ")
+
+
+def _check_name(name, key_node, field, scope):
+    if not IDENTIFIER.fullmatch(name):
+        scope.refuse(key_node, "a name begins with a letter or '_' and has letters, digits, '_' and '-'")
+    elif name in RESERVED.get(field.name, ()):
+        scope.refuse(key_node, f"the name {quoted(name)} is reserved")
+
+
+def list_(node, field, scope):
+    """A list of values of one type, each with its own check."""
+    if type(node.value) is not list:
+        return scope.refuse_value(node, field)
+    before, values = len(scope.problems), [None] * len(node.value)
+    type_, check = field.type.options
+    for i, item in enumerate(node.value):
+        inner = Field(f"{field.name}[{i}]", type_, field.unit, field.doc, check=check)
+        scope.owner = item
+        place(values, i, checked(item, inner, scope), scope)
+    return values if len(scope.problems) == before else INVALID
+
+
+def either(node, field, scope):
+    """One of the words of the type, or a value of its other type."""
+    type_, words = field.type.options
+    if type(node.value) is str and node.value in words:
+        return node.value
+    if type(node.value) is str and "$" not in node.value:
+        return scope.refuse_value(node, field)
+    return scope.checks[type_.name](node, replace(field, type=type_), scope)
+
+
+def kind(node, field, scope):
+    """An element, joint or load: {"type": name of the kind, and the fields of the kind}."""
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, field)
+    section = field.type.options[0]
+    known = [name for name, kind in scope.kinds.items() if kind.section == section]
+    if "type" not in node.value:
+        return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(known))
+    type_node = node.value["type"][1]
+    found = scope.kinds.get(type_node.value) if type(type_node.value) is str else None
+    if found is None or found.section != section:
+        return _unknown_kind(type_node, found, known, section, scope)
+    scope.subject = f"{found.name} {scope.subject.partition(' ')[2]}"
+    return filled(node, field, found.fields, scope, {"type": found.name})
+
+
+def _unknown_kind(type_node, found, known, section, scope):
+    if type(type_node.value) is not str:
+        return scope.refuse(type_node, f"'type' must be the name of a kind, got {scope.got(type_node)}")
+    if found and found.section:
+        text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
+        return scope.refuse(type_node, text)
+    hint = scope.suggest(type_node.value, known)
+    return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

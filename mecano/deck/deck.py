@@ -1,0 +1,90 @@
+"""A deck that has been read and checked."""
+
+import json
+import math
+from dataclasses import dataclass, field
+
+from mecano.deck.compose import Node
+
+
+@dataclass(frozen=True)
+class Deck:
+    """Values of a checked deck, and where they were written.
+
+    ``values`` is a tree of dicts and lists in SI units with all defaults filled in. Every section is there. An
+    element is {"type": name of its kind, and all fields of the kind}. Names of nodes are names; names of laws,
+    grounds and tire laws have been replaced by what they mean (the very object of the section). A law is a tuple of
+    (term, {field: value}); tables of CSV files have become points.
+    """
+
+    file: str  # as given by the user
+    text: str
+    sha256: str
+    values: dict
+    overrides: tuple = ()  # "path=value"
+    files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
+    tree: Node = field(default=None, repr=False, compare=False)
+
+    def mark(self, *path):
+        """Where the value at a path of keys and indices was written; for what is a default, the nearest value above.
+
+        A mapping is marked at its key.
+        """
+        node = place = self.tree
+        for key in path:
+            if type(node.value) is dict and key in node.value:
+                place, node = node.value[key]
+            elif type(node.value) is list and isinstance(key, int) and key < len(node.value):
+                place = node = node.value[key]
+            else:
+                break
+        return (place if type(node.value) is dict else node).mark
+
+    def resolved(self):
+        """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.
+
+        Plain dicts, lists, texts and numbers, so that JSON (a subset of YAML) can write them; reading them as a deck
+        gives the same values. What is absent (None, or an infinite bound) is left out.
+        """
+        names = {}
+        for section in ("laws", "grounds", "tire_laws"):
+            names |= {id(value): name for name, value in self.values[section].items()}
+        return {key: _plain_section(value, names) for key, value in self.values.items()}
+
+    def resolved_text(self):
+        """The resolved deck as JSON, one line for each named thing."""
+        sections = []
+        for key, value in self.resolved().items():
+            if isinstance(value, dict) and value:
+                inner = [f"  {json.dumps(name)}: {json.dumps(item, allow_nan=False)}" for name, item in value.items()]
+                text = "{\n" + ",\n".join(inner) + "\n }"
+            else:
+                text = json.dumps(value, allow_nan=False)
+            sections.append(f" {json.dumps(key)}: {text}")
+        return "{\n" + ",\n".join(sections) + "\n}\n"
+
+
+def _plain_section(value, names):
+    """A section in the grammar of decks; what it names itself is written out."""
+    if not isinstance(value, dict):
+        return _plain(value, names)
+    return {name: _written(item, names) for name, item in value.items() if not _absent(item)}
+
+
+def _plain(value, names):
+    """A checked value in the grammar of decks; named things become names again."""
+    return names[id(value)] if id(value) in names else _written(value, names)
+
+
+def _written(value, names):
+    if isinstance(value, tuple):
+        return {term: _written(values, names) for term, values in value}
+    if isinstance(value, list):
+        return [_plain(item, names) for item in value]
+    if isinstance(value, dict):
+        return {key: _plain(item, names) for key, item in value.items() if not _absent(item)}
+    return value
+
+
+def _absent(value):
+    return value is None or (isinstance(value, float) and math.isinf(value))

@@ -1,0 +1,74 @@
+"""Kinds, terms of laws and sections in words, from their declarations: what `mecano explain` prints."""
+
+import math
+from textwrap import wrap
+
+WIDTH = 100
+
+
+def describe(kind):
+    """A kind of element, joint or load: its fields and outputs, and its documentation."""
+    parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
+    if kind.outputs:
+        parts += ["", "Outputs", *output_lines(kind.outputs)]
+    if kind.multipliers:
+        parts += ["", "Multipliers"]
+        parts += [f"  {row.name} [{row.unit}]" for row in kind.multipliers]
+    if kind.events:
+        parts += ["", "Events"]
+        parts += [f"  {event.name}: {event.doc}" for event in kind.events]
+    return "\n".join(parts) + "\n"
+
+
+def describe_term(term):
+    """A term of a law: its fields."""
+    what = "of one variable" if term.role == "curve" else "a force of extension and rate"
+    return (
+        "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]) + "\n"
+    )
+
+
+def describe_section(field):
+    """A section of the deck with all that is declared below it."""
+    return "\n".join([f"{field.name} (section of the deck)", "", *field_lines((field,))]) + "\n"
+
+
+def field_lines(fields, indent=1):
+    """Lines for each field: name, unit, type, default, meaning; fields of inner mappings below theirs."""
+    lines = []
+    for field in fields:
+        unit = "" if field.unit == "-" else f" [{field.unit}]"
+        value = "required" if field.required else _default(field)
+        lines.append("  " * indent + f"{field.name}{unit}: {field.type.expects}; {value}")
+        lines += _paragraph(field.doc, indent + 2)
+        lines += field_lines(_inner(field.type), indent + 1)
+    return lines
+
+
+def output_lines(outputs):
+    """Lines for each output: name, unit, shape, meaning."""
+    lines = []
+    for output in outputs:
+        unit = "" if output.unit == "-" else f" [{output.unit}]"
+        shape = f", {' x '.join(map(str, output.shape))} numbers" if output.shape else ""
+        lines += [f"  {output.name}{unit}{shape}", *_paragraph(output.doc, 3)]
+    return lines
+
+
+def _paragraph(text, indent):
+    return wrap(text, WIDTH, initial_indent="  " * indent, subsequent_indent="  " * indent)
+
+
+def _default(field):
+    if field.default is None or field.default in ((), {}, "", math.inf, -math.inf):
+        return "optional"
+    value = list(field.default) if isinstance(field.default, tuple) else field.default
+    return f"default {str(value).lower() if isinstance(value, bool) else value}"
+
+
+def _inner(type_):
+    if type_.name == "mapping":
+        return type_.options
+    if type_.name in ("named", "list", "either"):
+        return _inner(type_.options[0])
+    return ()

@@ -1,0 +1,39 @@
+"""Problems of a deck as text: place, message, the line and a caret."""
+
+MAX_PRINTED = 50
+WINDOW = 100  # characters shown of a long line
+
+
+def problem_text(problem):
+    """One problem on several lines: ``file:line:column: message; hint``, the line of the deck, a caret."""
+    hint = f"; {problem.hint}" if problem.hint else ""
+    if problem.mark is None:
+        return f"{problem.message}{hint}"
+    lines = [f"{problem.mark}: {problem.message}{hint}"]
+    if problem.mark.text.strip():
+        lines += _line_and_caret(problem.mark)
+    lines += [f"  in {outer}" for outer in reversed(problem.mark.stack)]
+    return "\n".join(lines)
+
+
+def _line_and_caret(mark):
+    column = mark.column - 1
+    begin = max(0, column - WINDOW // 2) if column > WINDOW - 10 else 0
+    line = mark.text[begin : begin + WINDOW].replace("\t", " ").rstrip()
+    line = "".join(c if c.isprintable() else "?" for c in line)
+    return [f"    {line}", "    " + " " * (column - begin) + "^"]
+
+
+def deck_error_text(error, limit=MAX_PRINTED):
+    """All problems of a DeckError by place, at most ``limit`` of them, and their number."""
+    problems = sorted(error.problems, key=_place)
+    parts = [problem_text(problem) for problem in problems[:limit]]
+    count = len(problems)
+    total = "1 error" if count == 1 else f"{count} errors"
+    parts.append(total if count <= limit else f"and {count - limit} more; {total}")
+    return "\n".join(parts)
+
+
+def _place(problem):
+    mark = problem.mark
+    return (mark.file, mark.line, mark.column) if mark else ("", 0, 0)

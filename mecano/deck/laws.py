@@ -1,0 +1,88 @@
+"""Checks of laws: a number, a name or a mapping of terms; tables may come from CSV files."""
+
+import re
+from dataclasses import replace
+
+from mecano.deck.containers import filled
+from mecano.deck.scope import INVALID, Reference, place_of
+from mecano.deck.tables import table
+from mecano.deck.values import number, plain_number
+from mecano.deck.wording import quoted
+from mecano.schema import NUMBER, Field, Type
+
+TERM = Type("mapping", "a mapping")
+POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # how a check of points says which one it means
+
+
+def law_or_name(node, field, scope):
+    """A law as a tuple of (term, {field: value}); a Reference for a name; a number means the constant curve."""
+    if type(node.value) is dict:
+        return law(node, field, scope)
+    value = plain_number(node, scope)
+    if value is INVALID:
+        return INVALID
+    if value is not None and field.type.name != "law":
+        value = number(node, replace(field, type=NUMBER), scope)
+        return INVALID if value is INVALID else (("constant", {"value": value}),)
+    if type(node.value) is str:
+        return Reference(node.value, "laws", field.type.name, node, scope.subject)
+    return scope.refuse_value(node, field)
+
+
+def law_in_place(node, field, scope):
+    """A law of the section ``laws``: a number or a mapping of terms, no name."""
+    value = law_or_name(node, field, scope)
+    return scope.refuse_value(node, field) if type(value) is Reference else value
+
+
+def law(node, field, scope):
+    """The terms of a mapping."""
+    if not node.value:
+        return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
+    if field.name:
+        scope.path.append(field.name)
+    terms = tuple((name, _term(name, key, inner, field, scope)) for name, (key, inner) in node.value.items())
+    if field.name:
+        scope.path.pop()
+    return INVALID if any(values is INVALID for _, values in terms) else terms
+
+
+def _term(name, key, node, field, scope):
+    term = scope.terms.get(name)
+    if term is None:
+        hint = scope.suggest(name, scope.terms)
+        return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
+    if not fits(term, field.type.name):
+        return scope.refuse(key, f"{quoted(name)} is a force of extension and rate; here must be {field.type.expects}")
+    scope.owner = key
+    values = filled(node, Field(name, TERM, "-", term.doc), term.fields, scope)
+    if values is INVALID or ("file" in values and not _with_points(values, term, node, scope)):
+        return INVALID
+    texts = term.check(values)
+    for text in texts:
+        scope.refuse(place_of(text, node, key), f"{name}: {text}")
+    return INVALID if texts else values
+
+
+def fits(term, wanted):
+    """True when a law with this term can stand where ``wanted`` ("law" or "curve") is asked for."""
+    return wanted != "curve" or term.role == "curve"
+
+
+def _with_points(values, term, node, scope):
+    """Read the points of a term from its file, if it has one; False when they cannot be had."""
+    if values["file"] is None:
+        return True
+    if values["points"] is not None:
+        scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
+        return False
+    found = table(values["file"], node.value["file"][1], scope)
+    if found is None:
+        return False
+    values["file"], values["points"] = None, found.points
+    check = next(field.check for field in term.fields if field.name == "points")
+    text = check(found.points) if check else None
+    if text:
+        match = POINT_NUMBER.search(text)
+        scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")
+    return not text

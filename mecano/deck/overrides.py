@@ -1,0 +1,77 @@
+"""``--set a.b.c=value``: values of the command line put into the tree of a deck before it is checked."""
+
+import re
+from dataclasses import replace
+from itertools import accumulate
+
+from mecano.deck.compose import MAX_DEPTH, Node, compose
+from mecano.deck.source import FORBIDDEN, Source
+from mecano.deck.wording import quoted, suggestion
+from mecano.errors import DeckError, Problem
+
+INDEX = re.compile("[0-9]{1,9}")
+
+
+def overridden(root, overrides, sections, problems):
+    """The tree with the overrides applied in order; the given tree stays as it is.
+
+    ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
+    from 0, the value is YAML. Keys may be new where the schema may know them; names in a section of names (nodes,
+    laws, parameters...) must be in the deck. Adds to ``problems``.
+    """
+    names = {field.name for field in sections if field.type.name == "named"}
+    for text in overrides:
+        try:
+            root = _applied(root, text, names)
+        except DeckError as error:
+            problems.extend(error.problems)
+    return root
+
+
+def _applied(root, text, names):
+    path, equals, value = text.partition("=")
+    whole = Source(f"--set {path if len(path) <= 60 else path[:57] + '...'}".strip(), text)
+    if FORBIDDEN.search(text):
+        raise DeckError([Problem("control characters are not allowed", whole.mark(0, 0))])
+    keys = path.split(".")
+    if not equals or not all(keys) or len(keys) > MAX_DEPTH:
+        raise DeckError([Problem("an override is written path.to.key=value", whole.mark(0, 0))])
+    source, problems = replace(whole, begin=len(path) + 1), []
+    new = compose(source, problems) or Node(None, source)
+    if problems:
+        raise DeckError(problems)
+    columns = accumulate((len(key) + 1 for key in keys), initial=0)
+    places = [Node(key, whole, 0, column) for key, column in zip(keys, columns, strict=False)]
+    return _replaced(root, places, 0, new, names)
+
+
+def _replaced(node, places, depth, new, names):
+    """A copy of ``node`` in which the value at places[depth:] is ``new``."""
+    if depth == len(places):
+        return new
+    place, key = places[depth], places[depth].value
+    if type(node.value) is dict:
+        known = node.value
+        if key not in known and depth == 1 and places[0].value in names:
+            _refuse(place, f"'{places[0].value}' has no {quoted(key)}", suggestion(key, known))
+        if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
+            _refuse(place, f"the deck has no {quoted(key)}, of which an item could be set", "set the whole list")
+        written, child = known.get(key, (place, _like(place, {})))
+        child = _replaced(child, places, depth + 1, new, names)
+        return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})
+    if type(node.value) is list:
+        items = list(node.value)
+        if not INDEX.fullmatch(key) or int(key) >= len(items):
+            _refuse(place, f"{quoted(key)} is no item of a list of {len(items)}", "items are counted from 0")
+        items[int(key)] = _replaced(items[int(key)], places, depth + 1, new, names)
+        return _like(node, items)
+    above = quoted(".".join(p.value for p in places[:depth]))
+    _refuse(place, f"{above} holds a single value, so there is no {quoted(key)} in it")
+
+
+def _like(node, value):
+    return Node(value, node.source, node.line, node.column)
+
+
+def _refuse(place, message, hint=""):
+    raise DeckError([Problem(message, place.mark, hint)])

@@ -1,0 +1,79 @@
+"""Checks of values taken together: what each kind says of itself, nodes and names used twice or not at all."""
+
+from collections import Counter
+
+import numpy as np
+
+from mecano.deck.scope import place_of
+from mecano.deck.wording import quoted
+
+SECTIONS_OF_KINDS = ("elements", "joints", "loads")
+
+
+def element_nodes(kind, values):
+    """Names of the nodes of an element, joint or load: its fields of node types, in their order."""
+    names = []
+    for field in kind.fields:
+        value = values[field.name]
+        if field.type.name == "node" and value is not None:
+            names.append(value)
+        elif field.type.name == "nodes" and value is not None:
+            names.extend(value)
+    return names
+
+
+def rotations(vectors):
+    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad], after Rodrigues."""
+    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    H = np.zeros((len(vectors), 3, 3))
+    H[:, 2, 1], H[:, 0, 2], H[:, 1, 0] = vectors.T
+    H -= H.transpose(0, 2, 1)
+    s, c = np.sinc(angle / np.pi), 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    return np.eye(3) + s * H + c * H @ H
+
+
+def poses(nodes):
+    """{name: (x (3,) [m], R (3, 3))} of checked nodes."""
+    x = np.array([node["position"] for node in nodes.values()])
+    R = rotations(np.array([node["orientation"] for node in nodes.values()]))
+    return {name: (x[i], R[i]) for i, name in enumerate(nodes)}
+
+
+def check_model(values, root, scope):
+    """Note everything in the elements, joints, loads and nodes that cannot be."""
+    at, used, owners = poses(values["nodes"]), set(), {}
+    for section in SECTIONS_OF_KINDS:
+        for name, element in values[section].items():
+            key, node = root.value[section][1].value[name]
+            kind = scope.kinds[element["type"]]
+            scope.subject = f"{kind.name} {quoted(name)}"
+            if name in owners:
+                hint = "names of elements, joints and loads must differ"
+                scope.refuse(key, f"the name is already that of a {owners[name]}", hint)
+            owners.setdefault(name, kind.name)
+            names = element_nodes(kind, element)
+            if section != "loads":
+                used.update(names)
+            _check_element(kind, element, names, at, key, node, scope)
+    _check_unused(values["nodes"], used, root, scope)
+
+
+def _check_element(kind, element, names, at, key, node, scope):
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        scope.refuse(key, f"node {quoted(twice[0])} is named twice")
+        return
+    held = next((name for name in names if name != "ground"), None)
+    given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
+    with np.errstate(all="ignore"):
+        texts = kind.check(element, given)
+    for text in texts:
+        scope.refuse(place_of(text, node, key), text)
+
+
+def _check_unused(nodes, used, root, scope):
+    for name in nodes:
+        if name not in used:
+            scope.subject = f"node {quoted(name)}"
+            key, _ = root.value["nodes"][1].value[name]
+            scope.refuse(key, "no element or joint is connected to it", "connect or delete it")

@@ -1,0 +1,44 @@
+"""Text -> checked deck, in steps; each step is taken only when the one before found nothing wrong."""
+
+import os
+
+from mecano.deck.check import checked_values
+from mecano.deck.compose import Node, compose
+from mecano.deck.deck import Deck
+from mecano.deck.overrides import overridden
+from mecano.deck.sections import SECTIONS
+from mecano.deck.source import Unreadable, decoded, read_source
+from mecano.elements import KINDS
+from mecano.errors import DeckError, Mark, Problem
+from mecano.laws import TERMS
+
+
+def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
+    """The checked Deck of a file; ``overrides`` are texts "path.to.key=value".
+
+    Raises DeckError with all problems of the first step that finds any: the bytes, the YAML, the structure (keys,
+    types, units, finite numbers), the names, the physics.
+    """
+    try:
+        source, digest = read_source(path)
+    except Unreadable as error:
+        raise DeckError([Problem(f"the deck cannot be read: {error}", Mark(str(path), 1, 1))]) from None
+    return deck_of(source, digest, overrides, kinds, sections, terms)
+
+
+def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
+    """The checked Deck of a Source; see ``read_deck``."""
+    problems = []
+    root = compose(source, problems)
+    if root is None or type(root.value) is not dict:
+        what = "the deck is empty" if root is None or root.value is None else "a deck is a mapping of sections"
+        raise DeckError([*problems, Problem(what, (root or Node(None, source)).mark, "begin with 'mecano: 1'")])
+    root = overridden(root, overrides, sections, problems)
+    folder = os.path.dirname(source.file)
+    values, files = checked_values(root, sections, kinds, terms, folder, problems)
+    return Deck(source.file, source.text, digest, values, tuple(overrides), files, root)
+
+
+def deck_of_bytes(data, file, **options):
+    """The checked Deck of bytes, as if they were in ``file``."""
+    return deck_of(decoded(data, file), **options)

@@ -1,0 +1,40 @@
+"""Names -> what they mean: nodes must exist; laws, grounds and tire laws take the place of their names."""
+
+from mecano.deck.containers import singular
+from mecano.deck.laws import fits
+from mecano.deck.wording import quoted
+
+
+def resolve(values, scope):
+    """Look up every reference of the scope in the checked values, which are changed in place."""
+    for reference in scope.references:
+        scope.subject = reference.subject
+        known = values[reference.section]
+        if reference.name not in known:
+            _unknown(reference, known, scope)
+            continue
+        found = known[reference.name]
+        if reference.section == "laws":
+            _check_terms(reference, found, scope)
+        if reference.home:
+            container, key = reference.home
+            container[key] = found
+
+
+def _unknown(reference, known, scope):
+    what = singular(reference.section)
+    if reference.name == "ground" and reference.section == "nodes":
+        hint = "'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"
+    elif known:
+        hint = scope.suggest(reference.name, known)
+    else:
+        hint = f"the deck has no '{reference.section}'"
+    scope.refuse(reference.node, f"unknown {what} {quoted(reference.name)}", hint)
+
+
+def _check_terms(reference, law, scope):
+    for name, _ in law:
+        if not fits(scope.terms[name], reference.wanted):
+            text = f"law {quoted(reference.name)} is a force of extension and rate ({quoted(name)}); "
+            scope.refuse(reference.node, text + "here must be a curve")
+            return

@@ -1,0 +1,115 @@
+"""What the checks of a deck share: the problems found so far, the subject at hand, parameters and references."""
+
+import re
+from dataclasses import dataclass, field
+
+from mecano.deck.compose import Node
+from mecano.deck.source import Source
+from mecano.deck.wording import found, quoted, suggestion, unit_text
+from mecano.errors import DeckError, Problem
+
+MAX_PROBLEMS = 10_000
+MAX_SUGGESTIONS = 100  # looking for similar words is slow in a large deck
+PARAMETER = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
+QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
+DEFAULT = Source("default", "")
+INVALID = object()  # stands for a value that has been refused
+
+
+@dataclass
+class Reference:
+    """A name that stands for something of a section; it is put in place of the name when all sections are read."""
+
+    name: str
+    section: str
+    wanted: str  # name of the type: "law", "curve", "ground"...
+    node: Node
+    subject: str
+    home: tuple | None = None  # (container, key) of the checked value
+
+
+@dataclass
+class Scope:
+    """State of one check of a deck."""
+
+    checks: dict  # name of a type -> its check
+    kinds: dict
+    terms: dict
+    folder: str  # of the deck, where tables are looked for
+    problems: list
+    parameters: dict = field(default_factory=dict)  # name -> number, or None when it was refused
+    references: list = field(default_factory=list)
+    files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
+    tables: dict = field(default_factory=dict)  # name of a file read -> points
+    defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
+    subject: str = ""  # "hinge 'knee'"
+    path: list = field(default_factory=list)  # keys between the subject and the value at hand
+    owner: Node | None = None  # node of the key of the value at hand: where a missing key is reported
+    suggestions: int = 0
+
+    def refuse(self, node, message, hint=""):
+        """Note a problem of the subject at the place of a node; returns INVALID."""
+        text = f"{self.subject}: {message}" if self.subject else message
+        self.problems.append(Problem(text, node.mark, hint))
+        if len(self.problems) >= MAX_PROBLEMS:
+            raise DeckError(self.problems)
+        return INVALID
+
+    def refuse_value(self, node, declared, what=None):
+        """Note that the value of a field is not what it must be; returns INVALID."""
+        name = self.name_of(declared.name)
+        what = what or f"must be {declared.type.expects}"
+        subject = f"{quoted(name)} " if name else ""
+        return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}")
+
+    def name_of(self, name):
+        """The dotted path of a key below the subject."""
+        return ".".join([*self.path, name] if name else self.path)
+
+    def got(self, node):
+        """The value in words, with the value of a parameter."""
+        match = PARAMETER.fullmatch(node.value) if type(node.value) is str else None
+        value = self.parameters.get(match[2]) if match else None
+        return found(node) if value is None else f"{-value if match[1] else value} ({node.value})"
+
+    def suggest(self, word, known):
+        """A hint for an unknown word, as long as few were given."""
+        self.suggestions += 1
+        return suggestion(word, known) if self.suggestions <= MAX_SUGGESTIONS else ""
+
+    def parameter(self, node):
+        """The number that ``$name`` or ``-$name`` stands for; None when the text is no parameter."""
+        match = PARAMETER.fullmatch(node.value)
+        if not match:
+            return None
+        sign, name = match.groups()
+        if name not in self.parameters:
+            hint = self.suggest(name, self.parameters) or "no parameter is known here"
+            return self.refuse(node, f"unknown parameter {quoted(name)}", hint)
+        value = self.parameters[name]
+        return INVALID if value is None else (-value if sign else value)
+
+
+def place(container, key, value, scope):
+    """Put a checked value into a dict or list; a reference will be replaced there by what it means."""
+    container[key] = value
+    if type(value) is Reference:
+        value.home = (container, key)
+        scope.references.append(value)
+
+
+def node_of(value):
+    """The node that a default, a Python value, would have come from."""
+    if isinstance(value, dict):
+        return Node({key: (node_of(key), node_of(item)) for key, item in value.items()}, DEFAULT)
+    if isinstance(value, list | tuple):
+        return Node([node_of(item) for item in value], DEFAULT)
+    return Node(value, DEFAULT, raw=str(value))
+
+
+def place_of(text, node, otherwise):
+    """The node that a text about a mapping points at: the key with which it begins in quotes, or ``otherwise``."""
+    match = QUOTED_KEY.match(text)
+    if match and type(node.value) is dict and match[1] in node.value:
+        return node.value[match[1]][1]
+    return otherwise

@@ -1,0 +1,167 @@
+"""The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
+
+from mecano.elements.tire_law import TIRE_LAW_FIELDS
+from mecano.schema import (
+    BOOLEAN,
+    CURVE,
+    DIRECTION,
+    INTEGER,
+    NODES,
+    NUMBER,
+    TEXT,
+    VECTOR,
+    Field,
+    Type,
+    choice,
+    either,
+    list_of,
+    mapping,
+    named,
+    not_negative,
+    one_of_kinds,
+    positive,
+)  # fmt: skip
+
+PARAMETER = Type("parameter", "a number")
+LAW_IN_PLACE = Type("law_in_place", "a number or a mapping of terms")
+ZERO = (0.0, 0.0, 0.0)
+
+
+def not_empty(value):
+    """Check: at least one."""
+    return None if value else "must not be empty"
+
+
+def spectral_radius(value):
+    """Check: in [0, 1]."""
+    return None if 0.0 <= value <= 1.0 else "must lie between 0 and 1"
+
+
+def below_one(value):
+    """Check: a relative tolerance."""
+    return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
+
+
+def at_least_one(value):
+    """Check: >= 1."""
+    return None if value >= 1 else "must be at least 1"
+
+
+def check_time(time):
+    """Check of the values together: an interval, steps that fit into it and into their bounds."""
+    if not time["end"] > time["start"]:
+        return f"'end' must be later than 'start', {time['start']:g} s"
+    if time["step"] > time["end"] - time["start"]:
+        return "'step' must not be longer than the time from 'start' to 'end'"
+    if time["method"] == "hht" and time["rho_inf"] < 0.5:
+        return "'rho_inf' must be at least 0.5 with the method hht"
+    bounds = time["adaptive"] or {"minimum_step": AUTOMATIC, "maximum_step": AUTOMATIC}
+    low, high = bounds["minimum_step"], bounds["maximum_step"]
+    if low != AUTOMATIC and low > time["step"]:
+        return "'step' must not be less than 'adaptive.minimum_step'"
+    if high != AUTOMATIC and high < time["step"]:
+        return "'step' must not be greater than 'adaptive.maximum_step'"
+    return None
+
+
+def check_velocity(entry):
+    """Check of the values together: a turning set of nodes needs a point about which it turns."""
+    several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
+    if several and any(entry["angular_velocity"]) and entry["about"] is None:
+        return "'about' is missing: the point about which the nodes turn, or 'own' for each about itself"
+    return None
+
+
+AUTOMATIC = "automatic"
+
+NODE_FIELDS = (
+    Field("position", VECTOR, "m", "position at the start, inertial"),
+    Field(
+        "orientation", VECTOR, "rad", "rotation vector at the start, from the inertial axes to those of the node", ZERO
+    ),
+    Field("fixed", BOOLEAN, "-", "whether the node is held where it is", False),
+)
+
+PLANE_FIELDS = (
+    Field("point", VECTOR, "m", "a point of the plane"),
+    Field("normal", DIRECTION, "-", "normal of the plane, out of the ground"),
+)
+PROFILE_FIELDS = (
+    Field("direction", DIRECTION, "-", "direction of the distance, taken in the plane"),
+    Field("height", CURVE, "m", "height over the plane, a curve of the distance [m] from its point"),
+)
+GROUND_FIELDS = (
+    Field("plane", mapping(*PLANE_FIELDS), "-", "the plane, or that from which the profile is measured"),
+    Field("profile", mapping(*PROFILE_FIELDS), "-", "unevenness; the ground is flat when absent", None),
+)
+
+VELOCITY_FIELDS = (
+    Field("nodes", either(NODES, "all"), "-", "the nodes that move so", check=not_empty),
+    Field("velocity", VECTOR, "m/s", "velocity, inertial; with 'about', that of its point", ZERO),
+    Field("angular_velocity", VECTOR, "rad/s", "angular velocity, inertial axes", ZERO),
+    Field(
+        "about", either(VECTOR, "own"), "m",
+        "point about which the nodes turn as one rigid body; 'own': each about itself", None,
+    ),
+)  # fmt: skip
+INITIAL_FIELDS = (
+    Field(
+        "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
+        "rigid-body motions of sets of nodes, v = velocity + angular_velocity x (x - about), added one to the other",
+        (),
+    ),
+)  # fmt: skip
+
+ADAPTIVE_FIELDS = (
+    Field("tolerance", NUMBER, "-", "error of one step relative to 'length_scale', or [rad]", check=below_one),
+    Field("minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops where less is needed", AUTOMATIC, positive),
+    Field("maximum_step", either(NUMBER, AUTOMATIC), "s", "longest step", AUTOMATIC, positive),
+    Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
+)
+NEWTON_FIELDS = (
+    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-7, below_one),
+    Field("constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, below_one),
+    Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 15, at_least_one),
+)
+SCALE_FIELDS = (
+    Field("k", either(NUMBER, AUTOMATIC), "N/m", "scale of the constraint equations", AUTOMATIC, positive),
+    Field("penalty", either(NUMBER, AUTOMATIC), "N/m", "penalty of the constraints", AUTOMATIC, not_negative),
+)
+TIME_FIELDS = (
+    Field("start", NUMBER, "s", "time at the start", 0.0),
+    Field("end", NUMBER, "s", "time at the end"),
+    Field("step", NUMBER, "s", "time step; with 'adaptive' the first one", check=positive),
+    Field(
+        "method", choice("generalized_alpha", "hht", "newmark"), "-", "time integration (Lie group)",
+        "generalized_alpha",
+    ),
+    Field(
+        "rho_inf", NUMBER, "-", "spectral radius at infinite frequency: 1 damps nothing, 0 most", 0.8, spectral_radius
+    ),
+    Field("adaptive", mapping(*ADAPTIVE_FIELDS), "-", "step size from the error; a fixed step when absent", None),
+    Field("newton", mapping(*NEWTON_FIELDS), "-", "when the equations count as solved", {}),
+    Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
+)  # fmt: skip
+
+OUTPUT_FIELDS = (
+    Field("every", either(NUMBER, "step"), "s", "time between saved results; 'step': every step", "step", positive),
+)
+
+SECTIONS = (
+    Field("mecano", INTEGER, "-", "version of the deck"),
+    Field("title", TEXT, "-", "title of the model", ""),
+    Field("parameters", named(PARAMETER), "-", "numbers by name: '$name' and '-$name' stand for them", {}),
+    Field("gravity", VECTOR, "m/s2", "acceleration of gravity, inertial", (0.0, 0.0, -9.81)),
+    Field(
+        "nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty
+    ),
+    Field("elements", named(one_of_kinds("elements")), "-", "bodies, springs, wheels...", check=not_empty),
+    Field("joints", named(one_of_kinds("joints")), "-", "constraints between nodes", {}),
+    Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
+    Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
+    Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
+    Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
+    Field("initial", mapping(*INITIAL_FIELDS), "-", "velocities at the start", {}),
+    Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", check=check_time),
+    Field("output", mapping(*OUTPUT_FIELDS), "-", "what is saved", {}),
+)

@@ -1,0 +1,80 @@
+"""Texts as they were written: strict reading of files, and marks into them."""
+
+import hashlib
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mecano.errors import DeckError, Mark, Problem
+
+MAX_BYTES = 64 * 2**20
+LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what YAML counts as the end of a line
+FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text with the name under which messages point into it; what is read of it begins at ``begin``."""
+
+    file: str
+    text: str
+    begin: int = 0
+    stack: tuple = ()  # marks of the including file or the template, outermost first
+
+    @cached_property
+    def lines(self):
+        """The lines without their ends."""
+        return LINE_END.split(self.text)
+
+    def mark(self, line, column):
+        """The Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
+        if line >= len(self.lines):
+            line = len(self.lines) - 1
+            return Mark(self.file, line + 1, len(self.lines[line]) + 1, self.stack, self.lines[line])
+        shift = self.begin if line == 0 else 0
+        return Mark(self.file, line + 1, column + shift + 1, self.stack, self.lines[line])
+
+    def mark_at(self, position):
+        """The Mark of a position in the text."""
+        before = LINE_END.split(self.text[:position])
+        return self.mark(len(before) - 1, len(before[-1]))
+
+
+class Unreadable(Exception):
+    """A file that cannot be opened or is too large; the text says why."""
+
+
+def read_source(path, file=None):
+    """The Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, the path by default.
+
+    Raises Unreadable, or DeckError when the bytes are no clean UTF-8 text.
+    """
+    try:
+        if Path(path).exists() and not Path(path).is_file():
+            raise Unreadable("it is not a regular file")
+        with open(path, "rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise Unreadable(getattr(error, "strerror", None) or str(error)) from None
+    if len(data) > MAX_BYTES:
+        raise Unreadable(f"it is larger than {MAX_BYTES // 2**20} MiB")
+    return decoded(data, str(path) if file is None else file), hashlib.sha256(data).hexdigest()
+
+
+def decoded(data, file):
+    """The Source of bytes that must be UTF-8 without control characters; a leading byte order mark is dropped."""
+    data = data.removeprefix(BYTE_ORDER_MARK)
+    try:
+        source = Source(file, data.decode())
+    except UnicodeDecodeError as error:
+        source = Source(file, data.decode(errors="replace"))
+        mark = source.mark_at(len(data[: error.start].decode(errors="replace")))
+        text = f"byte 0x{data[error.start]:02x} is not UTF-8"
+        raise DeckError([Problem(text, mark, "save the file as UTF-8")]) from None
+    wrong = FORBIDDEN.search(source.text)
+    if wrong:
+        mark = source.mark_at(wrong.start())
+        raise DeckError([Problem(f"character U+{ord(wrong[0]):04X} is not allowed in a deck", mark)])
+    return source

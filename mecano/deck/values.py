@@ -1,0 +1,151 @@
+"""Checks of single values: node of the deck -> plain value, or INVALID with the problem noted in the scope.
+
+A check takes the node, the ``Field`` that declares it and the ``Scope``. Numbers become floats; a text ``$name`` or
+``-$name`` stands for a number of ``parameters``.
+"""
+
+import math
+from dataclasses import replace
+
+from mecano.deck.scope import INVALID, Reference
+from mecano.deck.wording import quoted
+from mecano.schema import NODE, NUMBER, NUMBERS, Field
+
+LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
+PAIR = replace(NUMBERS, expects="two numbers")
+ROW = replace(NUMBERS, expects="three numbers")
+
+
+def plain_number(node, scope):
+    """The int or float of a node or of its parameter; None when it is none, INVALID when the parameter is not."""
+    value = node.value
+    if type(value) is str:
+        value = scope.parameter(node)
+    return value if value is INVALID or type(value) in (int, float) else None
+
+
+def number(node, field, scope):
+    """A finite float."""
+    value = plain_number(node, scope)
+    if value is INVALID:
+        return INVALID
+    if value is None:
+        return scope.refuse_value(node, field)
+    if abs(value) <= LARGEST:
+        return float(value)
+    return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
+
+
+def integer(node, field, scope):
+    """An int; a float without fraction will do."""
+    value = plain_number(node, scope)
+    if value is INVALID:
+        return INVALID
+    if value is None or not abs(value) < 2**53 or value != int(value):
+        return scope.refuse_value(node, field)
+    return int(value)
+
+
+def boolean(node, field, scope):
+    """True or False."""
+    return node.value if type(node.value) is bool else scope.refuse_value(node, field)
+
+
+def text(node, field, scope):
+    """A text."""
+    return node.value if type(node.value) is str else scope.refuse_value(node, field)
+
+
+def choice(node, field, scope):
+    """One of the words of the type."""
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    if node.value in field.type.options:
+        return node.value
+    hint = scope.suggest(node.value, field.type.options)
+    return scope.refuse(node, f"{quoted(scope.name_of(field.name))} cannot be {quoted(node.value)}", hint)
+
+
+def items(node, field, scope, item_type):
+    """A list of values of one type."""
+    if type(node.value) is not list:
+        return scope.refuse_value(node, field)
+    check = scope.checks[item_type.name]
+    values = [
+        check(item, Field(f"{field.name}[{i}]", item_type, field.unit, field.doc), scope)
+        for i, item in enumerate(node.value)
+    ]
+    return INVALID if INVALID in values else values
+
+
+def numbers(node, field, scope):
+    """A list of numbers."""
+    return items(node, field, scope, NUMBER)
+
+
+def vector(node, field, scope):
+    """A list of three numbers."""
+    if type(node.value) is not list or len(node.value) != 3:
+        return scope.refuse_value(node, field)
+    return items(node, field, scope, NUMBER)
+
+
+def direction(node, field, scope):
+    """A vector that is not zero."""
+    value = vector(node, field, scope)
+    if value is INVALID or math.hypot(*value) > 1 / LARGEST:
+        return value
+    return scope.refuse_value(node, field)
+
+
+def inertia(node, field, scope):
+    """Three or six numbers, or three rows of three; as written."""
+    size = len(node.value) if type(node.value) is list else 0
+    if size == 6 or (size == 3 and type(node.value[0].value) is not list):
+        return items(node, field, scope, NUMBER)
+    if size == 3 and all(type(row.value) is list and len(row.value) == 3 for row in node.value):
+        return items(node, field, scope, ROW)
+    return scope.refuse_value(node, field)
+
+
+def points(node, field, scope):
+    """A list of pairs of numbers."""
+    if type(node.value) is not list:
+        return scope.refuse_value(node, field)
+    odd = [i for i, item in enumerate(node.value) if type(item.value) is not list or len(item.value) != 2]
+    for i in odd:
+        scope.refuse_value(node.value[i], replace(field, name=f"{field.name}[{i}]", type=PAIR))
+    return INVALID if odd else items(node, field, scope, PAIR)
+
+
+def node_name(node, field, scope):
+    """The name of a node, looked up later."""
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    scope.references.append(Reference(node.value, "nodes", field.type.name, node, scope.subject))
+    return node.value
+
+
+def node_names(node, field, scope):
+    """A list of names of nodes, as many as the type asks for; one of a pair may be ``ground``."""
+    length = field.type.options[0] if field.type.options else None
+    if type(node.value) is not list or (length and len(node.value) != length):
+        return scope.refuse_value(node, field)
+    values = []
+    for i, item in enumerate(node.value):
+        if length == 2 and item.value == "ground" and "ground" not in values:
+            values.append("ground")
+        else:
+            values.append(node_name(item, replace(field, name=f"{field.name}[{i}]", type=NODE), scope))
+    return INVALID if INVALID in values else values
+
+
+def name_in(section):
+    """The check of a type that names something of a section: a Reference, to be replaced by what it means."""
+
+    def check(node, field, scope):
+        if type(node.value) is not str:
+            return scope.refuse_value(node, field)
+        return Reference(node.value, section, field.type.name, node, scope.subject)
+
+    return check

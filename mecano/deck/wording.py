@@ -1,0 +1,51 @@
+"""Words for messages: quoted texts, what was found, and did-you-mean."""
+
+import difflib
+
+MAX_SHOWN = 60
+MAX_LISTED = 12
+
+
+def quoted(text):
+    """A text in quotes, cut when long, without unprintable characters."""
+    return repr(text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "...")
+
+
+def found(node):
+    """What stands in the deck, in words: completes "..., got"."""
+    value = node.value
+    if value is None:
+        return "nothing"
+    if type(value) is str:
+        return f"the text {quoted(value)}"
+    if type(value) is list:
+        return _listed(value)
+    if type(value) is dict:
+        return "a mapping"
+    return node.raw if 0 < len(node.raw) <= MAX_SHOWN else str(value)
+
+
+def _listed(items):
+    scalars = all(type(item.value) not in (list, dict) for item in items)
+    if len(items) <= 4 and scalars:
+        text = "[" + ", ".join(quoted(i.value) if type(i.value) is str else i.raw or "null" for i in items) + "]"
+        if len(text) <= 2 * MAX_SHOWN:
+            return text
+    return f"a list of {len(items)}"
+
+
+def unit_text(field):
+    """The unit of a field in brackets; nothing for none, or for one that depends on where a law is used."""
+    return "" if field.unit == "-" or "unit of" in field.unit else f" [{field.unit}]"
+
+
+def suggestion(word, known):
+    """Hint for a word that is not among the known ones: the nearest, or all when they are few."""
+    known = list(known)
+    if len(word) <= MAX_SHOWN:
+        near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+        if near:
+            return f"did you mean {quoted(near[0])}?"
+    if 0 < len(known) <= MAX_LISTED:
+        return "known: " + ", ".join(quoted(name)[1:-1] for name in known)
+    return ""

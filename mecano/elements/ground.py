@@ -1,0 +1,104 @@
+"""Grounds: a plane, on which a profile may stand; what every kind of wheel rolls on.
+
+A checked ground is {"plane": {"point", "normal"}, "profile": {"direction", "height"} or None}: points and vectors
+of 3 numbers [m], height a law [m] of the distance [m] from the point along the direction. The maths is in
+mecano/maths/surface.py.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from mecano.laws.probe import curve_at
+from mecano.laws.table import breakpoints, evaluate_curve
+from mecano.maths.surface import disc_contact, foot_residual, profile_normal
+from mecano.maths.vec import ZERO, dot, sub, vec
+
+GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
+
+_ITERATIONS = 50  # 3 to 5 are usual; more only far above a hollow that is narrower than the distance
+_STEP_END = 1e-11  # of the radius; the iteration converges quadratically
+
+
+def prepare_ground(ground, context):
+    """Values of GROUND_RECORD; without a profile the direction is any and the law 0."""
+    plane, profile = ground["plane"], ground.get("profile")
+    normal = _unit(plane["normal"])
+    direction = _in_plane(profile["direction"], normal) if profile else np.zeros(3)
+    return {
+        "point": np.array(plane["point"], float),
+        "normal": normal,
+        "direction": _unit(direction) if profile else direction,
+        "height": int(context.laws.add(profile["height"])) if profile else 0,
+    }
+
+
+def check_ground(ground):
+    """Texts on what is wrong with a ground's values taken together."""
+    profile = ground.get("profile")
+    if not profile:
+        return []
+    texts = []
+    if np.linalg.norm(_in_plane(profile["direction"], _unit(ground["plane"]["normal"]))) < 1e-6:
+        texts.append("the profile's direction is along the normal of the plane; it must lie in the plane")
+    corners = [s for s in breakpoints(profile["height"]) if _is_corner(profile["height"], s)]
+    if corners:
+        texts.append(
+            f"the profile's height has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
+            "(a table: 'interpolation: cubic', and ends that run out flat or 'beyond: extend')"
+        )
+    return texts
+
+
+def _is_corner(law, s):
+    """True when value or slope of the curve jumps at s."""
+    step = 1e-9 * (1.0 + abs(s))
+    before, after = curve_at(law, s - step), curve_at(law, s + step)
+    return abs(after[0] - before[0]) > 1e-6 or abs(after[1] - before[1]) > 1e-6
+
+
+def check_axle(ground, x, axis):
+    """Texts on what is wrong with a wheel's start: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
+    normal = _unit(ground["plane"]["normal"])
+    if np.linalg.norm(np.cross(normal, _unit(axis))) < 0.1:
+        return ["the wheel lies flat: its axis is along the normal of the ground"]
+    height = normal @ (np.asarray(x, float) - ground["plane"]["point"])
+    if not ground.get("profile") and height <= 0.0:
+        return [f"the wheel's centre is {-height:g} m below the ground"]
+    return []
+
+
+def _unit(a):
+    a = np.array(a, float)
+    return a / np.linalg.norm(a)
+
+
+def _in_plane(direction, normal):
+    direction = _unit(direction)
+    return direction - (direction @ normal) * normal
+
+
+@njit
+def touch(p, laws, x, a):
+    """Contact (see surface.py) of the ground of record ``p`` and a disc of centre ``x`` and unit axis ``a``.
+
+    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed one, which bounds the iteration's steps.
+    """
+    n0, d = vec(p.normal, 0), vec(p.direction, 0)
+    X = sub(x, vec(p.point, 0))
+    z = dot(n0, X)
+    if p.height == 0:
+        return disc_contact(n0, ZERO, z, a)
+    centre, delta, step = dot(d, X), 0.0, p.radius
+    for i in range(_ITERATIONS + 1):
+        H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
+        if abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
+            break
+        value, slope = foot_residual(n0, d, a, z, delta, H, H1, H2)
+        # far from the ground the slope may vanish or change its sign: then a short step along the residual
+        step = value / max(-slope, 0.05)
+        step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
+        delta += step
+    n, dn = profile_normal(n0, d, H1, H2)
+    return disc_contact(n, dn, (z - H + H1 * delta) / math.sqrt(1.0 + H1 * H1), a)

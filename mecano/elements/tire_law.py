@@ -1,0 +1,100 @@
+r"""Tyre laws: the radial force and the friction in the contact, for every kind of wheel that deforms.
+
+Radial force in the plane of the wheel, of the deformation w = radius - r and its rate ((32) of Cardona,
+Geradin and Doan 1991; damping after Hunt and Crossley 1975, which never pulls):
+
+    F_r = F(w) max(0, 1 + c dw/dt)
+
+F is continued by its tangent to w < 0, so that a step which ends at the lift-off meets no corner.
+Friction against the slip velocity v_C, with N the normal force, smooth at rest ((33)-(35); Oden and
+Martins 1985):
+
+    F_fr = mu(|v_C|) phi(|v_C|) N v_C/|v_C|,   phi(u) = (u/eps)(2 - u/eps) for u < eps, else 1
+"""
+
+from numba import njit
+
+from mecano.laws.probe import curve_at
+from mecano.laws.table import evaluate_curve, potential
+from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
+
+TIRE_LAW_FIELDS = (
+    Field("radius", NUMBER, "m", "undeformed radius", check=positive),
+    Field("radial", CURVE, "N", "radial force, a curve of the radial deformation [m]; zero at zero"),
+    Field(
+        "radial_damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the radial force", 0.0,
+        not_negative,
+    ),
+    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed; never below zero"),
+    Field(
+        "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero",
+        check=positive,
+    ),
+    Field(
+        "valid_deformation", NUMBER, "m", "deformation up to which the law holds; a warning beyond",
+        None, positive,
+    ),
+)  # fmt: skip
+
+TIRE_RECORD = {"radius": (), "radial": "i", "radial_damping": (), "friction": "i", "slip_regularization": ()}
+
+
+def prepare_tire_law(law, context):
+    """Values of TIRE_RECORD."""
+    return {
+        "radius": law["radius"],
+        "radial": int(context.laws.add(law["radial"])),
+        "radial_damping": law["radial_damping"],
+        "friction": int(context.laws.add(law["friction"])),
+        "slip_regularization": law["slip_regularization"],
+    }
+
+
+def check_tire_law(law):
+    """Texts on what is wrong with a tyre law's values taken together."""
+    texts = []
+    at_zero, slope, _ = curve_at(law["radial"], 0.0)
+    size = abs(curve_at(law["radial"], 0.1 * law["radius"])[0])
+    if abs(at_zero) > 1e-6 * size:
+        texts.append(f"the radial force must be zero at zero deformation; it is {at_zero:g} N")
+    if slope < 0.0:
+        texts.append("the radial force must not fall from zero deformation on")
+    if curve_at(law["friction"], 0.0)[0] < 0.0:
+        texts.append("the coefficient of friction must not be negative")
+    return texts
+
+
+@njit
+def elastic_force(p, laws, w):
+    """F(w) [N] and dF/dw of the deformation w [m]; below zero its tangent at zero."""
+    F, dF, _ = evaluate_curve(laws, p.radial, max(w, 0.0))
+    return F + dF * min(w, 0.0), dF
+
+
+@njit
+def elastic_energy(p, laws, w):
+    """Energy [J] stored at the deformation w [m] >= 0."""
+    return potential(laws, p.radial, w) - potential(laws, p.radial, 0.0)
+
+
+@njit
+def radial_force(p, laws, w, w1):
+    """F_r [N], dF_r/dw and dF_r/dw1 of the deformation w [m] and its rate w1 [m/s]."""
+    F, dF = elastic_force(p, laws, w)
+    factor = 1.0 + p.radial_damping * w1
+    if factor <= 0.0:
+        return 0.0, 0.0, 0.0
+    return F * factor, dF * factor, F * p.radial_damping
+
+
+@njit
+def friction_factor(p, laws, u):
+    """mu phi [-], b = mu phi/u [s/m] and u db/du of the slip speed u >= 0 [m/s]; finite at u = 0."""
+    mu, d_mu, _ = evaluate_curve(laws, p.friction, u)
+    if mu <= 0.0:
+        return 0.0, 0.0, 0.0
+    eps = p.slip_regularization
+    if u >= eps:
+        return mu, mu / u, d_mu - mu / u
+    ramp = (2.0 - u / eps) / eps
+    return mu * ramp * u, mu * ramp, u * (d_mu * ramp - mu / (eps * eps))

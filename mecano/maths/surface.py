@@ -1,0 +1,119 @@
+r"""A ground surface and the point where a disc comes nearest to it.
+
+The surface is a plane (point P0, unit normal n0), raised by a profile H(sigma), the height over the plane
+as a function of the distance sigma along a unit direction d of it: P = P0 + sigma d + tau (n0 x d) + H
+n0.
+
+A disc of centre x and unit axis a meets it at C = x + r c. The unit vector c points from the centre to
+the lowest point of the rim, and normal n and point P are those *at C*:
+
+    c = -(n - s a)/q,   s = n.a,   q = sqrt(1 - s^2),   r = (x - P).n / q,   sigma = d.(C - P0)
+
+The last equation is implicit in sigma. Then C lies on the surface, in the plane of the disc, and C - x is
+normal to their intersection: r is the (stationary) distance of the centre from the ground in that plane.
+Therefore its first variation holds on a plane and on a profile alike,
+
+    dr = n . (dx + dtheta x r c)/q,
+
+and the curvature of the profile enters its second variation only. The contact is single and sigma unique
+as long as the profile's radius of curvature, where it is hollow, is larger than r.
+"""
+
+import math
+from typing import NamedTuple
+
+from numba import njit
+
+from mecano.maths.vec import EYE, add, cross, dot, madd, mscale, outer, scale, sub, tmul
+
+LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
+LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): finite in a hollow that is too narrow
+
+
+class Contact(NamedTuple):
+    """Where a disc is nearest to the ground; 3-vectors in the inertial frame."""
+
+    n: tuple  # unit normal at C
+    dn: tuple  # dn/dsigma [1/m]
+    c: tuple  # unit vector, centre to C
+    s: float  # n.a
+    q: float  # |n - s a|
+    r: float  # distance of C from the centre [m]
+    arm: tuple  # r c [m]
+
+
+class Block(NamedTuple):
+    """Derivatives of a contact by three variables: 3x3, 3, 3x3."""
+
+    n: tuple
+    s: tuple
+    arm: tuple
+
+
+@njit
+def profile_normal(n0, d, H1, H2):
+    """Unit normal n and dn/dsigma [1/m] of the profile of slope H1 and second derivative H2 [1/m]."""
+    length2 = 1.0 + H1 * H1
+    length = math.sqrt(length2)
+    n = scale(1.0 / length, sub(n0, scale(H1, d)))
+    return n, scale(-H2 / (length2 * length), add(d, scale(H1, n0)))
+
+
+@njit
+def foot_residual(n0, d, a, z, delta, H, H1, H2):
+    """d.(r c) - delta, which is zero at the contact, and its derivative by delta.
+
+    ``delta`` [m] is sigma less that of the centre, ``z`` [m] the height of the centre over the plane;
+    H, H1, H2 are taken at sigma. Written with the normal N = n0 - H1 d, whose length is not one.
+    """
+    N = sub(n0, scale(H1, d))
+    M = sub(N, scale(dot(N, a), a))
+    Q2 = max(dot(M, M), LEAST_Q * LEAST_Q)
+    height, dM, da = z - H + H1 * delta, dot(d, M), dot(d, a)
+    value = -height * dM / Q2 - delta
+    slope = (height * H2 * (1.0 - da * da) - H2 * delta * dM - 2.0 * H2 * height * dM * dM / Q2) / Q2 - 1.0
+    return value, slope
+
+
+@njit
+def disc_contact(n, dn, height, a):
+    """The Contact of a disc of unit axis ``a`` whose centre is ``height`` = (x - P).n [m] over the ground."""
+    s = dot(n, a)
+    m = sub(n, scale(s, a))
+    q = max(math.sqrt(dot(m, m)), LEAST_Q)
+    c = scale(-1.0 / q, m)
+    r = height / q
+    return Contact(n, dn, c, s, q, r, scale(r, c))
+
+
+@njit
+def disc_variation(d, a, g):
+    """Derivatives of the Contact ``g`` of a disc of axis ``a``: (Block by dx, Block by the inertial dtheta).
+
+    With the implicit derivative of sigma along the profile's direction ``d``; da = dtheta x a.
+    """
+    # dc = C_n dn + C_a da
+    C_a = madd(mscale(1.0 / g.q, madd(outer(a, g.n), mscale(g.s, EYE))), outer(scale(g.s / g.q**2, g.c), g.n))
+    bend = dot(a, g.dn)
+    turn = scale(1.0 / g.q, sub(scale(bend, add(a, scale(g.s / g.q, g.c))), g.dn))  # C_n dn/dsigma
+    r_x = scale(1.0 / g.q, g.n)
+    r_t = scale(g.r / g.q, cross(g.c, g.n))
+    margin = 1.0 / max(1.0 - g.r * dot(d, turn), LEAST_MARGIN)
+    along = dot(d, g.c)
+    sigma_x = scale(margin, add(d, scale(along, r_x)))
+    sigma_t = scale(margin, add(scale(along, r_t), scale(g.r, cross(a, tmul(C_a, d)))))
+    swing = mscale(-g.r, _times_skew(C_a, a))
+    slide = scale(g.r, turn)
+    by_x = Block(outer(g.dn, sigma_x), scale(bend, sigma_x), madd(outer(g.c, r_x), outer(slide, sigma_x)))
+    by_t = Block(
+        outer(g.dn, sigma_t),
+        add(scale(bend, sigma_t), cross(a, g.n)),
+        madd(swing, madd(outer(g.c, r_t), outer(slide, sigma_t))),
+    )
+    return by_x, by_t
+
+
+@njit
+def _times_skew(A, a):
+    """A hat(a): row i is A_i x a."""
+    return (cross(A[0], a), cross(A[1], a), cross(A[2], a))

@@ -1,0 +1,98 @@
+"""From a checked deck to a march that is ready to begin."""
+
+from dataclasses import dataclass
+
+from mecano.deck.build import build, set_velocities, time_breakpoints
+from mecano.errors import AssemblyError
+from mecano.model.system import System
+from mecano.solve.analysis import analyse
+from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
+from mecano.solve.initial import assemble_positions
+from mecano.solve.linear import LinearSolver
+from mecano.solve.march import March
+from mecano.solve.scales import Tolerances, compliance, length_scale
+from mecano.solve.step_control import AdaptiveStep, FixedStep
+
+METHODS = {
+    "generalized_alpha": Coefficients.generalized_alpha,
+    "hht": Coefficients.hht,
+    "newmark": Coefficients.newmark,
+}
+SMALLEST_STEP = 1e-7  # of the first step, where the deck does not say
+AUTOMATIC = "automatic"
+
+
+@dataclass
+class Prepared:
+    """A model ready to march, with what a user should know before."""
+
+    deck: object
+    system: System
+    linear: LinearSolver
+    length: float  # [m]
+    state: object  # State: positions assembled, velocities of the deck
+    displacement: float  # [m] by which the assembly moved the deck's positions at most
+    analysis: object  # redundant constraints and mechanisms
+    compliance: object  # None or (n_l,)
+
+
+def prepare(deck):
+    """Build the model of a checked deck and assemble its positions; raises AssemblyError."""
+    system = System(build(deck))
+    of, values = system.numbering, deck.values["time"]
+    linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
+    length = _given((values["adaptive"] or {}).get("length_scale", AUTOMATIC), length_scale(system.nodes))
+    state, displacement = assemble_positions(system, linear, system.initial_state(values["start"]), length)
+    if problems := system.inadmissible(state):
+        raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
+    set_velocities(deck, system, state)
+    analysis = analyse(system, state, length)
+    soft = compliance(system, state, length) if analysis.redundant or not analysis.complete else None
+    return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
+
+
+def march_of(prepared, observers=()):
+    """The March of a prepared model, with method and step control as the deck says."""
+    deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
+    newton, scale = values["newton"], values["scale"]
+    tolerances = Tolerances(
+        force=newton["force_tolerance"],
+        constraint=newton["constraint_tolerance"],
+        max_iterations=newton["maximum_iterations"],
+    )
+    method = GeneralizedAlpha(
+        system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
+        k=_given(scale["k"], None), penalty=_given(scale["penalty"], None), compliance=prepared.compliance,
+    )  # fmt: skip
+    return March(system, method, _control(values), tuple(observers), time_breakpoints(deck))
+
+
+def _control(values):
+    step, adaptive = values["step"], values["adaptive"]
+    if adaptive is None:
+        return FixedStep(step, SMALLEST_STEP * step)
+    duration = values["end"] - values["start"]
+    return AdaptiveStep(
+        adaptive["tolerance"], duration,
+        minimum=_given(adaptive["minimum_step"], SMALLEST_STEP * step),
+        maximum=_given(adaptive["maximum_step"], duration / 20),
+    )  # fmt: skip
+
+
+def _given(value, otherwise):
+    return otherwise if value == AUTOMATIC else value
+
+
+def remarks(prepared):
+    """What a user should know of a model before it runs, one text each."""
+    texts, analysis = [], prepared.analysis
+    if prepared.displacement > 1e-6 * prepared.length:
+        texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
+    for group in analysis.redundant:
+        texts.append(
+            f"{group.count} redundant constraint(s) among: {'; '.join(group.names)}. The motion is not affected; the "
+            "reactions of these constraints are not unique"
+        )
+    if not analysis.complete:
+        texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
+    return texts

@@ -1,0 +1,66 @@
+"""Marching decks in memory, for tests that compare motions with known answers."""
+
+import textwrap
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.model.sampler import Sampler
+from mecano.prepare import march_of, prepare
+
+INPUTS = Path(__file__).parent.parent / "inputs"
+
+
+def deck(text):
+    """A checked deck from its text, indented as the test likes."""
+    return deck_of_bytes(textwrap.dedent(text).encode(), "test.yaml")
+
+
+def input_deck(name, *overrides):
+    """A checked deck of inputs/ with overrides "a.b=value"."""
+    return read_deck(INPUTS / f"{name}.yaml", overrides)
+
+
+class March:
+    """A deck marched to its end: ``time`` (n,), ``self[path]`` (n, ...) at every accepted step, the start first."""
+
+    def __init__(self, deck, *, change=lambda march, run: run):
+        """``change(march, run)`` may alter march and RunState before the first step."""
+        prepared = prepare(deck)
+        self.prepared, self.system = prepared, prepared.system
+        self.sampler = Sampler(prepared.system)
+        self.columns = {c.path: c for c in self.sampler.columns}
+        self.infos, self.happenings, times, rows = [], [], [], []
+
+        def keep(run):
+            times.append(run.motion.t)
+            rows.append(self.sampler.take(run).copy())
+
+        def observe(accepted):
+            self.happenings += accepted.happenings
+            if accepted.h:
+                self.infos.append(accepted.info)
+                keep(accepted.run)
+
+        march = march_of(prepared, (observe,))
+        self.march = march
+        run = change(march, march.begin(prepared.state, deck.values["time"]["step"]))
+        keep(run)
+        self.run = march.to(deck.values["time"]["end"], run)
+        self.time, self.rows = np.array(times), np.array(rows)
+
+    def __getitem__(self, path):
+        c = self.columns[path]
+        return self.rows[:, c.start : c.start + c.size].reshape(len(self.rows), *c.shape)
+
+    @property
+    def iterations(self):
+        """Newton iterations of every accepted step."""
+        return np.array([info.iterations for info in self.infos])
+
+
+def with_history(run, **changes):
+    """The run with parts of its history replaced."""
+    return replace(run, history=replace(run.history, **changes))

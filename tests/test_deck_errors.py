@@ -1,0 +1,283 @@
+# ruff: noqa: E501
+"""Every message that a wrong deck can give: each is provoked by one change of a valid deck."""
+
+import pytest
+from deck_samples import VALID, problems_of, read_fake
+
+from mecano.errors import DeckError
+
+# what is written in the valid deck, what is written instead; the line, the text at the caret, the one problem
+STRUCTURE = [
+    ("mecano: 1", "mecano: 2", 1, "2",
+     "this program reads decks of version 1, got 2; write 'mecano: 1'"),
+    ("mecano: 1", "mecano: true", 1, "true",
+     "this program reads decks of version 1, got true; write 'mecano: 1'"),
+    ("mecano: 1\n", "", 1, "title",
+     "missing 'mecano', the version of the deck; begin with 'mecano: 1'"),
+    ("title:", "titel:", 2, "titel",
+     "unknown key 'titel'; did you mean 'title'?"),
+    ("\"A wheel on a leg\"", "1.0", 2, "1.0",
+     "'title' must be a text, got 1.0"),
+    ("sink: 3.05", "sink: fast", 3, "fast",
+     "parameter 'sink': must be a number, got the text 'fast'"),
+    ("sink: 3.05", "sink: $mass", 3, "$mass",
+     "parameter 'sink': unknown parameter 'mass'; no parameter is known here"),
+    ("-9.81]", "-9.81, 0]", 4, "[0,",
+     "'gravity' must be a list of 3 numbers [m/s2], got [0, 0, -9.81, 0]"),
+    ("-9.81]", "g]", 4, "g",
+     "'gravity[2]' must be a number [m/s2], got the text 'g'"),
+    ("[0, 0, -9.81]", "-9.81", 4, "-9.81",
+     "'gravity' must be a list of 3 numbers [m/s2], got -9.81"),
+    ("[0, 0, 2.1]", "[0, 0, .nan]", 6, ".nan",
+     "node 'top': 'position[2]' must be finite [m], got .nan"),
+    ("[0, 0, 2.1]", "[0, 0, 1e400]", 6, "1e400",
+     "node 'top': 'position[2]' must be finite [m], got 1e400"),
+    ("[0, 0, 2.1]", "[0, 0, -1e200]", 6, "-1e200",
+     "node 'top': 'position[2]' is out of range [m], got -1e200"),
+    ("[0, 0, 2.1]", "[0, 0, nan]", 6, "nan",
+     "node 'top': 'position[2]' must be a number [m], got the text 'nan'"),
+    ("[0, 0, 2.1]", "", 6, ", f",
+     "node 'top': 'position' must be a list of 3 numbers [m], got nothing"),
+    ("position: [0, 0, 2.1], ", "", 6, "top",
+     "node 'top': missing 'position', a list of 3 numbers [m]: position at the start, inertial"),
+    ("fixed: true", "fixed: yes", 6, "yes",
+     "node 'top': 'fixed' must be true or false, got the text 'yes'"),
+    ("fixed: true", "fixd: true", 6, "fixd",
+     "node 'top': unknown key 'fixd'; did you mean 'fixed'?"),
+    ("fixed: true", "q: true", 6, "q",
+     "node 'top': unknown key 'q'; known: fixed, orientation, position"),
+    ("  axle: {position: [0.25, 0, 0.3225]}", "  axle: [0, 0, 0]", 10, "[0,",
+     "node 'axle': must be a mapping, got [0, 0, 0]"),
+    ("mass: 7e1", "mass: -7e1", 12, "-7e1",
+     "body 'leg': 'mass' must be greater than zero [kg], got -7e1"),
+    ("mass: $mass", "mass: -$mass", 13, "-$mass",
+     "body 'hub': 'mass' must be greater than zero [kg], got -82.0 (-$mass)"),
+    ("mass: $mass", "mass: $mas", 13, "$mas",
+     "body 'hub': unknown parameter 'mas'; did you mean 'mass'?"),
+    ("mass: $mass", "mass: $mass*2", 13, "$mass*2",
+     "body 'hub': 'mass' must be a number [kg], got the text '$mass*2'"),
+    ("count: $steps", "count: 1.5", 12, "1.5",
+     "body 'leg': 'count' must be a whole number, got 1.5"),
+    ("count: $steps", "count: $sink", 12, "$sink",
+     "body 'leg': 'count' must be a whole number, got 3.05 ($sink)"),
+    ("count: $steps", "count: 0", 12, "0",
+     "body 'leg': 'count' must be greater than zero, got 0"),
+    ("[2.0e3, 2e3, 2000]", "[1, 2, 3, 4]", 12, "[1,",
+     "body 'leg': 'inertia' must be 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix [kg m2], got [1, 2, 3, 4]"),
+    ("[2.0e3, 2e3, 2000]", "[[1, 0, 0], [0, 1], [0, 0, 1]]", 12, "[[1",
+     "body 'leg': 'inertia' must be 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix [kg m2], got a list of 3"),
+    ("[[1, 0, 0]", "[[1, 0, x]", 13, "x",
+     "body 'hub': 'inertia[0][2]' must be a number [kg m2], got the text 'x'"),
+    ("[top], count", "top, count", 12, "top",
+     "body 'leg': 'attached' must be a list of node names, got the text 'top'"),
+    ("[top], count", "[3], count", 12, "3",
+     "body 'leg': 'attached[0]' must be the name of a node, got 3"),
+    ("type: wheel", "type: whel", 15, "whel",
+     "element 'wheel': unknown type 'whel'; did you mean 'wheel'?"),
+    ("type: wheel", "type: hinge", 15, "hinge",
+     "element 'wheel': kind 'hinge' belongs to 'joints', not 'elements'"),
+    ("type: wheel", "type: 3", 15, "3",
+     "element 'wheel': 'type' must be the name of a kind, got 3"),
+    ("type: wheel, ", "", 15, "wheel",
+     "element 'wheel': missing 'type'; known: body, spring, wheel"),
+    ("axis: [0, 1, 0], tire", "axis: [0, 0, 0.0], tire", 15, "[0,",
+     "wheel 'wheel': 'axis' must be a list of 3 numbers, not all zero, got [0, 0, 0.0]"),
+    ("tire_law: nose, ", "", 15, "wheel",
+     "wheel 'wheel': missing 'tire_law', the name of a tire law: tyre"),
+    ("tire_law: nose", "tire_law: {radius: 1}", 15, "{ra",
+     "wheel 'wheel': 'tire_law' must be the name of a tire law, got a mapping"),
+    ("nodes: [top, knee]", "nodes: [top, knee, axle]", 17, "[to",
+     "hinge 'pin': 'nodes' must be a list of 2 node names, got ['top', 'knee', 'axle']"),
+    ("stop_axis: [1, 0, 0]", "frame: inertal", 17, "inertal",
+     "hinge 'pin': 'frame' cannot be 'inertal'; did you mean 'inertial'?"),
+    ("stop_axis: [1, 0, 0]", "frame: 3", 17, "3",
+     "hinge 'pin': 'frame' must be one of: inertial, material, got 3"),
+    ("[[0, 0], [1, 1e3]]", "[[0, 0], [1]]", 20, "[1]",
+     "force 'push': 'value.table.points[1]' must be two numbers, got [1]"),
+    ("[[0, 0], [1, 1e3]]", "[[0, 0], [1, a]]", 20, "a",
+     "force 'push': 'value.table.points[1][1]' must be a number, got the text 'a'"),
+    ("[[0, 0], [1, 1e3]]", "7", 20, "7",
+     "force 'push': 'value.table.points' must be a list of [x, y] pairs, got 7"),
+    ("[[0, 0], [1, 1e3]]", "[[0, 0], [0, 1e3]]", 20, "[[0",
+     "force 'push': 'value.table.points' must have strictly increasing x: point 2 has 0.0 after 0.0, got a list of 2"),
+    ("{points: [[0, 0], [1, 1e3]]}", "{}", 20, "table",
+     "force 'push': table: one of 'points' and 'file' must be given"),
+    ("{table: {points: [[0, 0], [1, 1e3]]}}", "[1]", 20, "[1]",
+     "force 'push': 'value' must be a number, the name of a law, or a law of one variable written in place [N], got [1]"),
+    ("{table: {points: [[0, 0], [1, 1e3]]}}", "{}", 20, "{}}",
+     "force 'push': a law needs at least one term; known: "),
+    ("{table: {points: [[0, 0], [1, 1e3]]}}", "{damper: {coefficient: 1}}", 20, "damper",
+     "force 'push': 'damper' is a force of extension and rate; here must be a number, the name of a law, or a law of one variable written in place"),
+    ("law: oleo", "law: 7", 14, "7",
+     "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7"),
+    ("damper: {", "dampr: {", 24, "dampr",
+     "law 'oleo': unknown term 'dampr' of a law; did you mean 'damper'?"),
+    ("damper: {coefficient: 1.19e4}", "damper: {}", 24, "damper",
+     "law 'oleo': missing 'damper.coefficient', a number [N s/m or N m s/rad]: force per rate"),
+    ("damper: {coefficient: 1.19e4}", "damper: 3", 24, "3",
+     "law 'oleo': 'damper' must be a mapping, got 3"),
+    ("upper: 0.3,", "upper: 0.3, lower: 0.4,", 25, "0.4",
+     "law 'oleo': stop: 'lower' must be less than 'upper'"),
+    ("smooth: 0.8", "smooth: oleo", 26, "oleo",
+     "law 'smooth': must be a number or a mapping of terms, got the text 'oleo'"),
+    ("smooth: 0.8", "smooth: .inf", 26, ".inf",
+     "law 'smooth': must be finite, got .inf"),
+    ("nodes: all", "nodes: al", 35, "al",
+     "'initial.velocities[0].nodes' must be a list of node names or 'all', got the text 'al'"),
+    ("nodes: all", "nodes: []", 35, "[],",
+     "'initial.velocities[0].nodes' must not be empty, got []"),
+    ("nodes: all", "nodes: all, angular_velocity: [0, 0, 1]", 35, "{no",
+     "initial.velocities[0]: 'about' is missing: the point about which the nodes turn, or 'own' for each about itself"),
+    ("  end: 4.0\n", "", 37, "time",
+     "missing 'time.end', a number [s]: time at the end"),
+    ("step: 1e-3", "step: 0", 39, "0",
+     "'time.step' must be greater than zero [s], got 0"),
+    ("step: 1e-3", "step: 5", 39, "5",
+     "time: 'step' must not be longer than the time from 'start' to 'end'"),
+    ("end: 4.0", "end: -4", 38, "-4",
+     "time: 'end' must be later than 'start', 0 s"),
+    ("end: 4.0", "end: 4.0\n  rho_inf: 1.1", 39, "1.1",
+     "'time.rho_inf' must lie between 0 and 1, got 1.1"),
+    ("end: 4.0", "end: 4.0\n  rho_inf: 0.4\n  method: hht", 39, "0.4",
+     "time: 'rho_inf' must be at least 0.5 with the method hht"),
+    ("end: 4.0", "end: 4.0\n  method: rk4", 39, "rk4",
+     "'time.method' cannot be 'rk4'; known: generalized_alpha, hht, newmark"),
+    ("end: 4.0", "end: 4.0\n  newton: {maximum_iterations: 0}", 39, "0",
+     "'time.newton.maximum_iterations' must be at least 1, got 0"),
+    ("end: 4.0", "end: 4.0\n  scale: {penalty: -1}", 39, "-1",
+     "'time.scale.penalty' must not be negative [N/m], got -1"),
+    ("tolerance: 1e-4", "tolerance: 2", 40, "2",
+     "'time.adaptive.tolerance' must lie between 0 and 1, got 2"),
+    ("tolerance: 1e-4", "tolerance: 1e-4, maximum_step: 1e-4", 39, "1e-3",
+     "time: 'step' must not be greater than 'adaptive.maximum_step'"),
+    ("tolerance: 1e-4", "tolerance: 1e-4, minimum_step: 1e-2", 39, "1e-3",
+     "time: 'step' must not be less than 'adaptive.minimum_step'"),
+    ("every: 5e-3", "every: stop", 41, "stop",
+     "'output.every' must be a number or 'step' [s], got the text 'stop'"),
+    ("every: 5e-3", "every: 0", 41, "0",
+     "'output.every' must be greater than zero [s], got 0"),
+    ("output: {every: 5e-3}", "output: 3", 41, "3",
+     "'output' must be a mapping, got 3"),
+    ("  top: {", "  ground: {", 6, "ground",
+     "node 'ground': the name 'ground' is reserved"),
+    ("  top: {", "  2nd: {", 6, "2nd",
+     "node '2nd': a name begins with a letter or '_' and has letters, digits, '_' and '-'"),
+]  # fmt: skip
+NAMES = [
+    ("law: oleo", "law: oloe", 14, "oloe",
+     "spring 'absorber': unknown law 'oloe'; did you mean 'oleo'?"),
+    ("law: oleo", "law: $oleo", 14, "$oleo",
+     "spring 'absorber': unknown parameter 'oleo'; known: sink, mass, steps"),
+    ("ground: runway", "ground: sea", 15, "sea",
+     "wheel 'wheel': unknown ground 'sea'; known: runway"),
+    ("tire_law: nose", "tire_law: noes", 15, "noes",
+     "wheel 'wheel': unknown tire law 'noes'; did you mean 'nose'?"),
+    ("[top, knee]", "[top, kne]", 17, "kne",
+     "hinge 'pin': unknown node 'kne'; did you mean 'knee'?"),
+    ("[ground, axle]", "[axle, grond]", 18, "grond",
+     "hinge 'held': unknown node 'grond'; known: top, knee, axle"),
+    ("[ground, axle]", "[ground, ground]", 18, "ground",
+     "hinge 'held': unknown node 'ground'; 'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"),
+    ("friction: smooth", "friction: oleo", 28, "oleo",
+     "tire law 'nose': law 'oleo' is a force of extension and rate ('damper'); here must be a curve"),
+    ("nodes: [axle], ang", "nodes: [axel], ang", 36, "axel",
+     "unknown node 'axel'; did you mean 'axle'?"),
+]  # fmt: skip
+PHYSICS = [
+    ("node: axle, mass", "node: knee, attached: [knee], mass", 13, "hub",
+     "body 'hub': node 'knee' is named twice"),
+    ("[top, knee]", "[top, top]", 17, "pin",
+     "hinge 'pin': node 'top' is named twice"),
+    ("[0.25, 0, 0.3225]", "[0, 0, 1]", 14, "[kn",
+     "spring 'absorber': 'nodes' are at the same place: the spring has no direction"),
+    ("stop_axis: [1", "stop_axis: [0, 3", 17, "[0,",
+     "hinge 'pin': 'stop_axis' must be a list of 3 numbers, not all zero, got [0, 3, 0, 0]"),
+    ("stop_axis: [1, 0, 0]", "stop_axis: [0, -2, 0]", 17, "[0,",
+     "hinge 'pin': 'stop_axis' must not be parallel to 'axis'"),
+    ("  push:", "  pin:", 20, "pin",
+     "force 'pin': the name is already that of a hinge; names of elements, joints and loads must differ"),
+    ("  axle: {", "  idle: {position: [0, 0, 0]}\n  axle: {", 10, "idle",
+     "node 'idle': no element or joint is connected to it; connect or delete it"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "line", "caret", "text"), STRUCTURE + NAMES + PHYSICS)
+def test_one_problem(old, new, line, caret, text):
+    assert VALID.count(old) == 1
+    with pytest.raises(DeckError) as info:
+        read_fake(VALID.replace(old, new))
+    (problem,) = info.value.problems
+    assert (problem.mark.file, problem.mark.line) == ("deck.yaml", line)
+    assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
+    found = problem.message + (f"; {problem.hint}" if problem.hint else "")
+    assert found.startswith(text) if text.endswith("known: ") else found == text
+
+
+def test_the_deck_itself_is_valid():
+    assert read_fake(VALID).values["time"]["end"] == 4.0
+
+
+def test_missing_sections_are_all_named():
+    assert [text.split(",")[0] for text in problems_of("mecano: 1\n")] == [
+        "1:1 missing 'nodes'",
+        "1:1 missing 'elements'",
+        "1:1 missing 'time'",
+    ]
+
+
+def test_empty_sections():
+    text = "mecano: 1\nnodes: {}\nelements: {}\ntime: {end: 1, step: 0.1}\n"
+    assert problems_of(text) == [
+        "2:8 'nodes' must not be empty, got a mapping",
+        "3:11 'elements' must not be empty, got a mapping",
+    ]
+
+
+def test_all_problems_of_a_step_at_once():
+    text, expected = VALID, set()
+    for old, new, line, _, problem in STRUCTURE[3:]:
+        if (
+            text.count(old) == 1
+            and "time: " not in problem
+            and "\n" not in new + old
+            and line not in {at for at, _ in expected}
+        ):
+            text = text.replace(old, new)
+            expected.add((line, problem))
+    assert len(expected) == 18
+    found = {(int(at.split(":")[0]), problem) for at, problem in (p.split(" ", 1) for p in problems_of(text))}
+    assert expected <= found
+
+
+def test_problems_of_yaml_and_structure_come_together():
+    found = problems_of(VALID.replace("title:", "titel:") + "output: {every: 1}\n")
+    assert found == [
+        "2:1 unknown key 'titel'; did you mean 'title'?",
+        "42:1 duplicate key 'output', first given in line 41",
+    ]
+
+
+def test_names_are_looked_up_only_when_the_structure_is_right():
+    text = VALID.replace("law: oleo", "law: oloe")
+    assert len(problems_of(text)) == 1
+    assert problems_of(text.replace("title:", "titel:")) == ["2:1 unknown key 'titel'; did you mean 'title'?"]
+
+
+def test_known_words_are_not_looked_up_for_ever():
+    """Similar words are sought for the first problems only, and never for very long words."""
+    unknown = "".join(f"  n{i}: {{position: [0, 0, 0], kind{i}: 1}}\n" for i in range(300))
+    found = problems_of(f"mecano: 1\nnodes:\n{unknown}")
+    assert sum("known:" in text for text in found) == 100
+    (long,) = problems_of(VALID.replace("law: oleo", "law: " + "x" * 1_000_000))
+    assert len(long) < 200 and long.startswith("14:54 spring 'absorber': unknown law 'xxx")
+
+
+def test_a_flood_of_problems_ends():
+    unknown = "".join(f"  n{i}: 1\n" for i in range(20_000))
+    assert len(problems_of(f"mecano: 1\nnodes:\n{unknown}")) == 10_000
+
+
+def test_the_error_is_one_a_command_line_can_return():
+    with pytest.raises(DeckError) as info:
+        read_fake("mecano: 1")
+    assert info.value.exit_code == 2

@@ -1,0 +1,223 @@
+"""Malformed decks, made and mutated: each is read or refused with a place, and nothing else ever happens.
+
+3,900 decks per run, the same ones each time.
+"""
+
+import json
+import random
+import re
+from pathlib import Path
+
+import pytest
+from deck_samples import FAKE, FAKE_KINDS, REAL, VALID
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mecano.deck.compose import compose
+from mecano.deck.format import deck_error_text
+from mecano.deck.read import deck_of_bytes
+from mecano.deck.sections import SECTIONS
+from mecano.deck.source import Source
+from mecano.errors import DeckError
+from mecano.laws import TERMS
+
+INPUTS = sorted((Path(__file__).parent.parent / "inputs").glob("*.yaml"))
+DECKS = [(VALID, "fake.yaml", FAKE), (REAL, "real.yaml", {})] + [(path.read_text(), str(path), {}) for path in INPUTS]
+TOKEN = re.compile(r"[A-Za-z_$][A-Za-z0-9_$-]*|[-+]?[0-9.]+(?:e[-+]?[0-9]+)?|[^\sA-Za-z0-9]")
+NUMBER = re.compile(r"[-+]?\b[0-9]+\.?[0-9]*(?:e[-+]?[0-9]+)?\b")
+NASTY = [
+    "nan", ".nan", ".inf", "-.inf", "1e400", "-1e400", "1e-400", "0", "-0.0", "-1", "1e308", "-1e99", "9" * 400,
+    "0x1F", "0o17", "1_000", "1,5", "12:30:45", "no", "true", "null", "~", "''", '"x"', "[]", "{}", "[1, 2]", "{a: 1}",
+    "[[[]]]", "ground", "all", "$", "-$sink", "$none", "*a", "&a 1", "!x 1", "|", ">", "? ", "- ", ": ", "#", "%",
+    "@", "`", "\t", "\\", '"', "'", "---", "...", "<<", "[" * 300, "{a: " * 80, "é", "\u2028", "\x85", "\ud7ff", "😀",
+    "x" * 3000,
+]  # fmt: skip
+
+
+def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
+    """True when the deck is read, False when it is refused as it must be."""
+    try:
+        deck = deck_of_bytes(data, file, overrides=overrides, **options)
+    except DeckError as error:
+        assert error.exit_code == 2 and error.problems
+        for problem in error.problems:
+            assert problem.message and problem.message.isprintable()
+            assert problem.hint.isprintable()
+            assert problem.mark.line >= 1 and problem.mark.column >= 1
+            assert problem.mark.file == file or problem.mark.file.startswith(("--set", str(Path(file).parent)))
+        text = deck_error_text(error)
+        text.encode()
+        assert re.match(r".+:\d+:\d+: ", text) and re.search(r"\b\d+ errors?$", text)
+        return False
+    assert json.loads(deck.resolved_text())["mecano"] == 1
+    return True
+
+
+def tokens_of(text, pattern=TOKEN):
+    """The places of all tokens."""
+    return [match.span() for match in pattern.finditer(text)]
+
+
+def replaced(rng, text, pattern, new):
+    """The text with one token made into something else."""
+    begin, end = rng.choice(tokens_of(text, pattern) or [(0, 0)])
+    return text[:begin] + new(text[begin:end]) + text[end:]
+
+
+def typo(rng, word):
+    """A word with one letter lost, doubled or changed."""
+    i = rng.randrange(len(word)) if word else 0
+    return word[:i] + rng.choice(["", word[i : i + 1] * 2, "q", "_", "A"]) + word[i + 1 :]
+
+
+def on_lines(change):
+    """A mutation of the list of lines at one of them."""
+
+    def mutate(rng, text):
+        lines = text.split("\n")
+        change(rng, lines, rng.randrange(len(lines)))
+        return "\n".join(lines)
+
+    return mutate
+
+
+def delete(rng, lines, i):
+    """Lose a line."""
+    del lines[i]
+
+
+def duplicate(rng, lines, i):
+    """Write a line twice, not always in the same place."""
+    lines.insert(rng.randrange(len(lines)), lines[i])
+
+
+def indent(rng, lines, i):
+    """Shift a line."""
+    lines[i] = rng.choice(["  ", " ", "\t", "      "]) + lines[i] if rng.random() < 0.6 else lines[i].lstrip()
+
+
+def token_from_elsewhere(rng, text):
+    """One token instead of another one."""
+    begin, end = rng.choice(tokens_of(text) or [(0, 0)])
+    return replaced(rng, text, TOKEN, lambda _: text[begin:end])
+
+
+MUTATIONS = [
+    on_lines(delete),
+    on_lines(duplicate),
+    on_lines(indent),
+    token_from_elsewhere,
+    lambda rng, text: replaced(rng, text, NUMBER, lambda _: rng.choice(NASTY)),
+    lambda rng, text: replaced(rng, text, TOKEN, lambda _: rng.choice(NASTY)),
+    lambda rng, text: replaced(rng, text, TOKEN, lambda word: typo(rng, word)),
+    lambda rng, text: replaced(rng, text, TOKEN, lambda _: ""),
+    lambda rng, text: text[: rng.randrange(len(text) + 1)],
+]
+
+
+def with_bytes(rng, data):
+    """Bytes inserted or changed at random."""
+    i = rng.randrange(len(data) + 1)
+    new = bytes(rng.randrange(256) for _ in range(rng.choice([1, 1, 2, 8])))
+    return data[:i] + new + data[i + rng.choice([0, len(new)]) :]
+
+
+def fuzz(count):
+    """Settings of one test: as many examples, the same each time."""
+    return settings(
+        max_examples=count, derandomize=True, database=None, deadline=None, suppress_health_check=list(HealthCheck)
+    )
+
+
+@pytest.mark.parametrize("text,file,options", DECKS, ids=[Path(file).name for _, file, _ in DECKS])
+def test_the_decks_are_valid(text, file, options):
+    assert outcome(text.encode(), file, options)
+
+
+def test_mutated_texts():
+    refused = []
+
+    @fuzz(2100)
+    @given(st.sampled_from(DECKS), st.integers(1, 3), st.integers(0, 2**32))
+    def mutated(deck, count, seed):
+        (text, file, options), rng = deck, random.Random(seed)
+        for _ in range(count):
+            text = rng.choice(MUTATIONS)(rng, text)
+        refused.append(not outcome(text.encode("utf-8", "replace"), file, options))
+
+    mutated()
+    assert len(refused) >= 2100 and sum(refused) > 0.7 * len(refused)
+
+
+@fuzz(500)
+@given(st.sampled_from(DECKS), st.integers(1, 3), st.integers(0, 2**32))
+def test_mutated_bytes(deck, count, seed):
+    data, rng = deck[0].encode(), random.Random(seed)
+    for _ in range(count):
+        data = with_bytes(rng, data)
+    outcome(data, *deck[1:])
+
+
+WORDS = sorted(
+    {field.name for field in SECTIONS}
+    | set(FAKE_KINDS)
+    | {field.name for kind in FAKE_KINDS.values() for field in kind.fields}
+    | set(TERMS)
+    | {"a", "b", "ground", "all", "position", "end", "step", "velocities", "adaptive", "type", "$a", "-$a", "automatic"}
+)
+WORD = st.sampled_from(WORDS)
+SCALAR = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), WORD, st.text(max_size=8))
+VALUE = st.recursive(SCALAR, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(WORD, inner, max_size=4))
+
+
+def written(value):
+    """JSON, with the numbers that it does not know as YAML writes them."""
+    text = json.dumps(value, ensure_ascii=True)
+    return re.sub(r"-?Infinity|NaN", lambda match: {"I": ".inf", "-": "-.inf", "N": ".nan"}[match[0][0]], text)
+
+
+def plain(node):
+    """The values of a tree of nodes."""
+    if isinstance(node.value, dict):
+        return {key: plain(value) for key, (_, value) in node.value.items()}
+    return [plain(item) for item in node.value] if isinstance(node.value, list) else node.value
+
+
+def grafted(tree, rng, values):
+    """The tree in which a value, at any depth, is another one, or has gained or lost one."""
+    if not isinstance(tree, dict | list) or not tree or rng.random() < 0.15:
+        return values.pop() if values else None
+    keys = list(tree) if isinstance(tree, dict) else list(range(len(tree)))
+    copy, key = tree.copy(), rng.choice(keys)
+    kind = rng.random()
+    if kind < 0.1:
+        del copy[key]
+    elif kind < 0.2 and isinstance(tree, dict):
+        copy[rng.choice(WORDS)] = values.pop() if values else tree[key]
+    else:
+        copy[key] = grafted(tree[key], rng, values)
+    return copy
+
+
+@fuzz(800)
+@given(st.sampled_from(DECKS), st.lists(VALUE, min_size=1, max_size=2), st.integers(0, 2**32))
+def test_made_values_in_a_deck(deck, values, seed):
+    tree, rng = plain(compose(Source("", deck[0]), [])), random.Random(seed)
+    for value in values:
+        tree = grafted(tree, rng, [value])
+    outcome(written(tree).encode(), *deck[1:])
+
+
+@fuzz(200)
+@given(st.binary(max_size=60) | st.text(alphabet="[]{}:,-?&*!|>'\"%@#\n\t a1", max_size=60).map(str.encode))
+def test_noise(data):
+    assert not outcome(data)
+
+
+@fuzz(300)
+@given(
+    st.lists(WORD | st.sampled_from(["top", "leg", "0", "7", ""]), min_size=1, max_size=5),
+    st.sampled_from(NASTY) | VALUE.map(written),
+)
+def test_overrides(path, value):
+    outcome(VALID.encode(), overrides=[".".join(path) + "=" + value])

@@ -1,0 +1,87 @@
+"""``--set path=value``."""
+
+import pytest
+from deck_samples import VALID, problems_of, read_fake
+
+from mecano.errors import DeckError
+
+
+def test_values_keys_items_and_parameters():
+    deck = read_fake(
+        VALID,
+        overrides=[
+            "nodes.top.position.0=0.5",
+            "nodes.axle.position=[1, 2, $sink]",
+            "parameters.mass=3e1",
+            "time.newton.maximum_iterations=7",
+            "time.adaptive.minimum_step=1e-9",
+            "initial.velocities.0.nodes=[top, axle]",
+            "elements.absorber.law={spring: {stiffness: 5}}",
+            "title=no",
+            "time.end=2",
+            "time.end=3",
+        ],
+    )
+    values = deck.values
+    assert values["nodes"]["top"]["position"] == [0.5, 0.0, 2.1]
+    assert values["nodes"]["axle"]["position"] == [1.0, 2.0, 3.05]
+    assert values["elements"]["hub"]["mass"] == 30.0
+    assert values["time"]["newton"]["maximum_iterations"] == 7
+    assert values["time"]["adaptive"] == {
+        "tolerance": 1e-4, "minimum_step": 1e-9, "maximum_step": "automatic", "length_scale": "automatic"
+    }  # fmt: skip
+    assert values["initial"]["velocities"][0]["nodes"] == ["top", "axle"]
+    assert values["elements"]["absorber"]["law"] == (("spring", {"stiffness": 5.0}),)
+    assert (values["title"], values["time"]["end"]) == ("no", 3.0)
+    assert deck.overrides[0] == "nodes.top.position.0=0.5" and deck.text == VALID
+    assert str(deck.mark("nodes", "top", "position", 0)) == "--set nodes.top.position.0:1:22"
+    assert str(deck.mark("nodes", "top", "position", 1)) == "deck.yaml:6:23"
+
+
+def test_a_shared_value_is_changed_in_one_place_only():
+    text = VALID.replace("axis: [0, 1, 0], stop", "axis: &y [0, 1, 0], stop").replace(
+        "axle], axis: [0, 1, 0]", "axle], axis: *y"
+    )
+    values = read_fake(text, overrides=["joints.held.axis.0=1"]).values
+    assert values["joints"]["held"]["axis"] == [1.0, 1.0, 0.0]
+    assert values["joints"]["pin"]["axis"] == [0.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("override", "problem"),
+    [
+        ("nodes.tpo.position=[1, 2, 3]", "1:7 'nodes' has no 'tpo'; did you mean 'top'?"),
+        ("parameters.sikn=3", "1:12 'parameters' has no 'sikn'; did you mean 'sink'?"),
+        ("laws.new=3", "1:6 'laws' has no 'new'; known: oleo, smooth"),
+        ("tme.end=3", "1:1 unknown key 'tme'; did you mean 'time'?"),
+        ("time.edn=3", "1:6 unknown key 'time.edn'; did you mean 'end'?"),
+        ("time.newton.iterations=3", "1:13 unknown key 'time.newton.iterations'; did you mean 'maximum_iterations'?"),
+        ("nodes.top.position.3=1", "1:20 '3' is no item of a list of 3; items are counted from 0"),
+        ("nodes.top.position.x=1", "1:20 'x' is no item of a list of 3; items are counted from 0"),
+        ("joints.pin.other.2=1", "1:12 the deck has no 'other', of which an item could be set; set the whole list"),
+        ("title.x=1", "1:7 'title' holds a single value, so there is no 'x' in it"),
+        ("elements.hub.mass=heavy", "1:19 body 'hub': 'mass' must be a number [kg], got the text 'heavy'"),
+        ("elements.hub.mass=-1", "1:19 body 'hub': 'mass' must be greater than zero [kg], got -1"),
+        ("elements.hub.mass=", "1:19 body 'hub': 'mass' must be a number [kg], got nothing"),
+        ("gravity=[0, 0, x]", "1:16 'gravity[2]' must be a number [m/s2], got the text 'x'"),
+        ("gravity=[0, 0", "1:14 not valid YAML: while parsing a flow sequence, did not find expected ',' or ']'"),
+        ("gravity={a: 1, a: 2}", "1:16 duplicate key 'a', first given in line 1"),
+        ("elements.wheel.ground=sea", "1:23 wheel 'wheel': unknown ground 'sea'; known: runway"),
+        ("mecano=2", "1:8 this program reads decks of version 1, got 2; write 'mecano: 1'"),
+        ("gravity", "1:1 an override is written path.to.key=value"),
+        ("=3", "1:1 an override is written path.to.key=value"),
+        ("time..end=3", "1:1 an override is written path.to.key=value"),
+        (".".join("a" * 1000) + "=3", "1:1 an override is written path.to.key=value"),
+        ("title=\x1b", "1:1 control characters are not allowed"),
+    ],
+)
+def test_wrong_overrides(override, problem):
+    assert problems_of(VALID, [override]) == [problem]
+    with pytest.raises(DeckError) as info:
+        read_fake(VALID, overrides=[override])
+    assert info.value.problems[0].mark.file.startswith("--set")
+
+
+def test_all_wrong_overrides_at_once_with_the_problems_of_the_deck():
+    found = problems_of(VALID.replace("title:", "titel:"), ["nodes.tpo.fixed=true", "time.end=x"])
+    assert len(found) == 3

@@ -1,0 +1,116 @@
+"""Tables from CSV files beside the deck."""
+
+import hashlib
+import os
+
+import pytest
+from deck_samples import FAKE, VALID
+
+from mecano.deck.read import read_deck
+from mecano.errors import DeckError
+
+DECK = VALID.replace("points: [[0, 0], [1, 1e3]]", "file: tables/push.csv")
+
+
+def read_table(folder, data):
+    """The deck that takes its load from a table."""
+    (folder / "tables").mkdir(exist_ok=True)
+    (folder / "deck.yaml").write_text(DECK)
+    (folder / "tables" / "push.csv").write_bytes(data if isinstance(data, bytes) else data.encode())
+    return read_deck(str(folder / "deck.yaml"), **FAKE)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        "0,0\n1,1e3\n",
+        "time [s], force [N]\n0, 0\n1, 1000\n",
+        "# measured\n\ntime;force\n0;0\n # more\n1;1.0e3",
+        "t\tF\r\n0\t0\r\n1\t1000\r\n",
+        '\ufeff"time","force"\n"0","0"\n"1","1e3"\n',
+    ],
+)
+def test_tables_are_read(tmp_path, data):
+    deck = read_table(tmp_path, data)
+    ((term, values),) = deck.values["loads"]["push"]["value"]
+    assert term == "table" and values["points"] == [[0.0, 0.0], [1.0, 1000.0]] and values["file"] is None
+    assert deck.files == {"tables/push.csv": hashlib.sha256(data.encode()).hexdigest()}
+    assert deck.sha256 == hashlib.sha256(DECK.encode()).hexdigest()
+    assert deck.resolved()["loads"]["push"]["value"]["table"]["points"] == [[0.0, 0.0], [1.0, 1000.0]]
+
+
+@pytest.mark.parametrize(
+    ("data", "place", "text"),
+    [
+        ("0,0\n1,x\n", "2:3", "must be a finite number, got 'x'"),
+        ("0,0\n1,nan\n", "2:3", "must be a finite number, got 'nan'"),
+        ("0,0\n1,1e999\n", "2:3", "must be a finite number, got '1e999'"),
+        ("t,F\nt,F\n1,2\n", "2:1", "must be a finite number, got 't'"),
+        ("0,0\n1,2,3\n", "2:1", "two columns are needed, got 3"),
+        ("0,0\n1\n", "2:1", "two columns are needed, got 1"),
+        ("0;0\n0,5;1\n", "2:1", "must be a finite number, got '0,5'"),
+        ("# only\n", "1:1", "the table has no points"),
+        ("a,b\n\n0,0\n# c\n2,1\n1,0\n", "6:1", "the points must have strictly increasing x: point 3 has 1.0 after 2.0"),
+        ("0,0\n", "1:1", "the points must hold at least 2 points"),
+        (b"0,0\n1,\xff\n", "2:3", "byte 0xff is not UTF-8"),
+        (b"0,0\n1,\0\n", "2:3", "character U+0000 is not allowed in a deck"),
+        ("0,0\n1," + "1" * 200_000, "2:1", "not valid CSV: field larger than field limit (131072)"),
+    ],
+)
+def test_problems_point_into_the_table(tmp_path, data, place, text):
+    with pytest.raises(DeckError) as info:
+        read_table(tmp_path, data)
+    (problem,) = info.value.problems
+    assert str(problem.mark) == f"{tmp_path}/tables/push.csv:{place}"
+    assert problem.message.removeprefix("force 'push': ") == text
+
+
+def test_several_problems_of_one_table(tmp_path):
+    with pytest.raises(DeckError) as info:
+        read_table(tmp_path, "0,0\nx,1\n2,y\n3\n")
+    assert [problem.mark.line for problem in info.value.problems] == [2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("none.csv", "file 'none.csv' cannot be read: No such file or directory"),
+        ("../push.csv", "file '../push.csv' must lie in the folder of the deck"),
+        ("/etc/hostname", "file '/etc/hostname' must lie in the folder of the deck"),
+        ("link.csv", "file 'link.csv' must lie in the folder of the deck"),
+        ("loop.csv", "file 'loop.csv' cannot be read: Too many levels of symbolic links"),
+        ("pipe", "file 'pipe' cannot be read: it is not a regular file"),
+        ("''", "file '' cannot be read: it is not a regular file"),
+    ],
+)
+def test_files_that_may_not_be_read(tmp_path, name, text):
+    folder = tmp_path / "decks"
+    folder.mkdir()
+    (tmp_path / "push.csv").write_text("0,0\n1,1\n")
+    (folder / "link.csv").symlink_to(tmp_path / "push.csv")
+    (folder / "loop.csv").symlink_to(folder / "loop.csv")
+    os.mkfifo(folder / "pipe")
+    (folder / "deck.yaml").write_text(DECK.replace("tables/push.csv", name))
+    with pytest.raises(DeckError) as info:
+        read_deck(folder / "deck.yaml", **FAKE)
+    (problem,) = info.value.problems
+    assert problem.message == f"force 'push': {text}"
+    assert problem.mark.text[problem.mark.column - 1 :].startswith(name)
+
+
+def test_either_points_or_file(tmp_path):
+    (tmp_path / "deck.yaml").write_text(DECK.replace("file: tables", "points: [[0, 0], [1, 1]], file: tables"))
+    with pytest.raises(DeckError, match="give either 'points' or 'file', not both"):
+        read_deck(tmp_path / "deck.yaml", **FAKE)
+
+
+def test_a_table_used_twice_is_read_and_reported_once(tmp_path):
+    text = DECK.replace("smooth: 0.8", "smooth: {table: {file: tables/push.csv}}")
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "deck.yaml").write_text(text)
+    (tmp_path / "tables" / "push.csv").write_text("0,0\n1,x\n")
+    with pytest.raises(DeckError) as info:
+        read_deck(tmp_path / "deck.yaml", **FAKE)
+    assert len(info.value.problems) == 1
+    (tmp_path / "tables" / "push.csv").write_text("0,0\n1,2\n")
+    assert len(read_deck(tmp_path / "deck.yaml", **FAKE).files) == 1
