@@ -32,6 +32,7 @@ class Analysis:
     rank: int
     redundant: tuple  # Group
     mechanisms: tuple  # Group
+    dependent: np.ndarray  # (constraints,) bool: takes part in a redundancy; all of them where not complete
     complete: bool = True
 
     @property
@@ -46,14 +47,16 @@ def analyse(system, s, length):
     of = system.numbering
     loops = _in_loops(B, of.group)
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, system.n_l, system.n_l, (), (), False)
+        return Analysis(system.n_q, system.n_l, system.n_l, (), (), np.ones(system.n_l, bool), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
     rank = system.n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
     mechanisms = _groups(_null_projector(B.toarray(), rank), _motions(of)) if complete else ()
-    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, complete)
+    dependent = np.zeros(system.n_l, bool)
+    dependent[loops] = np.diag(projector) > SHARE
+    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
 
 
 def gradient(system, s, length):
