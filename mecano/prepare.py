@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.system import System
@@ -47,7 +49,7 @@ def prepare(deck):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)
     analysis = analyse(system, state, length)
-    soft = compliance(system, state, length) if analysis.redundant or not analysis.complete else None
+    soft = compliance(system, state, length, analysis.dependent) if np.any(analysis.dependent) else None
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
 
 

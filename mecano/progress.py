@@ -15,7 +15,7 @@ class Progress:
         self.start, self.end, self.path = values["start"], values["end"], path
         self.quiet, self.terminal = quiet, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
-        self.tenths = 0
+        self.tenths, self.marching = 0, None
 
     def compiling(self):
         """Say that the first run compiles; nothing is said when the compiled code is there already."""
@@ -34,6 +34,7 @@ class Progress:
         """Show simulated time, step size and the time that is left."""
         if self.quiet:
             return
+        self.marching = self.marching or time.monotonic()
         now, share = time.monotonic(), self._share(accepted.run)
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
@@ -56,7 +57,7 @@ class Progress:
         return (run.motion.t - self.start) / (self.end - self.start)
 
     def _numbers(self, accepted, now, share):
-        left = (now - self.begun) * (1 - share) / share if share > 0 else float("nan")
+        left = (now - self.marching) * (1 - share) / share if share > 0 else float("nan")
         return f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s, {left:.0f} s left"
 
     def _clear(self):

@@ -144,6 +144,28 @@ time:
 output: {every: 5e-3}
 """
 
+# in the vocabulary of mecano
+REAL = """\
+mecano: 1
+nodes:
+  a: {position: [0, 0, 0]}
+  b: {position: [0, 0, 0]}
+  c: {position: [1, 0, 0]}
+elements:
+  body: {type: rigid_body, node: a, mass: 2, inertia: [1, 2, 3]}
+  arm: {type: rigid_body, node: b, mass: 2, inertia: [1, 1, 1]}
+  dot: {type: point_mass, node: c, mass: 3}
+  coil: {type: spring_damper, nodes: [b, c], law: {spring: {stiffness: 10}}}
+  wheel: {type: wheel, node: a, axis: [0, 1, 0], tire_law: tyre, ground: flat}
+joints:
+  cross: {type: universal, nodes: [a, b], axis_a: [1, 0, 0], axis_b: [0, 1, 0]}
+tire_laws:
+  tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}
+grounds:
+  flat: {plane: {point: [0, 0, -0.3], normal: [0, 0, 1]}}
+time: {end: 1, step: 0.01}
+"""
+
 
 def fake_sections():
     """The real sections, with two fields of tire laws."""

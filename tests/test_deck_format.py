@@ -83,4 +83,4 @@ def test_sections_in_words(section):
     assert section.doc.split()[0] in text and "object at" not in text
     if section.name == "time":
         assert "    rho_inf: a number; default 0.8\n" in text
-        assert "      force_tolerance: a number; default 1e-08\n" in text
+        assert "      force_tolerance: a number; default 1e-07\n" in text

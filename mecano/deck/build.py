@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from mecano.deck.physics import poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
-from mecano.maths import so3
 from mecano.model.model import Element, Model, Node
 from mecano.schema import CURVE
 
@@ -15,10 +15,8 @@ SECTIONS = ("elements", "joints", "loads")
 def build(deck):
     """The Model of a checked deck (deck.Deck)."""
     values = deck.values
-    nodes = [
-        Node(name, np.array(d["position"], float), np.array(so3.exp(tuple(d["orientation"]))), d["fixed"])
-        for name, d in values["nodes"].items()
-    ]
+    at = poses(values["nodes"])
+    nodes = [Node(name, *at[name], d["fixed"]) for name, d in values["nodes"].items()]
     elements = [
         Element(name, KINDS[d["type"]], node_names(d), d) for section in SECTIONS for name, d in values[section].items()
     ]

@@ -119,9 +119,9 @@ ADAPTIVE_FIELDS = (
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
 )
 NEWTON_FIELDS = (
-    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-8, below_one),
+    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-7, below_one),
     Field("constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, below_one),
-    Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 20, at_least_one),
+    Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 15, at_least_one),
 )
 SCALE_FIELDS = (
     Field("k", either(NUMBER, AUTOMATIC), "N/m", "scale of the constraint equations", AUTOMATIC, positive),

@@ -7,7 +7,6 @@ left null space of B couples the constraints that repeat one another, its null s
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
@@ -33,6 +32,7 @@ class Analysis:
     rank: int
     redundant: tuple  # Group
     mechanisms: tuple  # Group
+    dependent: np.ndarray  # (constraints,) bool: takes part in a redundancy; all of them where not complete
     complete: bool = True
 
     @property
@@ -47,14 +47,16 @@ def analyse(system, s, length):
     of = system.numbering
     loops = _in_loops(B, of.group)
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, system.n_l, system.n_l, (), (), False)
+        return Analysis(system.n_q, system.n_l, system.n_l, (), (), np.ones(system.n_l, bool), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
     rank = system.n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
     mechanisms = _groups(_null_projector(B.toarray(), rank), _motions(of)) if complete else ()
-    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, complete)
+    dependent = np.zeros(system.n_l, bool)
+    dependent[loops] = np.diag(projector) > SHARE
+    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
 
 
 def gradient(system, s, length):
@@ -103,7 +105,7 @@ def _left_null_projector(B):
     """Projector (m, m) on the y with B^T y = 0, and its rank."""
     if not B.size:
         return np.eye(B.shape[0]), B.shape[0]
-    U, sigma, _ = scipy.linalg.svd(B, full_matrices=True)
+    U, sigma, _ = np.linalg.svd(B, full_matrices=True)
     null = U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
     return null @ null.T, null.shape[1]
 
@@ -112,7 +114,7 @@ def _null_projector(B, rank):
     """Projector (n, n) on the motions dq with B dq = 0."""
     if not rank:
         return np.eye(B.shape[1])
-    _, _, Vt = scipy.linalg.svd(B, full_matrices=False)
+    _, _, Vt = np.linalg.svd(B, full_matrices=False)
     span = Vt[:rank]
     return np.eye(B.shape[1]) - span.T @ span
 

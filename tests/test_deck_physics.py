@@ -1,0 +1,48 @@
+"""Physically impossible models of the kinds that exist are refused, each with one problem at the right place."""
+
+import pytest
+from deck_samples import REAL
+
+from mecano.deck.read import deck_of
+from mecano.deck.source import Source
+from mecano.errors import DeckError
+
+
+def problems(text):
+    """The problems of a text, in the vocabulary of mecano."""
+    try:
+        deck_of(Source("deck.yaml", text))
+    except DeckError as error:
+        return error.problems
+    return []
+
+
+def test_the_deck_is_possible():
+    assert problems(REAL) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "caret", "words"),
+    [
+        ("mass: 2, inertia: [1, 2", "mass: 0, inertia: [1, 2", "0,", "'mass' must be greater than zero [kg], got 0"),
+        ("[1, 2, 3]", "[1, 2, -3]", "[1, 2, -3]", "'inertia' must be positive definite"),
+        ("[1, 2, 3]", "[1, 1, 0, 0, 0, 0]", "[1, 1, 0", "'inertia' must be positive definite"),
+        ("[1, 2, 3]", "[1, 2, 3.1]", "[1, 2, 3.1]", "triangle inequality"),
+        ("[1, 2, 3]", "[[1, 0, 0.5], [0, 2, 0], [0, 0, 2]]", "[[1", "symmetric"),
+        ("[1, 2, 3]", "[2, 2, 2, 1.9, 0, 0]", "[2, 2, 2, 1.9", "triangle inequality"),  # principal moments 0.1, 2, 3.9
+        ("c: {position: [1,", "c: {position: [0,", "", "spring_damper 'coil'"),
+        ("axis_b: [0, 1, 0]", "axis_b: [2, 0, 0]", "", "universal 'cross'"),
+        ("point: [0, 0, -0.3]", "point: [0, 0, 0.3]", "", "below the ground"),
+        ("axis: [0, 1, 0], tire", "axis: [0, 0, 1], tire", "", "lies flat"),
+        ("axis: [0, 1, 0], tire", "axis: [0, 0, 0], tire", "[0, 0, 0]", "not all zero"),
+        ("  c: {", "  d: {position: [2, 0, 0]}\n  c: {", "d:", "node 'd': no element or joint is connected to it"),
+    ],
+)
+def test_what_cannot_be(old, new, caret, words):
+    assert REAL.count(old) == 1
+    (problem,) = problems(REAL.replace(old, new))
+    assert words in problem.message
+    line = 1 + REAL[: REAL.index(old)].count("\n")
+    changed = {line + i for i in range(2)} if caret else set(range(7, 14))
+    assert problem.mark.line in changed
+    assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
