@@ -79,12 +79,12 @@ class March:
                 h = self._smaller(trial[2], s0.t, h)
                 rejected += 1
                 continue
-            found = locate(self.watch, lambda d: self._step(run, d), s0, g0, trial, h) if len(g0) else None
-            if found is None and not self.control.accept(trial[2].error, h):
+            if not self.control.accept(trial[2].error, h):
                 h = self.control.retry(trial[2].error, h)
                 rejected += 1
                 continue
             break
+        found = locate(self.watch, lambda d: self._step(run, d), s0, g0, trial, h) if len(g0) else None
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
