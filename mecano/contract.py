@@ -116,8 +116,6 @@ class Kind:
     observe: Callable | None = None
     event_values: Callable | None = None
     commit: Callable | None = None
-    start: Callable | None = None
-    """(record, nodes) -> (n_memory,) memory at the start; zeros when absent"""
     admissible: Callable | None = None
     """(record, q, R) -> text: what is wrong with an assembled configuration that satisfies the equations, or "";
     q and R as ``observe`` receives them; called from Python after the assembly"""

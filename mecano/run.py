@@ -41,7 +41,7 @@ class Recorder:
             )  # fmt: skip
 
     def _save(self, accepted, row):
-        """Save the step, or the motion at every multiple of the interval in it: interpolated, never a shortened step."""
+        """Save the step, or the motion at every multiple of the interval in it: interpolated, no step is shortened."""
         t = accepted.run.motion.t
         if self.every is None:
             self.writer.append(t, row)

@@ -109,8 +109,9 @@ class System:
     def assemble(self, s, k, penalty, cK, cC, cM):
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
-        data = cK K T + cC C + cM M, untouched where all three are zero; ``k`` and ``penalty`` scale the constraints (contract.py). ``size`` sums the
-        absolute contributions of the elements and of their inertia: the scale on which a residual is small.
+        data = cK K T + cC C + cM M, untouched where all three are zero; ``k`` and ``penalty`` scale the constraints
+        (contract.py). ``size`` sums the absolute contributions of the elements and of their inertia: the scale on
+        which a residual is small.
         """
         loops.clear(self.force, self._slot_size, self.data, cK == cC == cM == 0.0)
         state = (s.z, s.v, s.a, s.R, s.T, self.force, self._slot_size, self.data, cK, cC, cM)
