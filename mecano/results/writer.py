@@ -264,7 +264,8 @@ class Writer:
             self.close()
         elif self._file is not None:
             stopped = isinstance(error, KeyboardInterrupt)
-            self.close("stopped" if stopped else "failed", "interrupted" if stopped else str(error) or kind.__name__)
+            reason = str(error) or ("interrupted" if stopped else kind.__name__)
+            self.close("stopped" if stopped else "failed", reason)
 
 
 def refuse_existing(path, force):
