@@ -3,7 +3,7 @@
 import difflib
 from fnmatch import fnmatchcase
 
-from mecano.errors import ResultsError
+from mecano.errors import UnknownNameError
 
 
 class Lookup:
@@ -31,7 +31,7 @@ class Lookup:
 
         Raises
         ------
-        ResultsError
+        UnknownNameError
             No series or several have that name.
         """
         dotted = name.replace("/", ".").replace("[", ".").replace("]", "")
@@ -43,7 +43,7 @@ class Lookup:
             found = self._exactly(stem, stem)
             if found is not None and found.shape:
                 return found, self._component(found, component, name)
-        raise ResultsError(f"no output '{name}' in this file{self._suggest(dotted)}")
+        raise UnknownNameError(f"no output '{name}' in this file{self._suggest(dotted)}")
 
     def _exactly(self, path, dotted):
         if path in self._by_path:
@@ -51,7 +51,7 @@ class Lookup:
         found = self._by_ending.get(dotted, [])
         if len(found) > 1:
             paths = ", ".join(one.path for one in found[:6])
-            raise ResultsError(f"'{dotted}' may be any of {paths}: write more of its path")
+            raise UnknownNameError(f"'{dotted}' may be any of {paths}: write more of its path")
         return found[0] if found else None
 
     @staticmethod
@@ -60,7 +60,7 @@ class Lookup:
             return series.components.index(component)
         if component.isdecimal() and int(component) < series.width:
             return int(component)
-        raise ResultsError(f"no component '{component}' in '{name}': there are {', '.join(series.components)}")
+        raise UnknownNameError(f"no component '{component}' in '{name}': there are {', '.join(series.components)}")
 
     def _suggest(self, dotted):
         close = difflib.get_close_matches(dotted, self._by_ending, 3)

@@ -163,6 +163,11 @@ class Results:
         """Return the paths of all series, or of those that a pattern such as "joints/*" or "wheel.*" fits."""
         return self._lookup.match(pattern)
 
+    @property
+    def series(self):
+        """Declarations of all series: path -> Series with unit, meaning and shape."""
+        return {one.path: one for one in self._layout.series}
+
     def find(self, name):
         """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 

@@ -264,7 +264,14 @@ class Writer:
             self.close()
         elif self._file is not None:
             stopped = isinstance(error, KeyboardInterrupt)
-            self.close("stopped" if stopped else "failed", "interrupted" if stopped else str(error) or kind.__name__)
+            reason = str(error) or ("interrupted" if stopped else kind.__name__)
+            self.close("stopped" if stopped else "failed", reason)
+
+
+def refuse_existing(path, force):
+    """Raise ResultsError when ``path`` exists and may not be replaced."""
+    if Path(path).exists() and not force:
+        raise ResultsError(f"{path} exists already; give another name, or --force to replace it")
 
 
 def _new_file(disk, layout):

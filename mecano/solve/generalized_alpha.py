@@ -118,7 +118,7 @@ class GeneralizedAlpha:
         return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
 
     def step(self, s0, history, h):
-        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); changes no argument.
+        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure.
 
         k and penalty are those of the deck, or the mean stiffness in the history.
         """
@@ -137,7 +137,9 @@ class GeneralizedAlpha:
         def evaluate(tangent):
             system.assemble(s, k, penalty, *((1.0, cC, cM) if tangent else (0.0, 0.0, 0.0)))
             if self.compliance is not None:
-                self._comply(s, k)
+                self.compliance.soften(k, s.z[n_q:n], system.residual[n_q:n])
+                if tangent:
+                    self.compliance.soften_tangent(k, system.data)
             return norms(system.residual, system.size, of.kind, n, k, length, reach, *self.limits)
 
         def solve(fresh):
@@ -161,9 +163,3 @@ class GeneralizedAlpha:
         error = c.error * h * h * change
         new = History(a, h, s0.a, rate, self._no_shift, history.k)
         return s, new, StepInfo(True, result.iterations, result.norms, error)
-
-    def _comply(self, s, k):
-        """Give the constraints of a redundant model their compliance."""
-        system = self.system
-        system.residual[system.n_q : system.n] -= k * self.compliance * s.z[system.n_q : system.n]
-        system.data[system.diagonal[system.n_q :]] = -k * k * self.compliance
