@@ -10,7 +10,7 @@ from pathlib import Path
 
 __version__ = "0.1.0"
 
-COMPILED = ("maths", "laws", "constraints", "elements", "model", "solve")
+COMPILED = ("maths", "laws", "constraints", "elements", "model", "solve", "results")
 
 
 def _cache_folder():

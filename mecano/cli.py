@@ -14,7 +14,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
 
 
-class Stopped(BaseException):
+class Stopped(KeyboardInterrupt):
     """A signal asked the run to end."""
 
     def __init__(self, number):
@@ -31,6 +31,8 @@ def commands():
     mecano check deck.yaml          look at a deck without running it
     mecano run deck.yaml            solve it into deck.h5
     mecano post deck.h5             draw the pictures an engineer wants
+    mecano info deck.h5             say what is in a file and how the run went
+    mecano list, mecano explain     what a deck can contain
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
     output, 6 not finite, 7 out of memory, 130 and 143 interrupted with a valid file, 1 a bug in mecano.
@@ -75,7 +77,71 @@ def check(deck, overrides):
     checked = read_deck(deck, overrides)
     from mecano.summary import summary
 
-    click.echo(summary(checked))
+    _show(summary(checked))
+
+
+@commands.command()
+@click.argument("results", nargs=-1, required=True, type=click.Path())
+@click.option(
+    "--plot",
+    "plots",
+    multiple=True,
+    metavar="Y[,Y2][:X]",
+    help="Plot outputs over another one, or over time; may be repeated.",
+)
+@click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
+@click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
+@click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
+@click.option("--title", help="Title of the pictures; default: that of the deck.")
+def post(results, plots, output, kind, columns, title):
+    """Draw pictures of results; several files are drawn into the same pictures.
+
+    Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
+    those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
+    --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
+    """
+    from mecano.post.pictures import post as draw
+
+    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title):
+        click.echo(path)
+
+
+@commands.command()
+@click.argument("results", type=click.Path())
+@click.option(
+    "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
+    help="Outputs with units and meanings, of a pattern such as 'wheel.*' or all.",
+)  # fmt: skip
+def info(results, pattern):
+    """Say what is in a results file and how the run went: status, steps, events, extremes."""
+    from mecano.post.info import info as text
+
+    _show(text(results, pattern))
+
+
+@commands.command(name="list")
+def list_():
+    """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
+    from mecano.deck.catalogue import catalogue
+
+    _show(catalogue())
+
+
+@commands.command()
+@click.argument("name")
+def explain(name):
+    """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations."""
+    from mecano.deck.catalogue import explain as text
+
+    _show(text(name).rstrip())
+
+
+def _show(text):
+    """Print; a reader that has seen enough (as ``head`` has) is no error."""
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _stop(number, frame):
@@ -86,17 +152,14 @@ def main():
     """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
     try:
         commands(standalone_mode=False)
-    except click.exceptions.Abort:
-        _end(130, "interrupted")
+    except click.exceptions.Abort as error:
+        number = getattr(error.__cause__, "number", signal.SIGINT)
+        _end(STOPPED[number], f"mecano: {error.__cause__ or 'interrupted'}")
     except click.ClickException as error:
         error.show()
         _end(2)
-    except Stopped as error:
-        _end(STOPPED[error.number], str(error))
     except MemoryError:
         _end(7, "out of memory")
-    except BrokenPipeError:
-        _end(0)
     except Exception as error:
         _report(error)
 

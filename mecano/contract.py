@@ -111,13 +111,13 @@ class Kind:
     """(deck values, nodes, Context) -> [Part]"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
+    limits: Callable = nothing
+    """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None
     event_values: Callable | None = None
     commit: Callable | None = None
-    start: Callable | None = None
-    """(record, nodes) -> (n_memory,) memory at the start; zeros when absent"""
     admissible: Callable | None = None
     """(record, q, R) -> text: what is wrong with an assembled configuration that satisfies the equations, or "";
     q and R as ``observe`` receives them; called from Python after the assembly"""

@@ -64,3 +64,15 @@ class NonFiniteError(MecanoError):
     """A force or an unknown became infinite or not a number."""
 
     exit_code = 6
+
+
+class UsageError(MecanoError):
+    """The command line asks for something that does not exist or cannot be understood."""
+
+    exit_code = 2
+
+
+class UnknownNameError(ResultsError):
+    """A results file has no output of that name, or several."""
+
+    exit_code = 2

@@ -6,11 +6,12 @@ from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.system import System
 from mecano.solve.analysis import analyse
+from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.initial import assemble_positions
 from mecano.solve.linear import LinearSolver
 from mecano.solve.march import March
-from mecano.solve.scales import Tolerances, compliance, length_scale
+from mecano.solve.scales import Tolerances, length_scale
 from mecano.solve.step_control import AdaptiveStep, FixedStep
 
 METHODS = {
@@ -33,7 +34,7 @@ class Prepared:
     state: object  # State: positions assembled, velocities of the deck
     displacement: float  # [m] by which the assembly moved the deck's positions at most
     analysis: object  # redundant constraints and mechanisms
-    compliance: object  # None or (n_l,)
+    compliance: object  # Compliance, or None
 
 
 def prepare(deck):
@@ -47,7 +48,7 @@ def prepare(deck):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)
     analysis = analyse(system, state, length)
-    soft = compliance(system, state, length) if analysis.redundant or not analysis.complete else None
+    soft = compliance(system, state, length, analysis.dependent)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
 
 
@@ -96,3 +97,16 @@ def remarks(prepared):
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
     return texts
+
+
+def chosen(prepared, march, start):
+    """What stands for the values that the deck leaves automatic, by name: for the results file."""
+    method, control = march.method, march.control
+    return {
+        "length_scale": prepared.length,
+        "minimum_step": control.minimum,
+        "maximum_step": control.maximum,
+        "k": method.k or start.history.k,
+        "penalty": start.history.k if method.penalty is None else method.penalty,
+        "increment_tolerance": method.tolerances.increment,
+    }

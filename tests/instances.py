@@ -154,7 +154,7 @@ def expand(kind, values, nodes, mode, gravity, rng):
         p = np.zeros(1, of.dtype)
         for key, value in record.items():
             p[key][0] = value
-        memory = np.zeros(len(of.memory)) if of.start is None else of.start(p[0], [nodes[i] for i in on])
+        memory = np.zeros(len(of.memory))
         scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))

@@ -287,23 +287,26 @@ def test_exchange_within_a_front_needs_no_fallback():
         np.testing.assert_allclose(x, np.linalg.solve(matrix, b), rtol=1e-12)
 
 
-def redundant_loop(n, k=1.0):
-    """n bodies in a loop, each tied to the next in the same 5 directions: 5 constraints too many."""
+def redundant_loop(n, k=1.0, spread=0.0):
+    """n bodies in a loop, each tied to the next in the same 5 directions: 5 constraints too many.
+
+    Constraints are scaled by k, masses differ by 10**(2 spread).
+    """
     random = np.random.default_rng(n)
     P, n_q = random.standard_normal((5, 6)), 6 * n
     S, B = np.zeros((n_q, n_q)), np.zeros((5 * n, n_q))
     for i in range(n):
         j, T = (i + 1) % n, random.standard_normal((6, 6))
-        S[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = T @ T.T + np.eye(6)
+        S[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = (T @ T.T + np.eye(6)) * 10 ** random.uniform(-spread, spread)
         B[5 * i : 5 * i + 5, 6 * i : 6 * i + 6] += P
         B[5 * i : 5 * i + 5, 6 * j : 6 * j + 6] -= P
     A = np.block([[S + k * B.T @ B, k * B.T], [k * B, np.zeros((5 * n, 5 * n))]])
     return Problem(A, np.arange(n_q) // 6, n_q)
 
 
-@pytest.mark.parametrize("n, k", [(3, 1.0), (12, 1.0), (40, 1.0), (12, 1e3)])
-def test_redundant_constraints_are_left_out(n, k):
-    problem = redundant_loop(n, k)
+@pytest.mark.parametrize("n, k, spread", [(3, 1, 0), (12, 1, 0), (12, 1e3, 0), (20, 1, 3), (60, 1, 2)])
+def test_redundant_constraints_are_left_out(n, k, spread):
+    problem = redundant_loop(n, k, spread)
     expected, x = problem.rhs(), np.empty(problem.n)
     solver = problem.solver()
     status = solver.solve(problem.data, problem.matrix @ expected, x)
@@ -314,6 +317,33 @@ def test_redundant_constraints_are_left_out(n, k):
     np.testing.assert_allclose(x[: problem.n_q], expected[: problem.n_q], rtol=1e-8, atol=1e-9)
     ratios = np.sort(solver.cancellation())
     assert ratios[4] < 1e-14 and ratios[5] > 1e-7
+
+
+def test_redundant_constraints_with_a_little_compliance_are_regular():
+    loop = redundant_loop(12)
+    compliance = np.diag(np.where(np.arange(loop.n) < loop.n_q, 0.0, -1e-10))
+    problem, x = Problem(loop.matrix.toarray() + compliance, loop.groups, loop.n_q), np.empty(loop.n)
+    expected = problem.rhs()
+    status = problem.solver().solve(problem.data, problem.matrix @ expected, x)
+    assert status.ok and not status.singular and not status.fallback and status.backward_error <= ACCURATE
+    np.testing.assert_allclose(x[: problem.n_q], expected[: problem.n_q], rtol=1e-9, atol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_constraint_given_twice_within_a_front(seed):
+    """Its diagonal is zero until its unknowns are eliminated, just before itself."""
+    random = np.random.default_rng(seed)
+    A = np.zeros((8, 8))
+    A[:4, :4] = np.eye(4)
+    A[4:6, 4:6] = random.standard_normal((2, 2)) + 3.0 * np.eye(2)
+    A[6, 4:6] = random.standard_normal(2)
+    A[7] = A[6] / 3.0
+    A[4:6, 6:] = A[6:, 4:6].T
+    problem = Problem(A, np.zeros(6, int), 6)
+    x, expected = np.empty(8), problem.rhs()
+    status = problem.solver().solve(problem.data, A @ expected, x)
+    assert status.ok and status.singular and status.null_pivots == 1
+    np.testing.assert_allclose(x[:6], expected[:6], rtol=1e-12)
 
 
 def test_contradictory_constraints_have_no_solution():

@@ -266,6 +266,12 @@ def sample(rng):
     return samples
 
 
+def limits(d):
+    """The range of the radial law."""
+    valid = d["tire_law"]["valid_deformation"]
+    return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
+
+
 WHEEL = Kind(
     name="wheel",
     section="elements",
@@ -281,6 +287,7 @@ WHEEL = Kind(
     ),
     prepare=prepare,
     check=check,
+    limits=limits,
     force=force,
     observe=observe,
     event_values=event_values,

@@ -39,3 +39,4 @@ class History:
     previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
     multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
     v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step
+    k: float  # mean stiffness of the effective tangent for steps of this size [N/m]

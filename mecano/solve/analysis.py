@@ -32,6 +32,7 @@ class Analysis:
     rank: int
     redundant: tuple  # Group
     mechanisms: tuple  # Group
+    dependent: sp.csr_matrix  # projector on the reactions that take part in a redundancy, see ``_directions``
     complete: bool = True
 
     @property
@@ -42,22 +43,23 @@ class Analysis:
 
 def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
-    B = gradient(system, s, length)
+    B, size = gradient(system, s, length)
     of = system.numbering
     loops = _in_loops(B, of.group)
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, system.n_l, system.n_l, (), (), False)
+        return Analysis(system.n_q, system.n_l, system.n_l, (), (), sp.identity(system.n_l, format="csr"), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
     rank = system.n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
     mechanisms = _groups(_null_projector(B.toarray(), rank), _motions(of)) if complete else ()
-    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, complete)
+    dependent = _directions(system, projector, loops, size)
+    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows of unit length."""
+    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths."""
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
@@ -66,10 +68,11 @@ def gradient(system, s, length):
     B = full[system.n_q :, : system.n_q]
     B = B @ sp.diags(np.where(system.numbering.kind[: system.n_q] == 1, 1.0 / length, 1.0))
     size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
-    B = sp.csr_matrix(sp.diags(1.0 / np.where(size > 0, size, 1.0)) @ B)
+    size = np.where(size > 0, size, 1.0)
+    B = sp.csr_matrix(sp.diags(1.0 / size) @ B)
     B.data[np.abs(B.data) < 1e-14] = 0.0
     B.eliminate_zeros()
-    return B
+    return B, size
 
 
 def _in_loops(B, group):
@@ -114,6 +117,29 @@ def _null_projector(B, rank):
     _, _, Vt = np.linalg.svd(B, full_matrices=False)
     span = Vt[:rank]
     return np.eye(B.shape[1]) - span.T @ span
+
+
+def _directions(system, projector, loops, size):
+    """Projector (n_l, n_l), a block for each element, on the directions of its reactions that redundancies make use of.
+
+    The directions, not the rows: what it does not hold is the same in whatever axes the constraints are written.
+    """
+    place = {row: i for i, row in enumerate(loops)}
+    rows, cols, values = [], [], []
+    for element in (rows for batch in system.batches for rows in batch.multipliers):
+        members = [row for row in element if row in place]
+        at = [place[row] for row in members]
+        scale = 1.0 / size[members]
+        block = scale[:, None] * projector[np.ix_(at, at)] * scale
+        share, direction = np.linalg.eigh(block)
+        direction = direction[:, share > SHARE * np.max(scale, initial=0.0) ** 2]
+        rows += np.repeat(members, len(members)).tolist()
+        cols += members * len(members)
+        values += (direction @ direction.T).ravel().tolist()
+    found = sp.csr_matrix((values, (rows, cols)), shape=(system.n_l, system.n_l))
+    found.data[np.abs(found.data) < SHARE] = 0.0
+    found.eliminate_zeros()
+    return found
 
 
 def _groups(projector, names):

@@ -33,7 +33,7 @@ class Consistent:
         self.loose = loose & (diagonal <= 0.0)  # neither mass nor constraint: stays at rest
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
-            data[system.diagonal[system.n_q :]] -= self.k**2 * compliance
+            compliance.soften_tangent(self.k, data)
         self._solve(data, np.zeros(system.n))
         self.bare = bare
 

@@ -74,7 +74,7 @@ def locate(watch, step, s0, g0, trial, h):
     falsi on the step size, for the largest of the event functions that crossed.
     """
     g1 = watch.values(trial[0])
-    crossed = (g0 < 0) & (g1 >= 0)
+    crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     if not crossed.any():
         return None
     lo, hi, best = 0.0, h, trial
@@ -97,6 +97,5 @@ def locate(watch, step, s0, g0, trial, h):
             lo, G_lo = middle, g
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
-    if hi <= AT_ONCE * h:
-        return 0.0, None, crossed
-    return hi, step(hi), crossed & (watch.values(best[0]) >= 0)
+    hit = crossed & (watch.values(best[0]) >= 0)
+    return (0.0, None, hit) if hi <= AT_ONCE * h else (hi, step(hi), hit)

@@ -75,7 +75,6 @@ class GeneralizedAlpha:
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.compliance = k, penalty, compliance
         self.limits = (self.tolerances.force, self.tolerances.constraint)
-        self._balanced = (None, None)
         self._increment = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
 
@@ -110,17 +109,27 @@ class GeneralizedAlpha:
             shifted = s.copy()
             consistent.project_velocity(shifted, c.error * h * h * rate)
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
-        return History(a, h, s.a.copy(), multiplier_rate, v_shift)
+        cC, cM = self._weights(h)
+        return History(a, h, s.a.copy(), multiplier_rate, v_shift, balance(self.system, s, 1.0, cC, cM))
+
+    def _weights(self, h):
+        """Derivatives of velocities and accelerations by displacements within a step of size h."""
+        c = self.coefficients
+        return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
 
     def step(self, s0, history, h):
-        """One step of size h from ``s0``: (state, history, StepInfo); changes no argument."""
+        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure.
+
+        k and penalty are those of the deck, or the mean stiffness in the history.
+        """
         c, system, of, length = self.coefficients, self.system, self.system.numbering, self.length
-        cC, cM = c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
-        k, penalty = self._scales(s0, h, cC, cM)
+        cC, cM = self._weights(h)
+        k = self.k or history.k
+        penalty = history.k if self.penalty is None else self.penalty
         s, n_q, n, rotations = s0.copy(), system.n_q, system.n, of.rotation_dof
         s.t = s0.t + h
         reach = predict(
-            h, h / history.h, c.am, c.af, c.beta, c.gamma,
+            h, c.am, c.af, c.beta, c.gamma,
             history.a, s0.a, history.previous, history.v_shift, history.multiplier_rate, s0.R,
             of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
         )  # fmt: skip
@@ -128,7 +137,9 @@ class GeneralizedAlpha:
         def evaluate(tangent):
             system.assemble(s, k, penalty, *((1.0, cC, cM) if tangent else (0.0, 0.0, 0.0)))
             if self.compliance is not None:
-                self._comply(s, k)
+                self.compliance.soften(k, s.z[n_q:n], system.residual[n_q:n])
+                if tangent:
+                    self.compliance.soften_tangent(k, system.data)
             return norms(system.residual, system.size, of.kind, n, k, length, reach, *self.limits)
 
         def solve(fresh):
@@ -150,20 +161,5 @@ class GeneralizedAlpha:
         a, rate = np.zeros_like(s.a), np.empty(system.n_l)
         change = finish(h, c.am, c.af, history.a, s0.a, s.a, s0.z, s.z, of.kind, n_q, n, length, a, rate)
         error = c.error * h * h * change
-        new = History(a, h, s0.a, rate, self._no_shift)
+        new = History(a, h, s0.a, rate, self._no_shift, history.k)
         return s, new, StepInfo(True, result.iterations, result.norms, error)
-
-    def _comply(self, s, k):
-        """Give the constraints of a redundant model their compliance."""
-        system = self.system
-        system.residual[system.n_q : system.n] -= k * self.compliance * s.z[system.n_q : system.n]
-        system.data[system.diagonal[system.n_q :]] = -k * k * self.compliance
-
-    def _scales(self, s, h, cC, cM):
-        """k and penalty for steps of size h: those of the deck, or the mean stiffness, kept while h stays."""
-        if self.k is not None and self.penalty is not None:
-            return self.k, self.penalty
-        if self._balanced[0] != h:
-            self._balanced = (h, balance(self.system, s, 1.0, cC, cM))
-        mean = self._balanced[1]
-        return self.k or mean, mean if self.penalty is None else self.penalty

@@ -32,7 +32,7 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out, T_out):
 @njit(cache=True)
 def predict(
     # step
-    h, extrapolation, am, af, beta, gamma,
+    h, am, af, beta, gamma,
     # state and history at its beginning
     a0, acceleration0, previous, v_shift, rate, R0,
     # model
@@ -43,12 +43,11 @@ def predict(
     """Move a state to the end of a step with accelerations extrapolated from the last step.
 
     a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step, previous (n_all,) at
-    the beginning of the last step; extrapolation = h over the last h; rate (n_l,) of the multipliers. Returns the
-    largest coordinate [m].
+    the beginning of the last step of the same size; rate (n_l,) of the multipliers. Returns the largest coordinate [m].
     """
     reach = 0.0
     for i in range(n_q):
-        guess = acceleration0[i] + extrapolation * (acceleration0[i] - previous[i])
+        guess = 2.0 * acceleration0[i] - previous[i]
         a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
         v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)

@@ -6,37 +6,11 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.solve.events import Watch, locate
+from mecano.solve.run_state import RunState
 from mecano.solve.step_control import AFTER_FAILURE
 
 REPORTED = 5  # equations named when Newton fails
 SLIVER = 1e-6  # of a step: no step is made to cover less
-
-
-@dataclass(slots=True)
-class RunState:
-    """All that a run needs to go on: one value, made of arrays and numbers."""
-
-    motion: object  # State
-    history: object  # History
-    h: float  # size of the next step [s]
-    steps: int = 0  # accepted
-    rejected: int = 0
-    iterations: int = 0
-    dissipated: float = 0.0  # [J] since the start
-    given: float = 0.0  # [J] by the surroundings since the start
-    powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
-
-    @property
-    def work(self):
-        """Energy dissipated and given since the start [J]."""
-        return self.dissipated, self.given
-
-    def tried(self, rejected, iterations):
-        """The same run with more rejected trials and Newton iterations counted."""
-        return RunState(
-            self.motion, self.history, self.h, self.steps, self.rejected + rejected, self.iterations + iterations,
-            self.dissipated, self.given, self.powers,
-        )  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -105,12 +79,12 @@ class March:
                 h = self._smaller(trial[2], s0.t, h)
                 rejected += 1
                 continue
-            found = locate(self.watch, lambda d: self._step(run, d), s0, g0, trial, h) if len(g0) else None
-            if found is None and not self.control.accept(trial[2].error, h):
+            if not self.control.accept(trial[2].error, h):
                 h = self.control.retry(trial[2].error, h)
                 rejected += 1
                 continue
             break
+        found = locate(self.watch, lambda d: self._step(run, d), s0, g0, trial, h) if len(g0) else None
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)

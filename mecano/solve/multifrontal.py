@@ -8,14 +8,19 @@ Each front is a dense matrix over the unknowns that it eliminates (pivots) and t
           U_{12} = L_{11}^{-1} F_{12}, \quad C = F_{22} - L_{21} U_{12},
 
 and the contribution C waits on a stack for the parent. The factors of a front are its eliminated columns (L and,
-above the diagonal, U11), one after the other, then the rows of U12. Rows are exchanged among the pivots of a
-front only, where the diagonal falls below ``tolerance`` times the largest entry of its column; 0 never exchanges.
+above the diagonal, U11), then the columns of U12. Rows are exchanged among the pivots of a front only, where the
+diagonal falls below ``tolerance`` times the largest entry of its column; 0 never exchanges.
+
+Rows of a front and columns of L are stored with a stride rounded up to STRIP, and the number of columns of L too:
+columns beyond the pivots stay zero, what stands beyond the last row of a column is never used.
 
 A pivot that elimination has cancelled down to rounding errors is *null*: its equation is left out and its unknown
 set to zero. Cancelled means against the largest value its diagonal has had, which no scaling of rows and columns
 changes. That is the right thing for redundant constraints, and the residual tells where it is wrong.
 
-Fixed order and one thread: the same numbers give the same bits. No flag lets the compiler assume finite numbers.
+Fixed order, one thread and no fastmath: the same numbers give the same bits. With fastmath even the process that
+compiles gives others than those that find its code in the cache, for functions are inlined differently. Loops are
+written so that they are vectorized all the same: elementwise, without sums.
 """
 
 import numpy as np
@@ -36,8 +41,6 @@ from mecano.solve.ordering import (
     STRIP,
 )
 
-FAST = {"contract", "reassoc", "nsz"}
-
 # Rows of the work array ``vectors`` (VECTORS, n + STRIP); the first three are by elimination position
 PIVOT, INVERSE, MAGNITUDE, PERMUTED, FRONT, RESIDUAL, CORRECTION = range(7)
 VECTORS = 7
@@ -54,7 +57,7 @@ def _stride(size):
     return (size + STRIP - 1) // STRIP * STRIP
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
     """Add entries of the matrix and contributions of the children into a front; note how large its diagonal is."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
@@ -84,7 +87,7 @@ def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
         magnitude_out[at] = max(magnitude_out[at], abs(front_out[(pivots + i) * (stride + 1)]))
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _choose_row(column, k, pivots, tolerance):
     """Row of the pivot of column k: k itself unless it is small against the largest of the pivot rows."""
     best, largest = k, abs(column[k])
@@ -95,7 +98,7 @@ def _choose_row(column, k, pivots, tolerance):
     return k if limit >= tolerance * largest else best
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _exchange(i, j, end, stride, front_out, columns_out):
     """Exchange rows i and j: of the ``end`` columns already taken out of the front, and of the rest of the front."""
     for c in range(0, end * stride, stride):
@@ -108,7 +111,7 @@ def _exchange(i, j, end, stride, front_out, columns_out):
         front_out[j * stride + c] = value
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _eliminate_strip(
     begin, end, block_end, pivots, stride, tolerance,  # in
     front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
@@ -141,7 +144,7 @@ def _eliminate_strip(
     return null
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _apply_strip(begin, stride, columns, targets_out):
     """Eliminate the STRIP pivots from ``begin`` in further columns or right-hand sides, one after the other."""
     at = begin * stride + begin
@@ -158,7 +161,7 @@ def _apply_strip(begin, stride, columns, targets_out):
             target[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, front_out):
     """Subtract from rows and columns [left, right) of a front the products of the STRIP pivots from ``begin``.
 
@@ -175,7 +178,7 @@ def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, fro
             row[j] -= x0 * u0[j] + x1 * u1[j] + x2 * u2[j] + x3 * u3[j]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
     """The rows begin ... end - 1 of U, columns [left, right)."""
     for strip in range(begin, end, STRIP):
@@ -189,7 +192,7 @@ def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
         _update(strip, strip_end - 1, strip_end, end, left, right, stride, columns, front_out)
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _eliminate_block(
     begin, end, pivots, size, tolerance,  # in
     front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
@@ -205,8 +208,6 @@ def _eliminate_block(
         column = columns_out[k * stride : (k + 1) * stride]
         for i in range(size):
             column[i] = front_out[i * stride + k]
-        for i in range(size, stride):
-            column[i] = 0.0
     for strip in range(begin, end, STRIP):
         strip_end = min(strip + STRIP, end)
         null += _eliminate_strip(
@@ -224,16 +225,16 @@ def _eliminate_block(
     return null
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _store(f, fronts, front, factors_out, stack_out):
-    """Keep the rows of U12 of a front and put its contribution on the stack."""
+    """Keep U12 of a front, by columns, and put its contribution on the stack."""
     pivots, size = fronts[f, PIVOTS], fronts[f, SIZE]
     stride, width = _stride(size), size - pivots
     begin = fronts[f, FACTOR] + _stride(pivots) * stride
     for k in range(pivots):
-        kept, row = factors_out[begin + k * width : begin + (k + 1) * width], front[k * stride + pivots :]
-        for j in range(kept.size):
-            kept[j] = row[j]
+        row = front[k * stride + pivots : k * stride + size]
+        for j in range(row.size):
+            factors_out[begin + j * pivots + k] = row[j]
     begin = fronts[f, CONTRIBUTION]
     for i in range(width):
         kept = stack_out[begin + i * width : begin + (i + 1) * width]
@@ -242,7 +243,7 @@ def _store(f, fronts, front, factors_out, stack_out):
             kept[j] = row[j]
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, exchanges_out):
     """Factor the matrix with the values ``data``; returns the number of null pivots."""
     null = largest = 0
@@ -265,7 +266,7 @@ def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, ex
     return null
 
 
-@njit(fastmath=FAST, error_model="numpy")
+@njit(error_model="numpy")
 def _forward(f, fronts, links, factors, exchanges, work, y_out):
     """Eliminate the pivots of a front in the right-hand side y (n,), in elimination order."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
@@ -281,8 +282,6 @@ def _forward(f, fronts, links, factors, exchanges, work, y_out):
         work[row] = value
     for i in range(border.size):
         work[pivots + i] = y_out[border[i]]
-    for i in range(size, stride):
-        work[i] = 0.0
     for strip in range(0, pivots, STRIP):
         _apply_strip(strip, stride, columns, work[:stride])
     for k in range(pivots):
@@ -291,21 +290,18 @@ def _forward(f, fronts, links, factors, exchanges, work, y_out):
         y_out[border[i]] = work[pivots + i]
 
 
-@njit(fastmath=FAST, error_model="numpy")
-def _backward(f, fronts, links, factors, inverse, work, y_out):
+@njit(error_model="numpy")
+def _backward(f, fronts, links, factors, inverse, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = _stride(size)
     border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
-    for i in range(border.size):
-        work[i] = y_out[border[i]]
     own = y_out[first : first + pivots]
-    begin, width = fronts[f, FACTOR] + _stride(pivots) * stride, size - pivots
-    for k in range(pivots):
-        row, total = factors[begin + k * width : begin + (k + 1) * width], 0.0
-        for j in range(row.size):
-            total += row[j] * work[j]
-        own[k] -= total
+    begin = fronts[f, FACTOR] + _stride(pivots) * stride
+    for j in range(border.size):
+        column, x = factors[begin + j * pivots : begin + (j + 1) * pivots], y_out[border[j]]
+        for i in range(own.size):
+            own[i] -= column[i] * x
     for k in range(pivots - 1, -1, -1):
         x = own[k] * inverse[first + k]
         own[k] = x
@@ -315,7 +311,7 @@ def _backward(f, fronts, links, factors, inverse, work, y_out):
             own[i] -= above[i] * x
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def substitute(b, order, fronts, links, factors, exchanges, vectors, x_out):
     """Solve with the kept factors: x_out (n,) from b (n,); b and x_out may be the same array."""
     y, work, inverse = vectors[PERMUTED], vectors[FRONT], vectors[INVERSE]
@@ -324,12 +320,12 @@ def substitute(b, order, fronts, links, factors, exchanges, vectors, x_out):
     for f in range(fronts.shape[0]):
         _forward(f, fronts, links, factors, exchanges, work, y)
     for f in range(fronts.shape[0] - 1, -1, -1):
-        _backward(f, fronts, links, factors, inverse, work, y)
+        _backward(f, fronts, links, factors, inverse, y)
     for i in range(order.size):
         x_out[order[i]] = y[i]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def residual(data, equations, b, x, residual_out):
     """r = b - A x, and the backward error max |r| / max(|A| |x| + |b|); infinite if anything is not finite.
 
@@ -354,7 +350,7 @@ def residual(data, equations, b, x, residual_out):
     return largest / scale if scale > 0.0 else 0.0
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def solve(
     data, b,  # in
     order, fronts, links, equations, tolerance,  # pattern

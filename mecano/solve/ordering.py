@@ -67,7 +67,8 @@ def analyse(n, rows, cols, groups, n_q):
     nodes = np.unique(groups, return_inverse=True)[1].reshape(-1)
     n_nodes = int(nodes.max()) + 1 if n_q else 0
     ties = _ties(rows, cols, nodes, n_q, n_nodes)
-    position = _minimum_degree(_node_graph(rows, cols, nodes, n_q, n_nodes, ties))
+    own = (rows < n_q) & (cols < n_q)
+    position = _minimum_degree(_quotient(nodes[rows[own]], nodes[cols[own]], n_nodes))
     block, n_blocks = _insert_multipliers(n, nodes, n_nodes, position, ties)
     structures, parent = _structures(_quotient(block[rows], block[cols], n_blocks))
     final = _postorder(parent)
@@ -96,15 +97,6 @@ def _quotient(block_rows, block_cols, n_blocks):
     graph = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=(n_blocks, n_blocks)).tocsr()
     graph.sort_indices()
     return graph
-
-
-def _node_graph(rows, cols, nodes, n_q, n_nodes, ties):
-    """Graph of the nodes; nodes tied by a multiplier only are linked in a chain."""
-    own = (rows < n_q) & (cols < n_q)
-    same = ties[0][1:] == ties[0][:-1]
-    i = np.concatenate([nodes[rows[own]], ties[1][1:][same]])
-    j = np.concatenate([nodes[cols[own]], ties[1][:-1][same]])
-    return _quotient(i, j, n_nodes)
 
 
 def _minimum_degree(graph):

@@ -9,7 +9,6 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLAT
 
 HUGE = 1e300  # beyond this a number counts as infinite
 TINY = 1e-300
-SOFTNESS = 1e-11  # a tenth of the tolerance of the constraints
 ROUNDING = 16 * 2.2e-16  # of a sum of a few numbers
 ANGULAR_SHARE = 1e-3  # moments count against at least this share of (largest force) x (length), and vice versa
 
@@ -37,19 +36,6 @@ def balance(system, s, cK, cC, cM):
     diagonal = np.abs(system.data[system.diagonal[: system.n_q]])
     diagonal = diagonal[diagonal > 0]
     return float(diagonal.mean()) if len(diagonal) else 1.0
-
-
-def compliance(system, s, length):
-    """Compliances (n_l,) [m/N, rad/(N m)] that let redundant constraints share their force; docs/theory.md, section 3.
-
-    Under the forces at work in ``s`` they give way by SOFTNESS of the length scale, or rad.
-    """
-    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
-    of = system.numbering
-    masses = system.data[system.diagonal[: system.n_q]][of.kind[: system.n_q] == TRANSLATION]
-    force = max(system.size[of.kind == TRANSLATION].max(initial=0.0), 9.81 * masses.max(initial=0.0), TINY)
-    angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
-    return SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)
 
 
 @njit(cache=True)

@@ -16,6 +16,11 @@ class FixedStep:
     step: float
     minimum: float
 
+    @property
+    def maximum(self):
+        """The longest step."""
+        return self.step
+
     def accept(self, error, h):
         """Always: a fixed step has no error control."""
         return True
@@ -23,10 +28,6 @@ class FixedStep:
     def after(self, error, h):
         """The next step size after an accepted step of size h."""
         return min(self.step, GROWTH * h)
-
-    def retry(self, error, h):
-        """Not reached: every converged step is accepted."""
-        return h
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,162 @@
+"""A panel of curves drawn into axes of matplotlib."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from mecano.post.style import (
+    COLOURS,
+    DASHES,
+    GREY,
+    INK,
+    PALE,
+    legend_above,
+    note_below,
+    range_of,
+    shown_unit,
+    with_unit,
+)
+
+EVENT_ROOM = 0.035  # of the width of the axes: labels of events are not closer to one another
+TINY = 1e-300
+REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
+LINE, WIDER = 1.3, 0.9  # points
+MOST_COVERING = 3
+ALIKE = 0.01  # of their range
+WIDTH = 4.0  # inches, of most axes
+MANY = 500  # values from which on steps are drawn finer
+
+
+class Look:
+    """Colours tell runs apart, else elements, else quantities; dashes what is left.
+
+    Elements are told apart in the whole sheet alike, with one legend for all panels, or in each panel by itself.
+    """
+
+    def __init__(self, sheet, panel_by_panel=False):
+        self.runs = sheet.run_labels
+        self._subjects = None if panel_by_panel else sheet.subjects
+
+    def subjects(self, panel):
+        """The elements that share colours with those of the panel."""
+        return panel.subjects if self._subjects is None or self.runs else self._subjects
+
+    def style(self, curve, panel):
+        """Options of ``plot`` for a curve."""
+        colour, dashes = self._key(curve, panel)
+        style = {"color": COLOURS[colour % len(COLOURS)], "linestyle": DASHES[dashes % len(DASHES)]}
+        return style | REFERENCE if curve.reference else style
+
+    def _key(self, curve, panel):
+        what = panel.whats.index(curve.y.what) if curve.y.what in panel.whats else 0
+        subjects = self.subjects(panel)
+        subject = subjects.index(curve.subject)
+        if self.runs:
+            return curve.run, subject * len(panel.whats) + what
+        return (subject, what) if len(subjects) > 1 else (what, 0)
+
+    def handles(self):
+        """Legend of the whole sheet: runs, or elements when there are several."""
+        names = self.runs or self._subjects or ()
+        if len(names) < 2:
+            return []
+        return [Line2D([], [], color=COLOURS[i % len(COLOURS)], label=name) for i, name in enumerate(names)]
+
+    def legend(self, panel):
+        """Legend of the panel: what the one of the sheet does not say."""
+        several = len(panel.subjects) > 1 and (bool(self.runs) or self._subjects is None)
+        named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)
+        handles = {}
+        for curve in panel.curves:
+            text = ": ".join([curve.subject] * several + [curve.y.what] * named)
+            if text and text not in handles:
+                style = self.style(curve, panel)
+                if self.handles() and not curve.reference:
+                    style["color"] = INK
+                handles[text] = Line2D([], [], label=text, **style)
+        return list(handles.values())
+
+
+def draw_panel(ax, panel, look, events, labelled):
+    """Draw the curves, their legend, the events; ``labelled`` says whether the events are named here."""
+    unit = panel.curves[0].y.unit
+    x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
+    y_factor, y_unit = (1.0, unit) if panel.logarithmic else shown_unit(unit, _all(panel, "y"))
+    for i, curve in enumerate(panel.curves):
+        y = curve.y.values / y_factor
+        if panel.logarithmic:
+            y = np.where(y > TINY, y, np.nan)
+        style = look.style(curve, panel) | _steps(panel, y)
+        if style["linestyle"] == "-":
+            style.setdefault("linewidth", _width(curve, panel.curves[i + 1 :]))
+        ax.plot(curve.x.values / x_factor, y, **style)
+    _scales(ax, panel, x_factor, y_factor)
+    ax.set_ylabel(with_unit(panel.label, y_unit))
+    ax.set_xlabel(with_unit(panel.curves[0].x.what, x_unit))
+    taken = legend_above(ax, look.legend(panel), WIDTH)
+    _note(ax, panel, y_factor, y_unit)
+    if panel.over_time:
+        _draw_events(ax, [(mark.time / x_factor, mark) for mark in events], look, taken if labelled else None)
+
+
+def _all(panel, side):
+    return np.concatenate([getattr(curve, side).values for curve in panel.curves])
+
+
+def _width(curve, later):
+    """A line is wider than those that cover it."""
+    covering = sum(not other.reference and _alike(curve, other) for other in later)
+    return LINE + WIDER * min(covering, MOST_COVERING)
+
+
+def _alike(curve, other):
+    """Whether two curves can hardly be told apart."""
+    x, y = curve.x.values, curve.y.values
+    if len(x) != len(other.x.values) or not np.array_equal(x, other.x.values):
+        return False
+    return np.abs(y - other.y.values).max() < ALIKE * max(np.ptp(y), np.ptp(other.y.values), TINY)
+
+
+def _steps(panel, values):
+    if not panel.stepped:
+        return {}
+    return {"drawstyle": "steps-pre", "linewidth": 0.6 if len(values) > MANY else 1.2}
+
+
+def _scales(ax, panel, x_factor, y_factor):
+    y = _all(panel, "y") / y_factor
+    if panel.logarithmic:
+        ax.set_yscale("log")
+    elif constant := range_of(y):
+        ax.set_ylim(*constant)
+    elif panel.stepped and np.array_equal(y, np.round(y)):
+        ax.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
+    if panel.over_time:
+        times = _all(panel, "x") / x_factor
+        if np.ptp(times) > 0.0:
+            ax.set_xlim(times.min(), times.max())
+
+
+def _note(ax, panel, factor, unit):
+    text = panel.note
+    if panel.peak:
+        value, time = panel.peak
+        text = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit} at {time:.4g} s"
+    if text:
+        note_below(ax, text)
+
+
+def _draw_events(ax, marks, look, height):
+    """Thin lines; their names so many points above the axes, unless None."""
+    low, high = ax.get_xlim()
+    shown = sorted((t, mark.run, mark.label) for t, mark in marks if low <= t <= high)
+    last = -np.inf
+    for t, run, label in shown:
+        colour = COLOURS[run % len(COLOURS)] if look.runs else PALE
+        ax.axvline(t, color=colour, linewidth=0.7, alpha=0.4 if look.runs else 1.0, zorder=1)
+        if height is not None and t - last >= EVENT_ROOM * (high - low):
+            last = t
+            ax.annotate(
+                label, (t, 1.0), xycoords=ax.get_xaxis_transform(), xytext=(0, 3 + height), textcoords="offset points",
+                rotation=40, rotation_mode="anchor", fontsize=7, color=colour if look.runs else GREY,
+            )  # fmt: skip

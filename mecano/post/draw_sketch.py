@@ -1,0 +1,151 @@
+"""A side view of the mechanism drawn into axes of matplotlib."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
+
+LETTERS = "xyz"
+FAINTEST = 0.12  # opacity of the first instant where later ones lie on top
+COILS = 5
+MOST_NAMES = 8
+NARROW, WIDE = 4.0, 8.0  # inches, of axes
+MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
+MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
+TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
+
+
+def draw_sketch(ax, sketch):
+    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top."""
+    right, up = sketch.axes
+    colours = _colours(sketch)
+    for line in sketch.grounds:
+        _draw_ground(ax, line)
+    for path in sketch.paths:
+        ax.plot(*path.T, color=PALE, linewidth=0.8, zorder=1)
+    count = len(sketch.times)
+    few = sum(shape.style == JOINT for shape in sketch.shapes) <= MOST_DOTS
+    for i in range(count):
+        opacity = FAINTEST + (1.0 - FAINTEST) * (i / max(count - 1, 1)) ** 2 if sketch.in_place else 1.0
+        for shape in sketch.shapes:
+            if few or shape.style != JOINT:
+                points = shape.points[i][:, (right, up)] + (sketch.shift[i], 0.0)
+                DRAW[shape.style](ax, points, colours.get(shape.name, INK), opacity)
+    ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
+    ax.margins(0.05, 0.08)
+    ax.set_ylabel(f"{LETTERS[up]} [m]")
+    _name(ax, colours, sketch)
+    if sketch.in_place:
+        ax.set_xlabel(f"{LETTERS[right]} [m]")
+        note_below(ax, f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g} s, later is darker" if count > 1 else "")
+    else:
+        _label_instants(ax, sketch)
+
+
+def _colours(sketch):
+    """Colours of all that has a name of its own to be told by: all but joints and supports."""
+    names = [s.name for s in sketch.shapes if s.style not in (JOINT, SUPPORT)]
+    return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(dict.fromkeys(names))}
+
+
+def _name(ax, colours, sketch):
+    if 1 < len(colours) <= MOST_NAMES:
+        handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
+        legend_above(ax, handles, WIDE if not sketch.in_place else NARROW)
+
+
+def _label_instants(ax, sketch):
+    """The side-by-side view has times instead of a horizontal coordinate."""
+    right = sketch.axes[0]
+    for i, t in enumerate(sketch.times):
+        x = np.concatenate([shape.points[i][:, right] for shape in sketch.shapes]) + sketch.shift[i]
+        ax.annotate(f"{t:.3g} s", (0.5 * (x.min() + x.max()), 0.0), xycoords=ax.get_xaxis_transform(), xytext=(0, -4),
+                    textcoords="offset points", ha="center", va="top", fontsize=8)  # fmt: skip
+    ax.set_xticks([])
+    ax.spines["bottom"].set_visible(False)
+
+
+def _draw_ground(ax, line):
+    ax.plot(*line.T, color=GREY, linewidth=1.0, zorder=1)
+    depth = 0.04 * np.ptp(line[:, 0])
+    ax.fill_between(line[:, 0], line[:, 1], line[:, 1] - depth, color="#eeeeee", zorder=0.5, linewidth=0)
+
+
+def _draw_body(ax, points, colour, opacity):
+    """A line between two points, the outline of more."""
+    if len(points) == 2:
+        ax.plot(*points.T, color=colour, alpha=opacity, linewidth=2.6, solid_capstyle="round", zorder=3)
+        return
+    outline = hull(points)
+    ax.fill(*outline.T, color=colour, alpha=0.2 * opacity, linewidth=0, zorder=2.5)
+    ax.plot(*np.vstack([outline, outline[:1]]).T, color=colour, alpha=opacity, linewidth=2.0, zorder=3)
+
+
+def _draw_rod(ax, points, colour, opacity):
+    ax.plot(*points.T, color=colour, alpha=opacity, linewidth=1.4, zorder=3)
+
+
+def _draw_spring(ax, points, colour, opacity):
+    ax.plot(*zigzag(points).T, color=colour, alpha=opacity, linewidth=1.2, zorder=3.2)
+
+
+def _draw_mass(ax, points, colour, opacity):
+    ax.plot(*points[0], "o", color=colour, alpha=opacity, markersize=MASS_SIZE, markeredgewidth=0, zorder=3.5)
+
+
+def _draw_wheel(ax, points, colour, opacity):
+    """The rim and a spoke, which shows how far it turns."""
+    rim, centre = points[:-1], points[-1]
+    ax.fill(*rim.T, color=colour, alpha=0.15 * opacity, linewidth=0, zorder=2)
+    ax.plot(*rim.T, color=colour, alpha=opacity, linewidth=1.8, zorder=2.2)
+    ax.plot(*np.stack([centre, rim[0]]).T, color=colour, alpha=opacity, linewidth=0.9, zorder=2.2)
+
+
+def _draw_joint(ax, points, colour, opacity):
+    ax.plot(*points[0], "o", color=INK, alpha=opacity, markersize=JOINT_SIZE, markerfacecolor="white", zorder=4)
+
+
+def _draw_support(ax, points, colour, opacity):
+    if opacity == 1.0:
+        ax.plot(*points[0], marker=TRIANGLE, color=GREY, markersize=SUPPORT_SIZE, markeredgewidth=0, zorder=2.8)
+
+
+DRAW = {
+    BODY: _draw_body,
+    MASS: _draw_mass,
+    ROD: _draw_rod,
+    SPRING: _draw_spring,
+    WHEEL: _draw_wheel,
+    JOINT: _draw_joint,
+    SUPPORT: _draw_support,
+}
+
+
+def hull(points):
+    """Convex outline (m, 2), counter-clockwise, of points (n, 2)."""
+    ordered = sorted(map(tuple, points))
+
+    def half(sequence):
+        chain = []
+        for p in sequence:
+            while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0.0:
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
+
+    return np.array(half(ordered) + half(ordered[::-1]) or ordered[:1])
+
+
+def _turn(a, b, c):
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def zigzag(points):
+    """A spring (n, 2) between two points (2, 2): straight ends, coils as high as a tenth of its length."""
+    (a, b), count = points, 2 * COILS
+    along = b - a
+    across = 0.1 * np.array([-along[1], along[0]])
+    u = np.concatenate([[0.0], np.linspace(0.2, 0.8, count + 1), [1.0]])
+    height = np.concatenate([[0.0, 0.0], np.tile([1.0, -1.0], COILS)[:-1], [0.0, 0.0]])
+    return a + u[:, None] * along + height[:, None] * across

@@ -1,0 +1,92 @@
+"""Sheets as figures of matplotlib, without a display."""
+
+import math
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from mecano.post.draw_panel import Look, draw_panel
+from mecano.post.draw_sketch import draw_sketch
+from mecano.post.sheet import Panel
+from mecano.post.style import GREY, SETTINGS
+
+PANEL = (4.6, 2.35)  # inches
+SKETCH_WIDTH, LOWEST = 9.5, 2.0
+ROOM = 0.8  # for the headings
+PAD = 0.08
+COLUMNS = 3  # of the overview
+
+
+def sheet_figure(sheet, title):
+    """Figure of a sheet: its panels in columns, or its sketches one below the other."""
+    if not isinstance(sheet.panels[0], Panel):
+        return _sketches(sheet, title)
+    columns = 1 if len(sheet.panels) < 2 else 2
+    rows = math.ceil(len(sheet.panels) / columns)
+    width, height = (6.4, 3.6) if len(sheet.panels) == 1 else PANEL
+    with matplotlib.rc_context(SETTINGS):
+        figure = _figure(columns * width, rows * height + _room(sheet), title, sheet.heading)
+        grid = figure.add_gridspec(rows, columns)
+        places = [grid[i // columns, i % columns] for i in range(len(sheet.panels))]
+        _fill(figure, sheet, places, Look(sheet))
+    return figure
+
+
+def overview_figure(sheet, title, facts):
+    """Figure of an overview: the sketch in the corner, or over the whole width when it is a row; panels around it."""
+    sketched = not isinstance(sheet.panels[0], Panel)
+    wide = sketched and not sheet.panels[0].in_place
+    cells = [(r, c) for r in range(len(sheet.panels)) for c in range(COLUMNS)]
+    taken = [(0, c) for c in range(COLUMNS if wide else sketched)]
+    free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]
+    rows = 1 + max(r for r, _ in [*taken, *free])
+    with matplotlib.rc_context(SETTINGS):
+        figure = _figure(COLUMNS * PANEL[0], rows * PANEL[1] + _room(sheet), title, facts)
+        grid = figure.add_gridspec(rows, COLUMNS)
+        places = ([grid[0, :] if wide else grid[0, 0]] if sketched else []) + [grid[cell] for cell in free]
+        _fill(figure, sheet, places, Look(sheet, panel_by_panel=True))
+    return figure
+
+
+def _room(sheet):
+    """Inches for the names of events above and the legend below."""
+    return 0.45 * bool(sheet.events) + 0.25 * (bool(sheet.run_labels) or len(sheet.subjects) > 1)
+
+
+def _sketches(sheet, title):
+    heights = [min(max(SKETCH_WIDTH * sketch.aspect, LOWEST), SKETCH_WIDTH) for sketch in sheet.panels]
+    with matplotlib.rc_context(SETTINGS):
+        figure = _figure(SKETCH_WIDTH, sum(heights), title, sheet.heading)
+        grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
+        for i, sketch in enumerate(sheet.panels):
+            ax = figure.add_subplot(grid[i])
+            draw_sketch(ax, sketch)
+            if sheet.run_labels:
+                ax.set_title(sketch.label, loc="left")
+    return figure
+
+
+def _figure(width, height, title, heading):
+    """An empty figure with a bold title and a line below it."""
+    figure = Figure(figsize=(width, height + ROOM))
+    figure.get_layout_engine().set(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)
+    figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
+    figure.text(0.01, 1.0 - (PAD + 0.25) / (height + ROOM), heading, ha="left", va="top", color=GREY)
+    return figure
+
+
+def _fill(figure, sheet, places, look):
+    """Draw the panels; the topmost one over time in each column names the events."""
+    named = set()
+    for place, panel in zip(places, sheet.panels, strict=True):
+        ax = figure.add_subplot(place)
+        if not isinstance(panel, Panel):
+            draw_sketch(ax, panel)
+            continue
+        column = place.colspan.start
+        draw_panel(ax, panel, look, sheet.events, column not in named)
+        if panel.over_time:
+            named.add(column)
+    handles = look.handles()
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))

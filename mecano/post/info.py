@@ -1,0 +1,168 @@
+"""What is in a results file and how the run went, as text."""
+
+import math
+from textwrap import wrap
+
+import numpy as np
+
+from mecano.errors import UnknownNameError
+from mecano.post.runs import Run
+from mecano.results.reader import open_results
+
+MOST_EVENTS = 20
+MOST_EXTREMES = 60
+WIDTH = 100
+ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
+
+
+def info(path, pattern=None):
+    """Text on a results file; with a pattern such as "wheel.*" on the outputs that fit it, "*" on all.
+
+    Raises ResultsError, UnknownNameError when no output fits.
+    """
+    with open_results(path) as results:
+        if pattern is not None:
+            return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])
+        return "\n".join([*_run(results), "", *_holds(results), "", *_events(results), "", *_extremes(results)])
+
+
+def one_line(runs):
+    """How one run went, or what several are, in a line for the head of a picture."""
+    if len(runs) > 1:
+        return f"{len(runs)} runs"
+    results = runs[0].results
+    return "; ".join([_status(results), _count(results), f"mecano {results.metadata['version_mecano']}"])
+
+
+def _run(results):
+    data = results.metadata
+    versions = [f"{key.removeprefix('version_')} {data[key]}" for key in data if key.startswith("version_")]
+    versions.sort(key=lambda text: not text.startswith("mecano"))
+    rows = [
+        ("title", data["title"] or "none"),
+        ("run", _count(results)),
+        ("saved", _saved(results)),
+        ("time spent", f"{data['processor_time']:.2f} s of the processor in {data['wall_time']:.2f} s"),
+        ("deck", data["deck_path"] or "not a file"),
+        ("overrides", " ".join(data["overrides"]) or "none"),
+        ("other files", ", ".join(data["includes"]) or "none"),
+        ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
+        ("with", ", ".join(versions)),
+        ("status", _status(results)),
+    ]
+    lines = [str(results.path)]
+    for label, text in rows:
+        lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
+    lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
+    return lines
+
+
+def _status(results):
+    status = ENDS.get(results.status, results.status)
+    reason = results.reason.strip().partition("\n")[0]
+    return f"{status}: {reason}" if reason else status
+
+
+def _count(results):
+    steps = results.steps
+    if not len(steps):
+        return "no step"
+    text = f"{len(steps)} steps"
+    if {"rejected", "iterations"} <= set(results.step_columns):
+        rejected, iterations = int(steps["rejected"].sum()), int(steps["iterations"].sum())
+        text += f", {rejected} rejected, {iterations} Newton iterations ({iterations / len(steps):.2f} per step)"
+    if "step_size" in results.step_columns:
+        low, high = steps["step_size"].min(), steps["step_size"].max()
+        text += f", of {_range(low, high)} s"
+    return text
+
+
+def _range(low, high):
+    return f"{low:.3g}" if high - low <= 1e-6 * high else f"{low:.3g} to {high:.3g}"
+
+
+def _saved(results):
+    time = results.time
+    if not len(time):
+        return "nothing yet"
+    text = f"{len(time)} times from {time[0]:.6g} to {time[-1]:.6g} s"
+    intervals = np.diff(time)
+    if len(intervals) > 1 and np.ptp(intervals[:-1]) <= 1e-6 * intervals[0]:
+        text += f", every {intervals[0]:.6g} s"
+    return text
+
+
+def _holds(results):
+    """Outputs by what they belong to, with the kinds of the deck."""
+    run = Run(results)
+    kinds = {path: d["type"] for path, d in run.things.items()}
+    owners = {}
+    for path in results.names():
+        owner, _, name = path.rpartition("/")
+        owners.setdefault((owner.partition("/")[0], kinds.get(owner, ""), owner), []).append(name)
+    groups = {}
+    for (section, kind, owner), names in owners.items():
+        groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
+    lines = ["Outputs (units and meanings: mecano info FILE --names)"]
+    for (section, kind, names), members in groups.items():
+        shown = ", ".join(members[:6]) + (f" and {len(members) - 6} more" if len(members) > 6 else "")
+        head = f"  {section}{f', {kind}' if kind else ''}" + (f": {shown}" if members != [section] else "")
+        lines += wrap(f"{head}: {', '.join(names)}", WIDTH, initial_indent="  ", subsequent_indent="      ")
+    return lines
+
+
+def _events(results):
+    events = results.events
+    if not events:
+        return ["Events: none"]
+    lines = [f"Events: {len(events)}" + (f", the first {MOST_EVENTS}" if len(events) > MOST_EVENTS else "")]
+    shown = events[:MOST_EVENTS]
+    width = max(len(event.element) for event in shown)
+    for event in shown:
+        change = f"  ({event.before} -> {event.after})" if event.before != event.after else ""
+        lines.append(f"  {event.time:12.6g} s  {event.element:<{width}}  {event.name.replace('_', ' ')}{change}")
+    return lines
+
+
+def _names(results, pattern):
+    paths = results.names(pattern)
+    if not paths:
+        raise UnknownNameError(f"no output of {results.path} fits '{pattern}'; 'wheel.*' fits all of a wheel")
+    lines, declared = [], results.series
+    for path in paths:
+        series = declared[path]
+        shape = f": {', '.join(series.components)}" if series.components else ""
+        unit = f" [{series.unit}]" if series.unit not in ("", "-") else ""
+        lines.append(f"{path.replace('/', '.')}{unit}{shape}")
+        lines += wrap(series.doc, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    return lines
+
+
+def _extremes(results, paths=None, most=MOST_EXTREMES):
+    """The table of extremes; without ``paths`` of all but the nodes, as far as they are not zero throughout."""
+    chosen = results.names() if paths is None else paths
+    chosen = {path for path in chosen if paths is not None or not path.startswith("nodes/")}
+    rows = [
+        (name.replace("/", "."), extreme)
+        for name, extreme in results.extremes.items()
+        if (name in chosen or name.rpartition(".")[0] in chosen)
+        and (paths is not None or extreme.minimum or extreme.maximum)
+    ]
+    if not rows or not len(results.time):
+        return ["Extremes: none"]
+    shown = rows if len(rows) <= most else rows[:most]
+    width = max(len(name) for name, _ in shown)
+    lines = [f"Extremes over all accepted steps\n  {'':<{width}} {'min':>12} {'at [s]':>10} {'max':>12} {'at [s]':>10}"]
+    lines += [f"  {name:<{width}} {_numbers(extreme)}" for name, extreme in shown]
+    if len(shown) < len(rows):
+        lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")
+    if paths is None:
+        lines.append("  without positions of nodes and what is zero throughout")
+    return lines
+
+
+def _numbers(extreme):
+    values = (extreme.minimum, extreme.minimum_time, extreme.maximum, extreme.maximum_time)
+    low, low_time, high, high_time = (value + 0.0 for value in values)  # no negative zeros
+    unit = "" if extreme.unit in ("", "-") else f"  {extreme.unit}"
+    return f"{low:12.5g} {low_time:10.5g} {high:12.5g} {high_time:10.5g}{unit}"

@@ -1,0 +1,134 @@
+"""Panels of outputs of elements: which curves, which of them are worth showing, and the peak of a single one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.post.quantity import DERIVED, MAGNITUDE, find, time_of
+from mecano.post.sheet import Curve, Panel
+
+MOST = 6  # elements shown together of one run
+MOST_OF_SEVERAL = 3  # of each of several runs
+FAR_APART = 20.0  # ratio of sizes of curves that do not share a panel
+NOTHING = 1e-9  # of the largest value of the same unit: what is smaller is numerical noise
+
+
+def planned_panels(plan, runs):
+    """Panels of a plan and a remark on what is left out: for the elements that move most, where there are many."""
+    things = _things(plan, runs)
+    shown = _most_active(things, plan.views[0], runs)
+    panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
+    remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
+    parts = [part for panel in worth_showing(panels, runs) for part in _by_size(panel)]
+    return [replace(part, peak=peak_of(part, runs)) for part in parts], remark
+
+
+def _by_size(panel):
+    """Panels for elements whose values are of one size, instead of one in which some cannot be seen."""
+    size = {}
+    for curve in panel.curves:
+        size[curve.subject] = max(size.get(curve.subject, 0.0), _size(curve.y.values))
+    groups = []
+    for subject in sorted(size, key=size.get, reverse=True):
+        if not groups or size[subject] * FAR_APART < size[groups[-1][0]]:
+            groups.append([])
+        groups[-1].append(subject)
+    return [replace(panel, curves=tuple(c for c in panel.curves if c.subject in group)) for group in groups]
+
+
+def worth_showing(panels, runs):
+    """The panels without curves that are nothing but noise beside others or the whole motion."""
+    scale = {}
+    for unit, value in (item for run in runs for item in run.scales.items()):
+        scale[unit] = max(scale.get(unit, 0.0), value)
+    for curve in (curve for panel in panels for curve in panel.curves):
+        scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), _size(curve.y.values))
+    kept = []
+    for panel in panels:
+        curves = tuple(c for c in panel.curves if _size(c.y.values) > NOTHING * scale[c.y.unit])
+        if any(not curve.reference for curve in curves):
+            kept.append(replace(panel, curves=curves))
+    return kept
+
+
+def _size(values):
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+
+
+def _things(plan, runs):
+    """Paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
+    return list(dict.fromkeys(path for run in runs for path, d in run.things.items() if d["type"] in plan.kinds))
+
+
+def _most_active(things, view, runs):
+    most = MOST if len(runs) == 1 else MOST_OF_SEVERAL
+    if len(things) <= most:
+        return things
+    activity = {thing: max(_activity(view, thing, run) for run in runs) for thing in things}
+    chosen = sorted(things, key=activity.get, reverse=True)[:most]
+    return [thing for thing in things if thing in chosen]
+
+
+def _activity(view, thing, run):
+    """How much the first output of the view varies; from the extremes, as there may be thousands of elements."""
+    if thing not in run.things:
+        return 0.0
+    names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
+    path = names[0].removesuffix(MAGNITUDE) if names else ""
+    ranges = [
+        extreme.maximum - extreme.minimum
+        for name, extreme in run.results.extremes.items()
+        if name == path or name.startswith(path + ".")
+    ]
+    return max(ranges, default=0.0)
+
+
+def _panel(view, things, runs):
+    curves = [
+        curve
+        for number, run in enumerate(runs)
+        for thing in things
+        if thing in run.things
+        for curve in _curves(view, thing, run, number)
+    ]
+    return Panel(view.label, tuple(curves))
+
+
+def _curves(view, thing, run, number):
+    subject = thing.partition("/")[2]
+    x = None if view.against == "time" else _quantity(run, thing, view.against)
+    for output in (*view.outputs, view.reference):
+        y = _quantity(run, thing, output)
+        if y is not None:
+            yield Curve(x or time_of(y), y, number, subject, output == view.reference)
+
+
+def _quantity(run, thing, output):
+    name = _name_of(run, thing, output)
+    return find(run.results, name)[0] if name else None
+
+
+def _name_of(run, thing, output):
+    """Name of the first alternative of an output that the file has for this element, or ""."""
+    for alternative in filter(None, output.split("|")):
+        owner, name = thing, alternative
+        if alternative.startswith("node."):
+            owner, name = f"nodes/{run.things[thing].get('node')}", alternative.removeprefix("node.")
+        stem = name.partition(".")[0]
+        needed = DERIVED[stem].needs if stem in DERIVED else (stem,)
+        if all(f"{owner}/{one}" in run.paths for one in needed):
+            return f"{owner}/{name}"
+    return ""
+
+
+def peak_of(panel, runs):
+    """Value and time [s] of largest magnitude over all accepted steps; () unless one curve is shown over time."""
+    curves = [curve for curve in panel.curves if not curve.reference]
+    if len(runs) > 1 or len(curves) != 1 or not panel.over_time:
+        return ()
+    extreme = runs[0].results.extremes.get(curves[0].y.path)
+    if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
+        return ()
+    if extreme.maximum >= -extreme.minimum:
+        return extreme.maximum, extreme.maximum_time
+    return extreme.minimum, extreme.minimum_time

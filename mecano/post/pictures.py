@@ -1,0 +1,112 @@
+"""From results files to files of pictures and tables."""
+
+import os
+from pathlib import Path
+
+from mecano.errors import ResultsError, UsageError
+from mecano.post.columns import write_columns
+from mecano.post.figure import overview_figure, sheet_figure
+from mecano.post.info import one_line
+from mecano.post.request import Request, requested_sheet
+from mecano.post.runs import open_runs
+from mecano.post.sheets import default_sheets, overview
+
+FORMATS = ("png", "svg")
+LONGEST_STEM = 60
+
+
+def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None):
+    """Make pictures of results files, several of them in one; yields the path of each file written.
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+    plots : sequence of str
+        "Y[,Y2]:X"; without any, the pictures that show this model.
+    output : str or Path
+        A folder (that exists or ends with /), or the beginning of the names of the pictures, or with one plot its
+        whole name ending with .png or .svg; the results file without its ending when absent.
+    kind : "png" or "svg"
+    columns : bool
+        Write the numbers too, as comma-separated values beside each picture.
+    title : str
+        Of the pictures; that of the deck when absent.
+
+    Raises
+    ------
+    UsageError, UnknownNameError
+        A plot cannot be understood, or names what is not in the file.
+    ResultsError
+        A file cannot be read, or a picture cannot be written.
+    """
+    requests = [Request.parse(text) for text in plots]
+    runs = open_runs(paths)
+    if any(not len(run.results.time) for run in runs):
+        raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
+    title = title or " | ".join(dict.fromkeys(run.title for run in runs))
+    if requests:
+        pictures = [(sheet, sheet_figure) for sheet in (requested_sheet(request, runs) for request in requests)]
+    else:
+        pictures = _default_pictures(runs)
+    targets = _targets([sheet.name for sheet, _ in pictures], output, kind, runs)
+    for (sheet, draw), target in zip(pictures, targets, strict=True):
+        yield _save(draw(sheet, title), target)
+        if columns and sheet.curves and draw is sheet_figure:
+            yield _save_columns(sheet, target.with_suffix(".csv"))
+
+
+def _default_pictures(runs):
+    """The overview and all sheets, each with the function that draws it."""
+    sheets = default_sheets(runs)
+    if not sheets:
+        raise ResultsError("nothing moves and no force acts in these results; ask for a plot by name")
+    facts = one_line(runs)
+
+    def draw_overview(sheet, title):
+        return overview_figure(sheet, title, facts)
+
+    return [(overview(sheets), draw_overview), *((sheet, sheet_figure) for sheet in sheets)]
+
+
+def _targets(names, output, kind, runs):
+    """Path of each picture."""
+    whole = Path(output) if output else None
+    if whole is not None and whole.suffix[1:] in FORMATS and not whole.is_dir():
+        if len(names) > 1:
+            raise UsageError(f"{output} names one picture, but there will be {len(names)}: give a folder or a prefix")
+        return [whole]
+    first = runs[0].results.path
+    if whole is None:
+        prefix = first.with_name(_stem(runs))
+    else:
+        prefix = whole / _stem(runs) if whole.is_dir() or str(output).endswith(("/", os.sep)) else whole
+    counts, targets = {}, []
+    for name in names:
+        counts[name] = counts.get(name, 0) + 1
+        number = f"_{counts[name]}" if counts[name] > 1 else ""
+        targets.append(prefix.with_name(f"{prefix.name}_{name}{number}.{kind}"))
+    return targets
+
+
+def _stem(runs):
+    stems = list(dict.fromkeys(run.results.path.stem for run in runs))
+    together = "+".join(stems)
+    return together if len(together) <= LONGEST_STEM else f"{stems[0]}_and_{len(runs) - 1}_more"
+
+
+def _save(figure, path):
+    kind = path.suffix[1:]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+    return path
+
+
+def _save_columns(sheet, path):
+    try:
+        write_columns(path, sheet)
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+    return path

@@ -1,0 +1,118 @@
+"""The pictures that are made without being asked for: which outputs of which kinds of elements, joints and loads.
+
+A kind that no plan names gets a sheet of its own with all its outputs.
+"""
+
+from dataclasses import dataclass
+
+from mecano.elements import KINDS
+
+
+@dataclass(frozen=True)
+class View:
+    """One panel of every sheet: outputs of each element over the time or over another output.
+
+    Outputs are written as in ``--plot`` without the element; "node.position.x" is one of the element's node. Those
+    that an element does not have are left out; of "one|other" the first that it has is taken.
+    """
+
+    label: str
+    outputs: tuple
+    against: str = "time"
+    reference: str = ""  # output that the others are compared with
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sheet for all elements of some kinds; the most important views first, ``lead`` of them equally so."""
+
+    name: str
+    heading: str
+    kinds: tuple
+    views: tuple
+    lead: int = 1
+
+
+WHEELS = Plan(
+    "wheels", "Wheels", ("wheel",),
+    (
+        View("height of the centre", ("height",)),
+        View("radial force", ("radial_force",)),
+        View("spin rate", ("spin_rate",), reference="rolling_rate"),
+        View("slip velocity", ("longitudinal_slip", "lateral_slip")),
+        View("radial deformation", ("deformation",)),
+        View("friction force", ("longitudinal_force", "lateral_force")),
+    ),
+    lead=4,
+)  # fmt: skip
+STRUTS = Plan(
+    "struts", "Springs and struts", ("spring_damper",),
+    (
+        View("axial force", ("force",), against="stroke"),
+        View("stroke", ("stroke",)),
+        View("axial force", ("force",)),
+        View("rate of extension", ("rate",)),
+    ),
+    lead=2,
+)  # fmt: skip
+TORSION_SPRINGS = Plan(
+    "torsion_springs", "Torsion springs", ("torsion_spring_damper",),
+    (
+        View("moment", ("moment",), against="angle"),
+        View("angle", ("angle",)),
+        View("moment", ("moment",)),
+        View("rate", ("rate",)),
+    ),
+)  # fmt: skip
+ANGLES = Plan(
+    "angles", "Angles of joints", ("hinge", "universal", "cylindrical", "prescribed_angle"),
+    (View("angle", ("angle", "angle_a", "angle_b")), View("angular velocity", ("rate", "rate_a", "rate_b"))),
+    lead=2,
+)  # fmt: skip
+SLIDES = Plan(
+    "slides", "Displacements of joints", ("prismatic", "cylindrical", "prescribed_position"),
+    (View("displacement", ("displacement",)), View("velocity", ("velocity",))),
+)  # fmt: skip
+BODIES = Plan(
+    "bodies", "Bodies: centres of mass, rotation", ("rigid_body", "point_mass"),
+    (
+        View("speed", ("velocity.magnitude|node.velocity.magnitude",)),
+        View("angular velocity", ("node.angular_velocity.magnitude",)),
+        View("position x", ("center_of_mass.x|node.position.x",)),
+        View("position y", ("center_of_mass.y|node.position.y",)),
+        View("position z", ("center_of_mass.z|node.position.z",)),
+    ),
+)  # fmt: skip
+REACTIONS = Plan(
+    "reactions", "Reactions",
+    (*(kind.name for kind in KINDS.values() if kind.section == "joints"), "rigid_link"),
+    (
+        View("force", ("force.magnitude", "tension")),
+        View("moment", ("moment.magnitude",)),
+    ),
+)  # fmt: skip
+LOADS = Plan(
+    "loads", "Loads", tuple(kind.name for kind in KINDS.values() if kind.section == "loads"),
+    (
+        View("power", ("power",)),
+        View("force", ("force.magnitude",)),
+        View("moment", ("moment.magnitude",)),
+    ),
+)  # fmt: skip
+
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
+
+
+def plans(kinds):
+    """The plans for a model that uses these kinds, a plan of its own for each that is named by none."""
+    named = {kind for plan in _PLANS for kind in plan.kinds}
+    own = [_own_plan(KINDS[name]) for name in kinds if name not in named and name in KINDS and KINDS[name].outputs]
+    return [plan for plan in _PLANS if set(plan.kinds) & set(kinds)] + own
+
+
+def _own_plan(kind):
+    views = [
+        View(output.name.replace("_", " "), (f"{output.name}.magnitude" if output.shape else output.name,))
+        for output in kind.outputs
+    ]
+    return Plan(kind.name, kind.name.replace("_", " ").capitalize(), (kind.name,), tuple(views))

@@ -1,0 +1,135 @@
+"""Quantities of a results file by name: outputs, components and magnitudes, the solver history, and what follows
+from outputs.
+
+Names are those of the results reader (``wheel.radial_force``, ``axle.position.z``) and besides
+
+    <vector>.magnitude      length of a vector
+    <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
+    solver.<column>         solver history, a value for each accepted step
+    time
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mecano.deck.wording import suggestion
+from mecano.errors import UsageError
+
+MAGNITUDE = ".magnitude"
+SAVED, STEPS = "saved times", "accepted steps"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number over time.
+
+    Attributes
+    ----------
+    path : str
+        In the file, with the component: elements/wheel/contact_force.z.
+    unit, doc : str
+    clock : str
+        SAVED or STEPS: to which times the values belong.
+    time, values : (n,) arrays
+    """
+
+    path: str
+    unit: str
+    doc: str
+    clock: str
+    time: np.ndarray
+    values: np.ndarray
+
+    @property
+    def subject(self):
+        """What it is a quantity of: the name of an element, joint, load or node, or "energy", "solver"."""
+        return self.path.split("/")[-2] if "/" in self.path else ""
+
+    @property
+    def what(self):
+        """The quantity in words: radial force, position z."""
+        return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
+
+    @property
+    def whole(self):
+        """The same without a component."""
+        return self.path.split("/")[-1].partition(".")[0].replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A quantity that follows from outputs of the same element."""
+
+    unit: str
+    doc: str
+    needs: tuple
+    function: object
+
+
+DERIVED = {
+    "rolling_rate": Derived(
+        "rad/s",
+        "v/r: spin rate without longitudinal slip",
+        ("spin_rate", "longitudinal_slip", "loaded_radius"),
+        lambda spin, slip, radius: spin + slip / radius,  # slip along t = v - r spin, exact for any lean
+    )
+}
+
+
+def find(results, name):
+    """Quantities of that name: one, or one for each component of a vector; with * or ?, of all names that fit.
+
+    Raises UnknownNameError with the most similar names, ResultsError when the file cannot be read.
+    """
+    if name == "time":
+        return [Quantity("time", "s", "time", SAVED, results.time, results.time)]
+    if name.startswith(("solver.", "solver/")):
+        return [_of_solver(results, name[len("solver.") :])]
+    if "*" in name or "?" in name:
+        paths = results.names(name)
+        if not paths:
+            raise UsageError(f"no output of {results.path} fits '{name}'; `mecano info --names` lists them")
+        return [q for path in paths for q in find(results, path)]
+    if name.endswith(MAGNITUDE):
+        return [_magnitude(results.find(name.removesuffix(MAGNITUDE)))]
+    stem, _, last = name.replace("/", ".").rpartition(".")
+    if last in DERIVED:
+        return [_derived(results, stem, last)]
+    return _components(results.find(name))
+
+
+def time_of(quantity):
+    """The times of a quantity as a quantity."""
+    return replace(quantity, path="time", unit="s", doc="time", values=quantity.time)
+
+
+def _components(trace):
+    numbers = trace.values.reshape(len(trace.time), -1)
+    paths = [f"{trace.path}.{component}" for component in trace.components] or [trace.path]
+    return [
+        Quantity(path, trace.unit, trace.doc, SAVED, trace.time, values)
+        for path, values in zip(paths, numbers.T, strict=True)
+    ]
+
+
+def _magnitude(trace):
+    lengths = np.sqrt(np.sum(trace.values.reshape(len(trace.time), -1) ** 2, axis=1))
+    return Quantity(trace.path + MAGNITUDE, trace.unit, f"magnitude: {trace.doc}", SAVED, trace.time, lengths)
+
+
+def _derived(results, stem, name):
+    derived = DERIVED[name]
+    traces = [results.find(f"{stem}.{needed}") for needed in derived.needs]
+    path = traces[0].path.rpartition("/")[0] + "/" + name
+    values = derived.function(*(trace.values for trace in traces))
+    return Quantity(path, derived.unit, derived.doc, SAVED, results.time, values)
+
+
+def _of_solver(results, column):
+    known = results.step_columns
+    if column not in known:
+        raise UsageError(f"no column '{column}' in the solver history; {suggestion(column, known)}")
+    unit, doc = known[column]
+    steps = results.steps
+    return Quantity(f"solver/{column}", unit, doc, STEPS, steps["time"], steps[column])

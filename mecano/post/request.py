@@ -1,0 +1,86 @@
+"""What ``--plot Y[,Y2]:X`` asks for, as a sheet: a panel for each unit, the curves of all runs in it."""
+
+import re
+from dataclasses import dataclass
+
+from mecano.deck.wording import quoted
+from mecano.errors import UnknownNameError, UsageError
+from mecano.post.panels import peak_of
+from mecano.post.quantity import find, time_of
+from mecano.post.sheet import Curve, Panel, Sheet, event_marks
+
+LONGEST_NAME = 80
+LONGEST_LABEL = 40
+GRAMMAR = "write Y, Y:X or Y,Y2:X with names as `mecano info --names` shows them"
+
+
+@dataclass(frozen=True)
+class Request:
+    """Names of what is to be plotted, and of what it is plotted over."""
+
+    ys: tuple
+    x: str = "time"
+
+    @classmethod
+    def parse(cls, text):
+        """The request of a text. Raises UsageError."""
+        left, *right = text.split(":")
+        ys = tuple(name.strip() for name in left.split(","))
+        x = [name.strip() for name in right] or ["time"]
+        if not all(ys) or len(x) > 1 or not x[0]:
+            raise UsageError(f"--plot {quoted(text)} cannot be understood; {GRAMMAR}")
+        return cls(ys, x[0])
+
+    @property
+    def name(self):
+        """For the name of a file."""
+        whole = "_".join(self.ys) + ("" if self.x == "time" else f"-{self.x}")
+        return re.sub(r"[^A-Za-z0-9_.-]+", "_", whole).strip("_")[:LONGEST_NAME] or "plot"
+
+
+def requested_sheet(request, runs):
+    """The sheet of a request. Raises UnknownNameError, UsageError, ResultsError."""
+    curves = [curve for number, run in enumerate(runs) for curve in _curves(request, run, number)]
+    subjects = tuple(dict.fromkeys(curve.subject for curve in curves))
+    panels = []
+    for unit in dict.fromkeys(curve.y.unit for curve in curves):
+        of_unit = tuple(curve for curve in curves if curve.y.unit == unit)
+        panel = Panel(_label(of_unit, subjects), of_unit)
+        panels.append(Panel(panel.label, of_unit, peak=peak_of(panel, runs)))
+    heading = f"{', '.join(request.ys)} over {request.x}"
+    labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
+    return Sheet(request.name, heading, tuple(panels), event_marks(runs), labels)
+
+
+def _curves(request, run, number):
+    x = None if request.x == "time" else _one(run, request.x)
+    for name in request.ys:
+        for y in _found(run, name):
+            if x is not None and x.clock != y.clock:
+                known = f"{quoted(name)} is known at the {y.clock}, {quoted(request.x)} at the {x.clock}"
+                raise UsageError(f"{known}; plot both over time")
+            yield Curve(x or time_of(y), y, number, y.subject)
+
+
+def _one(run, name):
+    found = _found(run, name)
+    if len(found) > 1:
+        components = ", ".join(q.path.rpartition(".")[2] for q in found)
+        raise UsageError(f"{quoted(name)} has several numbers ({components}), the horizontal axis needs one")
+    return found[0]
+
+
+def _found(run, name):
+    try:
+        return find(run.results, name)
+    except UnknownNameError as error:
+        raise UnknownNameError(f"{run.results.path}: {error}") from None
+
+
+def _label(curves, subjects):
+    """Label of the vertical axis: what is shown, and of what if it is one thing."""
+    whats = dict.fromkeys(curve.y.whole for curve in curves)
+    text = ", ".join(whats)
+    if len(text) > LONGEST_LABEL:
+        text = next(iter(whats)) + ", ..."
+    return f"{subjects[0]} {text}" if len(subjects) == 1 else text

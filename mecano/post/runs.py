@@ -1,0 +1,84 @@
+"""Results files that are shown together, each with a label that says what distinguishes it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mecano.results.reader import Results, open_results
+
+SECTIONS = ("elements", "joints", "loads")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One results file among those shown; ``label`` is empty when it is the only one."""
+
+    results: Results
+    label: str = ""
+
+    @cached_property
+    def deck(self):
+        """The resolved deck: section -> name -> values."""
+        return self.results.resolved
+
+    @cached_property
+    def paths(self):
+        """Paths of all outputs in the file."""
+        return frozenset(self.results.names())
+
+    @cached_property
+    def things(self):
+        """Elements, joints and loads: path in the file ("joints/knee") -> deck values, in the order of the deck."""
+        return {f"{section}/{name}": d for section in SECTIONS for name, d in self.deck.get(section, {}).items()}
+
+    @cached_property
+    def scales(self):
+        """Sizes of the whole motion by unit: what is smaller by many orders is numerical noise."""
+        lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]
+        length = max(filter(np.isfinite, lengths), default=0.0)
+        duration = float(np.ptp(self.results.time)) or 1.0
+        return {"m": length, "m/s": length / duration, "rad": 1.0, "rad/s": 1.0 / duration}
+
+    @property
+    def title(self):
+        """Title of the deck, or the name of the file."""
+        return self.results.metadata.get("title") or self.results.path.stem
+
+
+def open_runs(paths):
+    """Open results files and label them. Raises ResultsError."""
+    opened = [open_results(path) for path in paths]
+    return [Run(results, label) for results, label in zip(opened, labels(opened), strict=True)]
+
+
+def labels(opened):
+    """What tells files apart: overrides or parameters when they come from one deck, else the names of the files."""
+    if len(opened) == 1:
+        return [""]
+    schemes = [_stems(opened), [str(results.path) for results in opened]]
+    if len({results.deck_text for results in opened}) == 1:
+        schemes = [_overrides(opened), *schemes]
+    else:
+        schemes.insert(1, _parameters(opened))
+    for scheme in schemes:
+        if len(set(scheme)) == len(scheme):
+            return scheme
+    return [f"{i}: {text}" for i, text in enumerate(schemes[-1], start=1)]
+
+
+def _overrides(opened):
+    given = [results.metadata["overrides"] for results in opened]
+    common = set(given[0]).intersection(*given[1:])
+    texts = [", ".join(text.removeprefix("parameters.") for text in some if text not in common) for some in given]
+    return [text.replace("=", " = ") or "as in the deck" for text in texts]
+
+
+def _parameters(opened):
+    given = [results.resolved.get("parameters", {}) for results in opened]
+    names = [name for name in dict.fromkeys(n for some in given for n in some) if len({g.get(name) for g in given}) > 1]
+    return [", ".join(f"{name} = {some[name]:g}" for name in names if name in some) for some in given]
+
+
+def _stems(opened):
+    return [results.path.stem for results in opened]

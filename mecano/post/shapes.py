@@ -1,0 +1,147 @@
+"""The mechanism as lines in space at chosen instants: bodies, rods, springs, wheels, joints, supports.
+
+Positions come from the file, what connects them from the resolved deck.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
+RIM_POINTS = 49
+NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
+
+SLIDING = ("prismatic", "cylindrical")
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One thing at some instants: ``points`` (instants, n, 3) [m]. Those of a wheel end with its centre."""
+
+    style: str
+    name: str
+    points: np.ndarray
+
+
+class Motion:
+    """Positions of the nodes of a run at the saved times number ``rows``."""
+
+    def __init__(self, run, rows):
+        self.run, self.rows = run, rows
+        self.nodes = [name for name in run.deck.get("nodes", {}) if f"nodes/{name}/position" in run.paths]
+
+    def position(self, node):
+        """Positions (instants, 3) [m] of a node."""
+        return self.vector(f"nodes/{node}/position")
+
+    def vector(self, path):
+        """An output (instants, ...) of the file."""
+        return self.run.results.find(path).values[self.rows]
+
+    def turned(self, node, direction):
+        """An inertial direction (3,) of the start, carried along by the node: (instants, 3)."""
+        quaternions = self.run.results.find(f"nodes/{node}/rotation").values
+        carried = _rotated(quaternions[:1] * (1, -1, -1, -1), np.array(direction, float)[None])
+        return _rotated(quaternions[self.rows], carried)
+
+
+def _rotated(quaternions, vectors):
+    """R v for unit quaternions (n, 4) and vectors (1 or n, 3): v + 2 w (u x v) + 2 u x (u x v)."""
+    w, u = quaternions[:, :1], quaternions[:, 1:]
+    across = np.cross(u, vectors)
+    return vectors + 2.0 * w * across + 2.0 * np.cross(u, across)
+
+
+def shapes(motion):
+    """All shapes of the mechanism; supports and joints last, as they are drawn on top."""
+    found = []
+    for path, d in motion.run.things.items():
+        section, _, name = path.partition("/")
+        if section != "loads":
+            found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
+    for name in motion.nodes:
+        if motion.run.deck["nodes"][name].get("fixed"):
+            found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
+    order = (WHEEL, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
+    return sorted(found, key=lambda shape: order.index(shape.style))
+
+
+def _body(motion, name, d):
+    nodes = [node for node in dict.fromkeys([d["node"], *d.get("attached", ())]) if node in motion.nodes]
+    points = [motion.position(node) for node in nodes]
+    path = f"elements/{name}/center_of_mass"
+    if len(points) < 2 and path in motion.run.paths:
+        centre = motion.vector(path)
+        if not points or np.abs(centre - points[0]).max(initial=0.0) > 1e-9:
+            points.append(centre)
+    if not points:
+        return []
+    return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1))]
+
+
+def _mass(motion, name, d):
+    return [Shape(MASS, name, motion.position(d["node"])[:, None])] if d["node"] in motion.nodes else []
+
+
+def _rod(motion, name, d):
+    """Any element between two nodes."""
+    return _line(motion, name, d, ROD)
+
+
+def _spring(motion, name, d):
+    return _line(motion, name, d, SPRING)
+
+
+def _line(motion, name, d, style):
+    nodes = [node for node in d.get("nodes", ()) if node in motion.nodes]
+    if len(nodes) < 2:
+        return []
+    points = np.stack([motion.position(node) for node in nodes], axis=1)
+    return [Shape(style, name, points)] if np.ptp(points, axis=1).max(initial=0.0) > 1e-9 else []
+
+
+def _joint(motion, name, d):
+    """A dot at the place of a joint; a joint with the ground is a support too."""
+    nodes = d.get("nodes", ())
+    moving = [node for node in nodes if node in motion.nodes]
+    if d["type"] in NOT_A_PLACE or not moving:
+        return []
+    points = motion.position(moving[-1])[:, None]
+    held = len(moving) < len(nodes) and d["type"] not in SLIDING
+    support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0))] if held else []
+    return [*support, Shape(JOINT, name, points)]
+
+
+def _wheel(motion, name, d):
+    if d["node"] not in motion.nodes:
+        return []
+    centre, axis = motion.position(d["node"]), np.array(d["axis"], float)
+    spoke = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    other = np.cross(axis, spoke)
+    e1, e2 = (motion.turned(d["node"], v / np.linalg.norm(v)) for v in (spoke, other))
+    angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS)[:, None]
+    radius = motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
+    rim = centre[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
+    rim = _flattened(rim, motion.run.deck["grounds"][d["ground"]])
+    return [Shape(WHEEL, name, np.concatenate([rim, centre[:, None]], axis=1))]
+
+
+def _flattened(points, ground):
+    """Points below a flat ground lifted onto it."""
+    if ground.get("profile"):
+        return points
+    normal = np.array(ground["plane"]["normal"], float)
+    normal /= np.linalg.norm(normal)
+    depth = np.maximum(0.0, (ground["plane"]["point"] - points) @ normal)
+    return points + depth[..., None] * normal
+
+
+SHAPES = {
+    "rigid_body": _body,
+    "point_mass": _mass,
+    "spring_damper": _spring,
+    "torsion_spring_damper": lambda motion, name, d: [],
+    "rigid_rod": _rod,
+    "wheel": _wheel,
+}
+"""Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""

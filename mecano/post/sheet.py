@@ -1,0 +1,131 @@
+"""What is shown, before anything is drawn: sheets of panels of curves."""
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mecano.post.quantity import Quantity
+
+QUOTED = re.compile("'(.+)'")  # the name in "wheel 'left'"
+CONSTANT = 1e-5  # of its size: what varies less is constant
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One quantity over another: of run number ``run`` and of the element, joint, load or node ``subject``.
+
+    A ``reference`` is what other curves are compared with.
+    """
+
+    x: Quantity
+    y: Quantity
+    run: int
+    subject: str
+    reference: bool = False
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves in one pair of axes.
+
+    Attributes
+    ----------
+    label : str
+        What the vertical axis shows, without the unit.
+    curves : tuple of Curve
+        All y of one unit, all x of one unit.
+    logarithmic : bool
+        The vertical axis is.
+    stepped : bool
+        A value holds for the whole step that ends at its time.
+    peak : (value, time [s])
+        Extreme over all accepted steps, of the only curve; may be empty.
+    note : str
+        Said in small print.
+    """
+
+    label: str
+    curves: tuple
+    logarithmic: bool = False
+    stepped: bool = False
+    peak: tuple = ()
+    note: str = ""
+
+    @property
+    def over_time(self):
+        """True when the horizontal axis is the time."""
+        return all(curve.x.path == "time" for curve in self.curves)
+
+    @property
+    def constant(self):
+        """True when nothing in it changes."""
+        return all(np.ptp(curve.y.values) <= CONSTANT * np.abs(curve.y.values).max() for curve in self.curves)
+
+    @property
+    def subjects(self):
+        """What the curves are quantities of."""
+        return tuple(dict.fromkeys(curve.subject for curve in self.curves))
+
+    @property
+    def whats(self):
+        """The different quantities that are not references, in words."""
+        return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
+
+
+@dataclass(frozen=True)
+class EventMark:
+    """Something that happened at a time [s] in run number ``run``."""
+
+    time: float
+    label: str
+    run: int
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One picture.
+
+    Attributes
+    ----------
+    name : str
+        In the name of its file.
+    heading : str
+        What it shows, in words.
+    panels : tuple of Panel or Sketch
+    events : tuple of EventMark
+    run_labels : tuple of str
+        Of all runs; empty for one run.
+    lead : int
+        How many of its panels are as important as the first of another sheet.
+    """
+
+    name: str
+    heading: str
+    panels: tuple
+    events: tuple = ()
+    run_labels: tuple = ()
+    lead: int = field(default=1, compare=False)
+
+    @property
+    def subjects(self):
+        """What its curves are quantities of."""
+        return tuple(dict.fromkeys(curve.subject for curve in self.curves))
+
+    @property
+    def curves(self):
+        """The curves of all its panels."""
+        return tuple(curve for panel in self.panels if isinstance(panel, Panel) for curve in panel.curves)
+
+
+def event_marks(runs):
+    """Marks of all events of all runs; elements are named where several have events."""
+    marks = []
+    for number, run in enumerate(runs):
+        events = run.results.events
+        several = len({event.element for event in events}) > 1
+        for event in events:
+            text, quoted = event.name.replace("_", " "), QUOTED.search(event.element)
+            name = quoted[1] if quoted else event.element
+            marks.append(EventMark(event.time, f"{name}: {text}" if several else text, number))
+    return tuple(marks)

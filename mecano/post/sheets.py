@@ -1,0 +1,122 @@
+"""The sheets of a model: those that its kinds ask for, energies, solver, the mechanism itself, and an overview."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.post.panels import planned_panels, worth_showing
+from mecano.post.plans import plans
+from mecano.post.quantity import find, time_of
+from mecano.post.sheet import Curve, Panel, Sheet, event_marks
+from mecano.post.sketch import Sketch, sketch
+
+MOST_SKETCHES = 4  # on one sheet, of several runs
+PLACES = 9  # of the overview; a sketch of a mechanism that stays in place takes one
+WIDE_RANGE = 3.0  # a quantity that varies by more than this factor gets a logarithmic axis
+SMALLEST = 1e-16  # shown on logarithmic axes
+REMARKS = {
+    "step size": lambda values: f"{len(values)} steps",
+    "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
+    "rejected trials": lambda values: f"{np.sum(values):.0f} in all",
+}
+
+
+def default_sheets(runs):
+    """All sheets of these runs; the sketches of the mechanism first."""
+    kinds = tuple(dict.fromkeys(d["type"] for run in runs for d in run.things.values()))
+    sheets = [_mechanism(runs), *(_planned(plan, runs) for plan in plans(kinds)), _energies(runs), _solver(runs)]
+    labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
+    marks = event_marks(runs)
+    return [replace(sheet, events=marks, run_labels=labels) for sheet in sheets if sheet.panels]
+
+
+def overview(sheets):
+    """A sheet of the most important panels of each sheet, then the second ones..., as many as fill it, and a sketch."""
+    ranked = [
+        (max(0, i - sheet.lead + 1), k, i)
+        for k, sheet in enumerate(sheets)
+        for i, panel in enumerate(sheet.panels)
+        if isinstance(panel, Panel) and not panel.constant
+    ]
+    sketches = [panel for sheet in sheets for panel in sheet.panels if isinstance(panel, Sketch)][:1]
+    room = PLACES - sum(one.in_place for one in sketches)
+    chosen = sorted((k, i) for _, k, i in sorted(ranked)[:room])
+    panels = (*sketches, *(_named(sheets[k], i) for k, i in chosen))
+    return Sheet("overview", "Overview", panels, sheets[0].events, sheets[0].run_labels)
+
+
+def _named(sheet, i):
+    """A panel that says of what it is, away from the heading of its sheet."""
+    panel = sheet.panels[i]
+    if len(panel.subjects) > 1 or panel.subjects[0] in (panel.label, sheet.name):
+        return panel
+    return replace(panel, label=f"{panel.subjects[0]}: {panel.label}")
+
+
+def _planned(plan, runs):
+    panels, remark = planned_panels(plan, runs)
+    heading = f"{plan.heading} ({remark})" if remark else plan.heading
+    sheet = Sheet(plan.name, heading, tuple(panels), lead=plan.lead)
+    return replace(sheet, heading=f"{heading}: {sheet.subjects[0]}") if len(sheet.subjects) == 1 else sheet
+
+
+def _mechanism(runs):
+    sketches = [one for run in runs[:MOST_SKETCHES] if (one := sketch(run)) is not None]
+    return Sheet("mechanism", "Mechanism", tuple(sketches))
+
+
+def _energies(runs):
+    changes = [
+        (number, name, _changed(quantity))
+        for number, run in enumerate(runs)
+        for name in ("kinetic", "potential", "dissipated", "given", "balance")
+        for quantity in (find(run.results, f"energy/{name}") if f"energy/{name}" in run.paths else ())
+    ]
+    curves = [(name, Curve(time_of(y), y, number, "energy")) for number, name, y in changes]
+    main = Panel("change of energy", tuple(curve for name, curve in curves if name != "balance"))
+    error = Panel("error of the energy balance", tuple(curve for name, curve in curves if name == "balance"))
+    panels = (*worth_showing([main], runs), *worth_showing([error], runs))
+    return Sheet("energy", "Energy: changes since the start", panels)
+
+
+def _changed(quantity):
+    """Its change since the start: the level of potential energies has no meaning."""
+    return replace(quantity, values=quantity.values - quantity.values[:1])
+
+
+def _solver(runs):
+    panels = (
+        _history(runs, "step size", ("step_size",)),
+        _history(runs, "Newton iterations", ("iterations",)),
+        _history(runs, "residuals over their tolerances", ("force_residual", "constraint_residual", "increment")),
+        _history(runs, "estimated error of a step", ("error_estimate",)),
+        _history(runs, "rejected trials", ("rejected",)),
+    )
+    return Sheet("solver", "Solver", tuple(panel for panel in panels if panel is not None))
+
+
+def _history(runs, label, columns):
+    """A panel of the solver history; None where nothing ever happened."""
+    found = [
+        Curve(time_of(q), q, number, "solver")
+        for number, run in enumerate(runs)
+        for column in columns
+        if column in run.results.step_columns
+        for q in find(run.results, f"solver.{column}")
+    ]
+    curves = tuple(curve for curve in found if np.any(curve.y.values > 0.0))
+    if not curves:
+        return None
+    logarithmic = _ranges_widely(curves)
+    note = REMARKS[label](curves[0].y.values) if len(runs) == 1 and label in REMARKS else ""
+    return Panel(label, curves, logarithmic=logarithmic, stepped=True, note=note)
+
+
+def _ranges_widely(curves):
+    values = np.concatenate([curve.y.values for curve in curves])
+    values = values[values > SMALLEST]
+    return bool(values.size) and values.max() > WIDE_RANGE * values.min() and not _whole_numbers(values)
+
+
+def _whole_numbers(values):
+    return np.array_equal(values, np.round(values))

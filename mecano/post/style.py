@@ -1,0 +1,102 @@
+"""How pictures look: colours, lines, units with prefixes, ranges of axes."""
+
+import numpy as np
+
+from mecano.post.sheet import CONSTANT
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
+DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
+LONGEST_LABEL = 27  # characters
+LINE_OF_TEXT = 13.0  # points
+GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
+SETTINGS = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#888888",
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.3,
+    "lines.solid_joinstyle": "round",
+    "agg.path.chunksize": 10000,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-6, 7),
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 150,
+    "svg.hashsalt": "mecano",
+}
+
+LARGE = {"N": "kM", "N m": "kM", "J": "kM", "W": "kM", "Pa": "kM"}
+SMALL = {"m": "m", "s": "m"}
+FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3}
+
+
+def shown_unit(unit, values):
+    """Factor and unit in which values are shown: kN from 2000 N on, mm below 0.1 m, else powers of 1000 if need be."""
+    unit = "" if unit == "-" else unit
+    largest = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+    for prefix in reversed(LARGE.get(unit, "")):
+        if largest >= 2.0 * FACTORS[prefix]:
+            return _scaled(largest, FACTORS[prefix], prefix + unit)
+    for prefix in SMALL.get(unit, ""):
+        if 0.0 < largest < 100.0 * FACTORS[prefix]:
+            return _scaled(largest, FACTORS[prefix], prefix + unit)
+    return _scaled(largest, 1.0, unit)
+
+
+def _scaled(largest, factor, unit):
+    """The same with a power of 1000 before the unit when the numbers are too long for an axis."""
+    if not largest or 2e-3 <= largest / factor < 2e5:
+        return factor, unit
+    exponent = 3 * int(np.floor(np.log10(largest / factor / 2.0) / 3.0))
+    return factor * 10.0**exponent, f"$10^{{{exponent}}}$ {unit}".strip()
+
+
+def with_unit(label, unit):
+    """A label with its unit in brackets, if it has one; on two lines when it is long."""
+    text = f"{label} [{unit}]" if unit else label
+    if len(text) <= LONGEST_LABEL:
+        return text
+    owner, colon, what = text.partition(": ")
+    return f"{owner}:\n{what}" if colon else "\n[".join(text.rsplit(" [", 1))
+
+
+def legend_above(ax, handles, inches):
+    """A legend above axes of that width, so that it hides nothing; returns its height in points."""
+    if not handles:
+        return 0.0
+    longest = max(len(handle.get_label()) for handle in handles)
+    columns = min(len(handles), max(1, int(inches / (0.065 * longest + 0.4))))
+    ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2,
+              borderpad=0.2, handlelength=1.6, columnspacing=1.2, labelspacing=0.3)  # fmt: skip
+    return LINE_OF_TEXT * -(-len(handles) // columns)
+
+
+def note_below(ax, text):
+    """Small print at the lower right of axes."""
+    ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, -18), textcoords="offset points",
+                ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
+
+
+def range_of(values):
+    """Limits of an axis for what is constant but for rounding; None for all else."""
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return 0.0, 1.0
+    low, high, size = values.min(), values.max(), np.abs(values).max()
+    if high - low > CONSTANT * size and size > 1e-300:
+        return None
+    middle, margin = 0.5 * (low + high), 0.1 * size if size > 1e-12 else 1.0
+    return middle - margin, middle + margin

@@ -1,0 +1,141 @@
+"""What a results file holds: declared series, their names, units and meanings, and the names of the groups.
+
+A series is a number, vector or matrix written at every saved time. Its path is its place in the file:
+
+    nodes/<name>/position, rotation, velocity, angular_velocity
+    elements/<name>/<output>    joints/<name>/<output>    loads/<name>/<output>
+    energy/kinetic, potential, dissipated, given, total, balance
+
+The values of one saved time are one flat float64 array: all series in the declared order, each in C order.
+docs/results-file.md describes the whole file.
+"""
+
+import itertools
+import json
+import re
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from math import prod
+
+FORMAT = "mecano results"
+FORMAT_VERSION = 1
+RESERVED = set("time step_time storage run deck solver events extremes checkpoints VTKHDF xyz wxyz".split())
+"""Names at the top of the file that no series may take, besides index_3, index2_3 and the like."""
+
+AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
+"""Names of the components of vectors and of unit quaternions."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """Something written at every saved time: path in the file, unit, meaning, shape of one value."""
+
+    path: str
+    unit: str
+    doc: str
+    shape: tuple = ()
+
+    @cached_property
+    def components(self):
+        """Names of the components in C order: x, y, z of a vector, 0.0, 0.1, ... of a matrix, none of a number."""
+        if not self.shape:
+            return ()
+        if len(self.shape) == 1 and self.shape[0] in AXES:
+            return AXES[self.shape[0]]
+        return tuple(".".join(map(str, index)) for index in itertools.product(*map(range, self.shape)))
+
+    @property
+    def width(self):
+        """How many numbers one value has."""
+        return prod(self.shape)
+
+    @property
+    def scalars(self):
+        """Paths of its numbers: the path itself, or path.component for each component."""
+        return tuple(f"{self.path}.{component}" for component in self.components) or (self.path,)
+
+
+STEPS = (
+    Series("step_size", "s", "size of the accepted step"),
+    Series("iterations", "", "Newton iterations of the accepted step"),
+    Series("error_estimate", "", "estimated local error over its tolerance"),
+    Series("rejected", "", "attempts rejected before this step was accepted"),
+    Series("force_residual", "", "largest residual force over its scale"),
+    Series("constraint_residual", "", "largest residual constraint over its scale"),
+    Series("increment", "", "largest last Newton increment over its scale"),
+)
+"""Usual columns of the solver history."""
+
+EXTREMES = {
+    "maximum": "largest value",
+    "maximum_time": "time of the largest value",
+    "minimum": "smallest value",
+    "minimum_time": "time of the smallest value",
+}
+"""What is kept of every number over all accepted steps."""
+
+EVENT_TEXTS = {
+    "element": "element, joint or load where it happened",
+    "name": "what happened",
+    "before": "mode before",
+    "after": "mode after",
+}
+"""What is kept of an event besides its time."""
+
+
+class Layout:
+    """The declared series of a run and the columns of its solver history.
+
+    Parameters
+    ----------
+    series : sequence of Series
+        In the order of the flat array of values.
+    steps : sequence of Series
+        Columns of the solver history, all numbers, without the time.
+
+    Raises
+    ------
+    ValueError
+        A path is taken twice, empty, reserved or inside another series; a step column is not a number.
+    """
+
+    def __init__(self, series, steps=STEPS):
+        self.series = tuple(series)
+        self.steps = tuple(steps)
+        ends = tuple(itertools.accumulate((one.width for one in self.series), initial=0))
+        self.slices = {one.path: slice(*ends[i : i + 2]) for i, one in enumerate(self.series)}
+        self.size = ends[-1]
+        self._check()
+
+    def _check(self):
+        if len(self.slices) < len(self.series) or len({one.path for one in self.steps}) < len(self.steps):
+            raise ValueError("two series have the same path")
+        if any(one.shape or "/" in one.path or one.path in ("", ".", "time", "step_time") for one in self.steps):
+            raise ValueError("columns of the solver history are numbers, other than the time")
+        for one in self.series:
+            parts = one.path.split("/")
+            inside = any("/".join(parts[:i]) in self.slices for i in range(1, len(parts)))
+            reserved = parts[0] in RESERVED or re.fullmatch(r"index\d*_\d+", parts[0])
+            if reserved or inside or {"", ".", ".."} & set(parts) or "\0" in one.path:
+                raise ValueError(f"'{one.path}' cannot be the path of a series")
+
+    @property
+    def scalars(self):
+        """Paths of all numbers in the order of the flat array."""
+        return [path for one in self.series for path in one.scalars]
+
+    @property
+    def longest_name(self):
+        """Length in bytes of the longest part of a path."""
+        return max((len(part.encode()) for one in self.series for part in one.path.split("/")), default=0)
+
+    def to_json(self):
+        """Declare the series as text, as stored in the file."""
+        series, steps = ([asdict(one) for one in some] for some in (self.series, self.steps))
+        return json.dumps({"series": series, "steps": steps})
+
+    @classmethod
+    def from_json(cls, text):
+        """Declare the series of a file again."""
+        stored = json.loads(text)
+        return cls(*([Series(**{**one, "shape": tuple(one["shape"])}) for one in some] for some in stored.values()))

@@ -1,0 +1,79 @@
+"""Finding series by the names people write: wheel.radial_force, joints.knee.angle, axle.position.z."""
+
+import difflib
+from fnmatch import fnmatchcase
+
+from mecano.errors import UnknownNameError
+
+
+class Lookup:
+    """Paths of a file, found by any ending of them, with dots or slashes, and a component after a vector.
+
+    Parameters
+    ----------
+    series : sequence of Series
+    """
+
+    def __init__(self, series):
+        self._by_path = {one.path: one for one in series}
+        self._by_ending = {}
+        for one in series:
+            for ending in _endings(one.path):
+                self._by_ending.setdefault(ending, []).append(one)
+
+    def match(self, pattern):
+        """Return the paths that a pattern with * and ? fits, as a whole or at their end."""
+        dotted = pattern.replace("/", ".")
+        return [path for path in self._by_path if any(fnmatchcase(end, dotted) for end in _endings(path))]
+
+    def find(self, name):
+        """Return the one series of that name, and the index of the component named after it, or None.
+
+        Raises
+        ------
+        UnknownNameError
+            No series or several have that name.
+        """
+        dotted = name.replace("/", ".").replace("[", ".").replace("]", "")
+        found = self._exactly(name, dotted)
+        if found is not None:
+            return found, None
+        for parts in (1, 2):  # a matrix has two indices
+            stem, component = _split(dotted, parts)
+            found = self._exactly(stem, stem)
+            if found is not None and found.shape:
+                return found, self._component(found, component, name)
+        raise UnknownNameError(f"no output '{name}' in this file{self._suggest(dotted)}")
+
+    def _exactly(self, path, dotted):
+        if path in self._by_path:
+            return self._by_path[path]
+        found = self._by_ending.get(dotted, [])
+        if len(found) > 1:
+            paths = ", ".join(one.path for one in found[:6])
+            raise UnknownNameError(f"'{dotted}' may be any of {paths}: write more of its path")
+        return found[0] if found else None
+
+    @staticmethod
+    def _component(series, component, name):
+        if component in series.components:
+            return series.components.index(component)
+        if component.isdecimal() and int(component) < series.width:
+            return int(component)
+        raise UnknownNameError(f"no component '{component}' in '{name}': there are {', '.join(series.components)}")
+
+    def _suggest(self, dotted):
+        close = difflib.get_close_matches(dotted, self._by_ending, 3)
+        close = close or difflib.get_close_matches(_split(dotted, 1)[0], self._by_ending, 3)
+        return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
+
+
+def _endings(path):
+    """Endings of a path with dots, from the whole to the last two parts (the last alone if there are no more)."""
+    parts = path.split("/")
+    return [".".join(parts[i:]) for i in range(max(len(parts) - 1, 1))]
+
+
+def _split(dotted, parts):
+    pieces = dotted.rsplit(".", parts)
+    return pieces[0], ".".join(pieces[1:])

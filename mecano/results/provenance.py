@@ -1,0 +1,84 @@
+"""Where a result comes from: the deck as given and as understood, versions, machine, command line."""
+
+import json
+import os
+import platform
+import sys
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib import metadata
+
+import h5py
+
+import mecano
+
+PACKAGES = ("numpy", "scipy", "numba", "h5py")
+
+
+@dataclass(frozen=True)
+class Source:
+    """What the run was asked to do.
+
+    ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
+    and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
+    ``automatic`` what stood for values that the deck leaves automatic; ``remarks`` what the user was told at the start.
+    """
+
+    deck_text: str
+    resolved: dict
+    deck_path: str = ""
+    title: str = ""
+    overrides: tuple = ()
+    includes: dict = field(default_factory=dict)
+    automatic: dict = field(default_factory=dict)
+    remarks: tuple = ()
+
+    def texts(self):
+        """Return what the group ``deck`` holds: dataset name -> text."""
+        return {
+            "text": self.deck_text,
+            "resolved": to_json(self.resolved),
+            "overrides": to_json(list(self.overrides)),
+            "includes": to_json(self.includes),
+            "automatic": to_json(self.automatic),
+            "remarks": to_json(list(self.remarks)),
+        }
+
+
+def to_json(data):
+    """Write plain data, with arrays as lists, as JSON."""
+    return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
+
+
+def provenance(threads):
+    """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
+    return {
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command_line": " ".join(sys.argv),
+        "directory": os.getcwd(),
+        "threads": threads,
+        "process": os.getpid(),
+        "host": platform.node(),
+        "machine": platform.machine(),
+        "processor": _processor(),
+        "operating_system": platform.platform(),
+        "version_mecano": mecano.__version__,
+        "version_python": platform.python_version(),
+        "version_hdf5": h5py.version.hdf5_version,
+        **{f"version_{package}": _version(package) for package in PACKAGES},
+    }
+
+
+def _version(package):
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _processor():
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()

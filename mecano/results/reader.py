@@ -1,0 +1,296 @@
+"""Reading a results file: finished, still being written, killed, or cut short."""
+
+import json
+import os
+import platform
+import time as clocks
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.layout import EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
+from mecano.results.lookup import Lookup
+from mecano.results.salvage import missing_bytes, open_cut, rows_within
+
+_ATTEMPTS = 5
+_EVENT_COLUMNS = ("events/event_time", *(f"events/{name}" for name in EVENT_TEXTS))
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A series over the saved times, or one component of it.
+
+    Attributes
+    ----------
+    path : str
+        In the file; with the component, if it is one.
+    unit, doc : str
+    components : tuple of str
+        Names of the components; empty for numbers.
+    time : (n,) array
+        Saved times [s].
+    values : (n, ...) array
+    """
+
+    path: str
+    unit: str
+    doc: str
+    components: tuple
+    time: np.ndarray
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened at a time [s] to an element, joint or load, which mode it left and which it entered."""
+
+    time: float
+    element: str
+    name: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """Largest and smallest value of a number over all accepted steps, with their times [s]."""
+
+    maximum: float
+    maximum_time: float
+    minimum: float
+    minimum_time: float
+    unit: str
+
+
+def open_results(path):
+    """Open a results file for reading.
+
+    Raises
+    ------
+    ResultsError
+        There is no such file, or it is not a results file of mecano, or too little is left of it.
+    """
+    return Results(path)
+
+
+class Results:
+    """What a results file holds, as far as it was acknowledged when the file was opened; a context manager."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        self._missing = 0
+        self._open()
+
+    def _open(self):
+        self._file = None
+        for name in ("time", "events", "steps", "extremes", "resolved", "metadata"):
+            self.__dict__.pop(name, None)
+        self._file = _open_file(self.path)
+        try:
+            self._check_format()
+            self._missing = missing_bytes(self.path)
+            counters = self._file["run/acknowledged"][:]
+            self._layout = Layout.from_json(self._file["storage/layout"][()])
+        except (KeyError, OSError, RuntimeError, ValueError) as error:
+            self.close()
+            raise ResultsError(f"too little is left of {self.path} to read it: {error}") from error
+        except ResultsError:
+            self.close()
+            raise
+        self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters[:4])
+        self._clip()
+
+    def _check_format(self):
+        if self._file.attrs.get("format") != FORMAT:
+            raise ResultsError(f"{self.path} is an HDF5 file, but no results of mecano")
+        version = int(self._file.attrs["format_version"])
+        if version > FORMAT_VERSION:
+            raise ResultsError(f"{self.path} has format {version} of a newer mecano; this one reads {FORMAT_VERSION}")
+
+    def _clip(self):
+        """Never count more rows than there are."""
+        self._rows = self._present("storage/output", self._rows)
+        self._step_rows = self._present("storage/solver", self._step_rows)
+        self._event_rows = min(self._present(name, self._event_rows) for name in _EVENT_COLUMNS)
+
+    def _present(self, name, rows):
+        dataset = self._file[name]
+        rows = min(rows, len(dataset))
+        return rows_within(dataset, rows, self.path.stat().st_size) if self._missing else rows
+
+    def _read(self, name, selection):
+        """Read part of a dataset; again from the start when the writer changed the file under our hands."""
+        for attempt in range(_ATTEMPTS):
+            try:
+                return self._file[name][selection]
+            except (OSError, RuntimeError, KeyError) as error:
+                if attempt == _ATTEMPTS - 1 or self._missing:
+                    raise ResultsError(f"cannot read '{name}' in {self.path}: {error}") from error
+                clocks.sleep(0.01 * attempt)
+                self._file.close()
+                self._file = _open_file(self.path)
+
+    def refresh(self):
+        """Open the file again, to see what a running writer added."""
+        self.close()
+        self._open()
+
+    def close(self):
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    @cached_property
+    def time(self):
+        """Saved times (n,) [s]."""
+        return self._read("storage/output", (slice(self._rows), 0))
+
+    @cached_property
+    def _lookup(self):
+        return Lookup(self._layout.series)
+
+    def names(self, pattern="*"):
+        """Return the paths of all series, or of those that a pattern such as "joints/*" or "wheel.*" fits."""
+        return self._lookup.match(pattern)
+
+    @property
+    def series(self):
+        """Declarations of all series: path -> Series with unit, meaning and shape."""
+        return {one.path: one for one in self._layout.series}
+
+    def find(self, name):
+        """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
+
+        Raises
+        ------
+        ResultsError
+            None has that name, with the most similar names; or several have.
+        """
+        series, component = self._lookup.find(name)
+        start = 1 + self._layout.slices[series.path].start
+        if component is not None:
+            values = self._read("storage/output", (slice(self._rows), start + component))
+            return Trace(series.scalars[component], series.unit, series.doc, (), self.time, values)
+        values = self._read("storage/output", (slice(self._rows), slice(start, start + series.width)))
+        shaped = values.reshape(-1, *series.shape)
+        return Trace(series.path, series.unit, series.doc, series.components, self.time, shaped)
+
+    def __getitem__(self, name):
+        """Return the same as ``find``."""
+        return self.find(name)
+
+    @cached_property
+    def events(self):
+        """List of all events in the order of time."""
+        columns = [self._read(name, slice(self._event_rows)) for name in _EVENT_COLUMNS]
+        return [Event(float(t), *(text.decode() for text in texts)) for t, *texts in zip(*columns, strict=True)]
+
+    @cached_property
+    def steps(self):
+        """Solver history: structured array of ``time`` [s] and the ``step_columns``, a row per accepted step."""
+        rows = self._read("storage/solver", (slice(self._step_rows), slice(None)))
+        kind = np.dtype([(name, "f8") for name in ("time", *(one.path for one in self._layout.steps))])
+        return np.ascontiguousarray(rows).view(kind).reshape(-1)
+
+    @property
+    def step_columns(self):
+        """Unit and meaning of each column of the solver history: name -> (unit, doc)."""
+        return {one.path: (one.unit, one.doc) for one in self._layout.steps}
+
+    @cached_property
+    def extremes(self):
+        """Extremes of every number over all accepted steps: path with component -> Extreme."""
+        if not self._layout.size:
+            return {}
+        rows = [self._read(f"extremes/{name}", self._slot) for name in EXTREMES]
+        units = [one.unit for one in self._layout.series for _ in one.scalars]
+        columns = (row.tolist() for row in rows)
+        return {name: Extreme(*values) for name, *values in zip(self._layout.scalars, *columns, units, strict=True)}
+
+    @cached_property
+    def metadata(self):
+        """Where the results come from: versions, machine, command line, overrides, hashes of included files, ..."""
+        stored = self._file["run"].attrs.items()
+        metadata = {key: value.item() if isinstance(value, np.generic) else value for key, value in stored}
+        metadata["overrides"] = json.loads(self._text("deck/overrides"))
+        metadata["includes"] = json.loads(self._text("deck/includes"))
+        metadata["format_version"] = int(self._file.attrs["format_version"])
+        metadata["wall_time"], metadata["processor_time"] = self._read("run/clock", slice(None)).tolist()
+        return metadata
+
+    def _text(self, name):
+        return self._read(name, ()).decode()
+
+    @property
+    def deck_text(self):
+        """The deck as its author wrote it."""
+        return self._text("deck/text")
+
+    @cached_property
+    def resolved(self):
+        """The deck as it was understood: plain data after overrides, includes and defaults."""
+        return json.loads(self._text("deck/resolved"))
+
+    @property
+    def status(self):
+        """How the run ended: "complete", "stopped" or "failed"; otherwise "running", "killed" or "truncated".
+
+        A killed run is recognized on the machine where it ran; elsewhere it seems to be running.
+        """
+        if self._missing:
+            return "truncated"
+        stored = self._text("run/status")
+        return "killed" if stored == "running" and not self._writer_lives() else stored
+
+    @property
+    def reason(self):
+        """Why the run ended; empty while it runs."""
+        return self._text("run/reason")
+
+    def _writer_lives(self):
+        run = self._file["run"].attrs
+        if run["host"] != platform.node() or os.name != "posix":
+            return True
+        try:
+            os.kill(int(run["process"]), 0)
+        except ProcessLookupError:
+            return False
+        except PermissionError:
+            return True
+        return True
+
+
+def _open_file(path):
+    """Open an HDF5 file, whether or not a writer has it open."""
+    try:
+        if not h5py.is_hdf5(path):
+            with open(path, "rb"):
+                raise ResultsError(f"{path} is not a results file of mecano: no HDF5 file")
+    except OSError as error:
+        raise ResultsError(f"cannot read {path}: {error.strerror}") from error
+    missing = missing_bytes(path)
+    try:
+        return open_cut(path, missing) if missing else _open_patiently(path)
+    except OSError as error:
+        cut = f"is cut short by {missing} bytes, and what is left cannot be read" if missing else "cannot be read"
+        raise ResultsError(f"{path} {cut}: {error}") from error
+
+
+def _open_patiently(path):
+    """Open a file, some times over if need be: its writer may be just changing what is read."""
+    for attempt in range(_ATTEMPTS - 1):
+        try:
+            return h5py.File(path, "r", locking=False)
+        except OSError:
+            clocks.sleep(0.01 * (1 + attempt))
+    return h5py.File(path, "r", locking=False)

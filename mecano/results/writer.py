@@ -1,0 +1,314 @@
+"""Writing the results file while the run goes on.
+
+A saved time, step or event counts as acknowledged once ``flush`` has returned: it is then in the file whatever happens
+to the process. First the data are flushed, then the counters in ``run/acknowledged`` are written; readers take no more
+than these say. ``flush`` happens by itself whenever a buffer is full or ``flush_interval`` has passed.
+"""
+
+import atexit
+import os
+import time as clocks
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.disk import Disk, new_file, undisturbed
+from mecano.results.extremes import Extremes
+from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
+from mecano.results.provenance import provenance
+from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, name_axes
+
+STATUSES = ("running", "complete", "stopped", "failed")
+MOST_VIEWS = 3000
+"""Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
+_EXISTS = "{} exists already; give another name, or --force to replace it"
+_TEXT_LENGTHS = {"status": 16, "reason": 8000}
+
+
+class Writer:
+    """A results file being written; made by ``Writer.create``, usable as a context manager.
+
+    Attributes
+    ----------
+    path : Path
+    extremes : Extremes
+        To be updated with the values of every accepted step.
+    acknowledged : int
+        Saved times that are safe in the file.
+    """
+
+    @classmethod
+    def create(cls, path, layout, source, *, force=False, threads=1, flush_interval=1.0):
+        """Start a results file; it appears under its name only when it is complete up to the first row.
+
+        Parameters
+        ----------
+        path : str or Path
+        layout : Layout
+        source : Source
+        force : bool
+            Replace an existing file.
+        threads : int
+            Threads the run computes with.
+        flush_interval : float
+            Longest time between flushes while rows arrive [s].
+
+        Raises
+        ------
+        ResultsError
+            The file exists, or cannot be written.
+        """
+        path = Path(path)
+        if path.exists() and not force:
+            raise ResultsError(_EXISTS.format(path))
+        hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
+        try:
+            disk = Disk(hidden)
+            try:
+                writer = cls(path, disk, layout, source, threads, flush_interval)
+                writer._publish(hidden, force)
+            except BaseException:
+                disk.close()
+                hidden.unlink(missing_ok=True)
+                raise
+        except OSError as error:
+            if error.errno is None:  # from h5py: the disk never fails towards it
+                raise
+            raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+        atexit.register(writer._at_exit)
+        return writer
+
+    def __init__(self, path, disk, layout, source, threads, flush_interval):
+        self.path = path
+        self.extremes = Extremes(layout.size)
+        self.acknowledged = 0
+        self._disk = disk
+        self._interval = flush_interval
+        self._started = clocks.monotonic()
+        self._due = self._started + flush_interval
+        self._size = layout.size
+        self._slot = 0
+        self._last_time = self._safe_time = None
+        with undisturbed():
+            self._file = _new_file(disk, layout)
+            self._build(layout, source, threads)
+            self._file.flush()
+            self._offsets = {name: self._file[name].id.get_offset() for name in self._patched}
+
+    def _publish(self, hidden, force):
+        """Give the finished file its name, never over another one unless told."""
+        try:
+            if self._disk.error is not None:
+                raise self._disk.error
+            _move(hidden, self.path, force)
+        except BaseException:
+            with undisturbed():
+                self._file.close()
+            raise
+
+    def _build(self, layout, source, threads):
+        file, axes = self._file, Axes(self._file)
+        self._outputs = NumberTable(file, "storage/output", 1 + layout.size)
+        self._steps = NumberTable(file, "storage/solver", 1 + len(layout.steps))
+        self._events = EventTable(file, max(64, layout.longest_name))
+        file["storage/layout"] = layout.to_json()
+        _make_views(file, axes, layout, self._outputs, self._steps)
+        for name, text in source.texts().items():
+            file[f"deck/{name}"] = text
+        self._build_run(axes, {"title": source.title, "deck_path": source.deck_path, **provenance(threads)})
+        self._build_extremes(axes, layout)
+        file.create_group("checkpoints")
+        file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+
+    def _build_run(self, axes, attributes):
+        run = self._file.create_group("run")
+        run.attrs.update(attributes)
+        for name, length in _TEXT_LENGTHS.items():
+            run.create_dataset(name, data=b"", dtype=h5py.string_dtype("utf-8", length))
+        run["status"][()] = STATUSES[0]
+        counters = run.create_dataset("acknowledged", data=np.zeros(8, dtype="<i8"))
+        describe(counters, long_name="saved times, steps, events, slot of the extremes; the others are reserved")
+        name_axes(counters, axes.scale(8))
+        clock = run.create_dataset("clock", data=np.zeros(2))
+        describe(clock, units="s", long_name="wall-clock time since the start, processor time of the process")
+        name_axes(clock, axes.scale(2))
+        self._patched = ["run/status", "run/reason", "run/acknowledged", "run/clock"]
+
+    def _build_extremes(self, axes, layout):
+        if not layout.size:
+            return
+        group = self._file.create_group("extremes")
+        names = [name.encode() for name in layout.scalars]
+        kind = h5py.string_dtype("utf-8", max(map(len, names)))
+        outputs = group.create_dataset("output", data=np.array(names, dtype=kind))
+        outputs.make_scale("output")
+        for name, doc in EXTREMES.items():
+            dataset = group.create_dataset(name, data=np.full((2, layout.size), np.nan))
+            describe(dataset, long_name=f"{doc} over all accepted steps; run/acknowledged[3] says which row holds")
+            name_axes(dataset, axes.scale(2), outputs)
+            self._patched.append(dataset.name.lstrip("/"))
+
+    def append(self, time, values):
+        """Save the values (layout.size,) at a time [s]."""
+        self._last_time = time
+        if self._outputs.add(time, values) or clocks.monotonic() >= self._due:
+            self.flush()
+
+    def append_step(self, time, values):
+        """Record an accepted step that ends at a time [s]: one number for each column of the solver history."""
+        if self._steps.add(time, values) or clocks.monotonic() >= self._due:
+            self.flush()
+
+    def append_event(self, time, element, name, before="", after=""):
+        """Record an event: when [s], to which element, joint or load, which, and the modes before and after."""
+        self._events.add(time, element, name, before, after)
+
+    def flush(self):
+        """Bring all that was appended into the file, and return the number of acknowledged saved times.
+
+        Raises
+        ------
+        ResultsError
+            The disk does not take it; what was acknowledged before stays readable, and the file is closed.
+        """
+        if self._file is None:
+            raise ResultsError(f"{self.path} is closed")
+        with undisturbed():
+            for table in (self._outputs, self._steps, self._events):
+                table.write()
+            self._file.flush()
+            if self._disk.error is None:
+                self._acknowledge()
+        if self._disk.error is not None:
+            self._give_up()
+        self._due = clocks.monotonic() + self._interval
+        return self.acknowledged
+
+    def _acknowledge(self):
+        self._slot = 1 - self._slot
+        if self._size:
+            self._patch_extremes()
+        self._patch_clock()
+        counters = [self._outputs.written, self._steps.written, self._events.written, self._slot]
+        self._disk.patch(self._offsets["run/acknowledged"], np.array(counters, dtype="<i8"))
+        self.acknowledged, self._safe_time = self._outputs.written, self._last_time
+
+    def _patch_clock(self):
+        wall = clocks.monotonic() - self._started
+        self._disk.patch(self._offsets["run/clock"], np.array([wall, clocks.process_time()]))
+
+    def _patch_extremes(self):
+        """Write to the row that the counters do not name, so that a kill leaves those that belong to the counters."""
+        now = self.extremes
+        high, low = (np.where(np.isnan(t), np.nan, x) for x, t in ((now.high, now.high_time), (now.low, now.low_time)))
+        for name, row in zip(EXTREMES, (high, now.high_time, low, now.low_time), strict=True):
+            self._disk.patch(self._offsets[f"extremes/{name}"] + row.nbytes * self._slot, row)
+
+    def _patch_text(self, name, text):
+        length = _TEXT_LENGTHS[name]
+        cut = text.encode()[:length].decode(errors="ignore").encode()
+        self._disk.patch(self._offsets[f"run/{name}"], cut.ljust(length, b"\0"))
+
+    def _give_up(self):
+        cause = self._disk.error
+        safe = f"{self.acknowledged} saved times"
+        safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
+        self._end("failed", f"writing failed: {cause.strerror}")
+        raise ResultsError(f"cannot write {self.path}: {cause.strerror}; {safe} are in it") from cause
+
+    def close(self, status="complete", reason=""):
+        """Flush and close; later calls do nothing.
+
+        Parameters
+        ----------
+        status : "complete", "stopped" or "failed"
+        reason : str
+            Why the run ended; of a long text, the first 8000 bytes are kept.
+
+        Raises
+        ------
+        ResultsError
+            The last data did not get to the disk.
+        """
+        if status not in STATUSES[1:]:
+            raise ValueError(f"'{status}' is not a status a run can end with")
+        if self._file is None:
+            return
+        self.flush()
+        self._acknowledge()  # again, so that both rows of the extremes hold
+        self._end(status, reason)
+        if self._disk.error is not None:
+            raise ResultsError(f"cannot write {self.path}: {self._disk.error.strerror}") from self._disk.error
+
+    def _end(self, status, reason):
+        """Close, then say how it ended: a file that says so is whole."""
+        with undisturbed():
+            self._file.close()
+            self._file = None
+            self._patch_clock()
+            self._patch_text("reason", reason)
+            self._patch_text("status", status)
+            self._disk.close()
+        atexit.unregister(self._at_exit)
+
+    def _at_exit(self):
+        self.close("failed", "the process ended before the run did")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, trace):
+        if error is None:
+            self.close()
+        elif self._file is not None:
+            stopped = isinstance(error, KeyboardInterrupt)
+            reason = str(error) or ("interrupted" if stopped else kind.__name__)
+            self.close("stopped" if stopped else "failed", reason)
+
+
+def refuse_existing(path, force):
+    """Raise ResultsError when ``path`` exists and may not be replaced."""
+    if Path(path).exists() and not force:
+        raise ResultsError(f"{path} exists already; give another name, or --force to replace it")
+
+
+def _new_file(disk, layout):
+    rows, width = chunk_shape(1 + layout.size)
+    chunks = -(-(1 + layout.size) // width)
+    return new_file(disk, cache_bytes=max(3 * 8 * rows * width * chunks, 2**20), cache_slots=max(4 * chunks + 1, 521))
+
+
+def _make_views(file, axes, layout, outputs, steps):
+    times = outputs.time_view(file, "time", "saved time")
+    name_axes(outputs.dataset, times, axes.scale(1 + layout.size))
+    groups = {}
+    for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
+        parent, _, name = series.path.rpartition("/")
+        if parent not in groups:
+            groups[parent] = file.require_group(parent or "/")
+        view = outputs.view(groups[parent], name, 1 + layout.slices[series.path].start, series.shape)
+        describe(view, units=series.unit, long_name=series.doc)
+        name_axes(view, times, *axes.of(series.shape))
+    solver = file.create_group("solver")
+    ends = steps.time_view(file, "step_time", "end of the accepted step")
+    name_axes(steps.dataset, ends, axes.scale(1 + len(layout.steps)))
+    for column, series in enumerate(layout.steps, start=1):
+        view = steps.view(solver, series.path, column, ())
+        describe(view, units=series.unit, long_name=series.doc)
+        name_axes(view, ends)
+
+
+def _move(hidden, path, force):
+    if force:
+        os.replace(hidden, path)
+        return
+    try:
+        os.link(hidden, path)
+    except FileExistsError:
+        raise ResultsError(_EXISTS.format(path)) from None
+    except OSError:  # a file system without hard links
+        os.rename(hidden, path)
+        return
+    os.unlink(hidden)

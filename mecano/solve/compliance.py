@@ -1,0 +1,48 @@
+r"""Compliances that let redundant constraints share their forces, :math:`\Phi + c \Lambda = 0`; docs/theory.md, section 3."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
+
+SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
+TINY = 1e-300
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """The symmetric matrix c, which couples rows of one element only, and where it stands in the tangent."""
+
+    matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)]
+    places: np.ndarray  # (matrix.nnz,) in the values of the tangent
+
+    def soften(self, k, multipliers, rows):
+        """Add -k c Lambda to the constraint rows (n_l,) in place."""
+        rows -= k * (self.matrix @ multipliers)
+
+    def soften_tangent(self, k, data):
+        """Put -k^2 c into the values of the tangent, where no element adds anything."""
+        data[self.places] = -k * k * self.matrix.data
+
+
+def compliance(system, s, length, dependent):
+    """Compliance of a model, or None when no constraint is redundant.
+
+    Reactions in the directions that the projector ``dependent`` (n_l, n_l) holds meet a compliance under which the
+    forces at work in ``s`` move them by SOFTNESS of the length scale, or rad; all others are exact.
+    """
+    if not dependent.nnz:
+        return None
+    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+    of = system.numbering
+    masses = system.data[system.diagonal[: system.n_q]][of.kind[: system.n_q] == TRANSLATION]
+    force = max(system.size[of.kind == TRANSLATION].max(initial=0.0), 9.81 * masses.max(initial=0.0), TINY)
+    angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
+    root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
+    matrix = sp.csr_matrix(root @ dependent @ root)
+    matrix.sort_indices()
+    entries = matrix.tocoo()
+    codes = (system.n_q + entries.row.astype(np.int64)) * system.n + system.n_q + entries.col
+    return Compliance(matrix, np.searchsorted(system.rows * system.n + system.cols, codes))

@@ -1,0 +1,233 @@
+"""Orders of generalized-alpha on the index-3 pendulum: positions, velocities and multipliers, at any steps.
+
+Reference errors: f1_genalpha, a point mass of 1 kg at 1 m, g = 9.81 m/s2, from the horizontal with 2 m/s upwards;
+errors of q, v (2-norms) and of the multiplier at 1 s, found independently in Cartesian coordinates.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from convergence import check_second_order, pair
+from marching import March, deck, input_deck, with_history
+from scipy.integrate import solve_ivp
+
+from mecano.model.numbering import LENGTH_CONSTRAINT
+
+G = np.array([0.0, 0.0, -9.81])
+X0, V0 = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 2.0])
+STEPS = [2.0**-k for k in range(4, 10)]  # 1/16 ... 1/512 s
+VARIED = (1.0, 1.3, 0.7, 0.4, 1.7)  # factors of a step size that changes every step
+
+# (method, rho_inf, history): errors of q, v and multiplier for each of STEPS
+REFERENCE = {
+    ("generalized_alpha", 0.8, "plain"): [
+        (0.0553557, 0.262819, 9.90638),
+        (0.0142219, 0.0543225, 0.448159),
+        (0.0035734, 0.0134373, 0.0539759),
+        (0.000894378, 0.00336194, 0.0138276),
+        (0.000223649, 0.000840631, 0.00346082),
+        (5.59147e-05, 0.000210164, 0.000865533),
+    ],
+    ("generalized_alpha", 0.8, "shift"): [
+        (0.0554784, 0.264978, 10.2029),
+        (0.0142509, 0.0544924, 0.478285),
+        (0.00358023, 0.0134687, 0.0541016),
+        (0.000896036, 0.00336958, 0.0138746),
+        (0.000224059, 0.000842517, 0.00347244),
+        (5.60163e-05, 0.000210633, 0.000868416),
+    ],
+    ("generalized_alpha", 0.5, "shift"): [
+        (0.0792173, 0.303992, 0.993817),
+        (0.0204421, 0.0777516, 0.293736),
+        (0.00512816, 0.0194773, 0.0768386),
+        (0.00128051, 0.00486389, 0.0195521),
+        (0.000319716, 0.00121471, 0.00492544),
+        (7.98646e-05, 0.000303483, 0.00123569),
+    ],
+    ("generalized_alpha", 0.0, "shift"): [
+        (0.231882, 0.946865, 1.12115),
+        (0.0725816, 0.288788, 0.661169),
+        (0.0191461, 0.0745908, 0.23093),
+        (0.00479011, 0.0185422, 0.0658755),
+        (0.00118914, 0.00459945, 0.0174255),
+        (0.000295701, 0.00114413, 0.00447048),
+    ],
+    ("hht", 0.8, "shift"): [
+        (0.0677727, 0.278551, 1.77113),
+        (0.0174179, 0.0669047, 0.176344),
+        (0.0043698, 0.0167363, 0.0662273),
+        (0.00109185, 0.00418366, 0.0167868),
+        (0.000272741, 0.00104543, 0.00421957),
+        (6.81483e-05, 0.000261273, 0.0010575),
+    ],
+}
+
+
+def pendulum(method, rho, step):
+    """The deck of the reference."""
+    return deck(f"""\
+        mecano: 1
+        nodes:
+          pivot: {{position: [0, 0, 0], fixed: true}}
+          mass: {{position: [1, 0, 0]}}
+        elements:
+          mass: {{type: point_mass, node: mass, mass: 1.0}}
+        joints:
+          rod: {{type: rigid_rod, nodes: [pivot, mass]}}
+        initial: {{velocities: [{{nodes: [mass], velocity: [0, 0, 2]}}]}}
+        time: {{end: 1.0, step: {step!r}, method: {method}, rho_inf: {rho}}}
+        """)
+
+
+@cache
+def exact():
+    """Angle from the horizontal and its rate as a function of time, to 1e-12."""
+    return solve_ivp(
+        lambda t, y: [y[1], -9.81 * np.cos(y[0])], (0.0, 1.0), [0.0, 2.0],
+        method="DOP853", rtol=1e-13, atol=1e-14, dense_output=True,
+    ).sol  # fmt: skip
+
+
+def errors(march):
+    """Errors (n, 3) of position, velocity and tension at every accepted step."""
+    angle, rate = exact()(march.time)
+    along = np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
+    across = np.stack([-along[:, 2], 0 * angle, along[:, 0]], axis=1)
+    q = np.linalg.norm(march["nodes/mass/position"] - along, axis=1)
+    v = np.linalg.norm(march["nodes/mass/velocity"] - rate[:, None] * across, axis=1)
+    return np.stack([q, v, np.abs(march["joints/rod/tension"] - rate**2 + 9.81 * np.sin(angle))], axis=1)
+
+
+def acceleration(x, v):
+    """Of the mass, with the multiplier eliminated."""
+    return G - x * (x @ G + v @ v)
+
+
+def jerk():
+    """Rate of the acceleration at the start."""
+    a = acceleration(X0, V0)
+    return -V0 * (X0 @ G + V0 @ V0) - X0 * (V0 @ G + 2.0 * V0 @ a)
+
+
+def start_of_the_reference(history):
+    """The history of the reference: a_0 = q''_0, for ``shift`` a_0 = q''_0 + (am - af) h q'''_0; v_0 not shifted."""
+
+    def change(march, run):
+        c, first = march.method.coefficients, march.system.numbering.x[1]
+        a = np.zeros_like(run.history.a)
+        shift = (c.am - c.af) * run.h if history == "shift" else 0.0
+        a[first : first + 3] = acceleration(X0, V0) + shift * jerk()
+        return with_history(run, a=a, v_shift=np.zeros_like(a))
+
+    return change
+
+
+@pytest.mark.parametrize(("method", "rho", "history"), REFERENCE)
+def test_errors_of_the_reference(method, rho, history):
+    """To 3 digits of the error: the integrator is the published one."""
+    change = start_of_the_reference(history)
+    found = [errors(March(pendulum(method, rho, h), change=change))[-1] for h in STEPS]
+    np.testing.assert_allclose(found, REFERENCE[method, rho, history], rtol=1e-3)
+
+
+class Pattern:
+    """Step sizes that change at every step by given factors of ``step``."""
+
+    minimum = 1e-9
+
+    def __init__(self, step, factors):
+        self.step, self.factors, self.taken = step, factors, 0
+
+    def accept(self, error, h):
+        return True
+
+    def after(self, error, h):
+        self.taken += 1
+        return self.step * self.factors[self.taken % len(self.factors)]
+
+
+def with_pattern(factors):
+    def change(march, run):
+        march.control = Pattern(run.h, factors)
+        return run
+
+    return change
+
+
+METHODS = [("generalized_alpha", 0.8), ("generalized_alpha", 0.5), ("hht", 0.8)]
+
+
+def orders(method, rho, change, reduce):
+    """Orders (2, 3) of the errors, reduced over the run, between 1/128, 1/256 and 1/512 s."""
+    found = [reduce(errors(March(pendulum(method, rho, h), change=change))) for h in (1 / 128, 1 / 256, 1 / 512)]
+    return np.log2(np.array(found[:-1]) / np.array(found[1:]))
+
+
+@pytest.mark.parametrize(("method", "rho"), METHODS)
+def test_order_of_fixed_steps(method, rho):
+    """Two for all, at the end and for the largest error of the run, the first step among them."""
+    change = with_pattern((1.0,))
+    at_end = orders(method, rho, change, lambda e: e[-1])
+    np.testing.assert_allclose(at_end, 2.0, rtol=0, atol=0.05)
+    greatest = orders(method, rho, change, lambda e: e.max(axis=0))
+    np.testing.assert_allclose(greatest, 2.0, rtol=0, atol=0.05)
+
+
+@pytest.mark.parametrize(("method", "rho"), METHODS)
+def test_order_of_steps_that_always_change(method, rho):
+    greatest = orders(method, rho, with_pattern(VARIED), lambda e: e.max(axis=0))
+    np.testing.assert_allclose(greatest, 2.0, rtol=0, atol=0.05)
+
+
+def constraints_watched(worst):
+    """A change of the march that notes the largest constraint of each step, over the length scale or one radian."""
+
+    def change(march, run):
+        system, n_q, n = march.system, march.system.n_q, march.system.n
+        scale = np.where(system.numbering.kind[n_q:n] == LENGTH_CONSTRAINT, march.method.length, 1.0)
+        march.observers += (lambda step: worst.append(np.abs(system.levels(step.run.motion)[:, 0] / scale).max()),)
+        return run
+
+    return change
+
+
+@pytest.mark.parametrize("name", ["pendulum", "spherical_pendulum", "four_bar"])
+def test_newton_does_not_depend_on_the_step_size(name):
+    """100 steps each of 1e-6, 1e-4 and 1e-2 s: iterations within one of one another, constraints to 1e-10."""
+    iterations, worst = [], []
+    for h in (1e-6, 1e-4, 1e-2):
+        values = (f"time.step={h}", f"time.end={100 * h}", f"output.every={h}")
+        march = March(input_deck(name, *values), change=constraints_watched(worst))
+        assert len(march.iterations) == 100
+        iterations += [march.iterations.min(), march.iterations.max()]
+    assert max(iterations) - min(iterations) <= 1
+    assert len(worst) == 300 and max(worst) <= 1e-10
+
+
+SWINGING = (
+    "elements.spring.law={spring: {stiffness: 200.0}}",  # no damper
+    "initial.velocities=[{nodes: [weight], velocity: [1, 0.5, 0]}]",
+)
+UNCONSTRAINED = [("free_body", 1e-2, ()), ("oscillator", 2e-3, SWINGING)]
+
+
+@pytest.mark.parametrize(("name", "h", "overrides"), UNCONSTRAINED)
+def test_energy_of_unconstrained_models_does_not_drift(name, h, overrides):
+    """With rho = 1: its oscillation falls as h^2, its mean stays within 1e-6 over 1e5 steps."""
+    swings = []
+    for step in (4 * h, 2 * h):
+        energy = March(input_deck(name, f"time.step={step}", f"time.end={2000 * h}", *overrides))["energy/total"]
+        swings.append(np.ptp(energy))
+    check_second_order(*np.array(swings), 0.0, swings[1] / 20)
+    energy = March(input_deck(name, f"time.step={h}", f"time.end={1e5 * h}", *overrides))["energy/total"]
+    tenth = len(energy) // 10
+    assert abs(energy[-tenth:].mean() - energy[:tenth].mean()) < 1e-6 * abs(energy[0])
+
+
+@pytest.mark.parametrize("name", ["pendulum", "double_pendulum", "four_bar"])
+def test_dissipation_of_the_method_falls_as_the_step_squared(name):
+    """Constrained, rho = 0.95: energy lost in the first second."""
+    coarse, fine = pair(name, lambda m: m["energy/total"] - m["energy/total"][0], [1.0], 2e-3, "time.rho_inf=0.95")
+    assert coarse[0] < 0
+    check_second_order(coarse, fine, 0.0, abs(fine[0]) / 100)

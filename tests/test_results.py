@@ -1,0 +1,326 @@
+"""The results file: round trip, names, attributes, refusals, state, speed."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+import results_samples as samples
+
+from mecano.errors import ResultsError
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.reader import open_results
+from mecano.results.state import load_state, save_state
+from mecano.results.writer import Writer
+
+
+@pytest.fixture
+def finished(tmp_path):
+    path = tmp_path / "results.h5"
+    with samples.create(path) as writer:
+        for index in range(40):
+            samples.append(writer, index)
+        writer.close("stopped", "the wheel left the ground")
+    return path
+
+
+def test_round_trip(finished):
+    with open_results(finished) as results:
+        assert samples.check(results) == 40
+        samples.check_extremes(results, 40)
+        assert len(results.steps) == len(results.events) == 40
+        assert (results.status, results.reason) == ("stopped", "the wheel left the ground")
+        assert results.deck_text == samples.SOURCE.deck_text
+        assert results.resolved == {"title": "Prüfstand", "gravity": [0.0, 0.0, -9.81]}
+        event = results.events[3]
+        assert (event.time, event.name, event.before, event.after) == (0.1 * 3, "touch-down", "airborne", "rolling")
+    assert os.listdir(finished.parent) == ["results.h5"]
+
+
+def test_more_rows_than_a_block(tmp_path):
+    with samples.create(tmp_path / "r.h5") as writer:
+        for index in range(2500):
+            samples.append(writer, index)
+        assert 2000 < writer.acknowledged < 2500  # blocks of 1024 rows were flushed
+    with open_results(tmp_path / "r.h5") as results:
+        assert samples.check(results) == 2500
+        assert results.status == "complete"
+
+
+def test_metadata(finished):
+    with open_results(finished) as results:
+        metadata = results.metadata
+    assert metadata["overrides"] == ["time.end=2"] and metadata["includes"] == {"table.csv": "ab12"}
+    assert metadata["title"] == "Prüfstand" and metadata["deck_path"] == "deck.yaml"
+    assert metadata["version_numpy"] == np.__version__ and metadata["version_h5py"] == h5py.__version__
+    assert metadata["threads"] == 1 and metadata["process"] == os.getpid() and metadata["format_version"] == 1
+    assert metadata["command_line"] and metadata["host"] and metadata["started"] and metadata["processor"]
+    assert 0 < metadata["wall_time"] < 60 and metadata["processor_time"] > 0
+
+
+def test_named_views_carry_units_meanings_and_time(finished):
+    with h5py.File(finished, "r") as file:
+        for series in samples.LAYOUT.series:
+            view = file[series.path]
+            expected = samples.rows_of(np.arange(40))[:, samples.LAYOUT.slices[series.path]]
+            assert np.array_equal(view[:], expected.reshape(40, *series.shape))
+            assert view.attrs["units"] == series.unit and view.attrs["long_name"] == series.doc
+            assert view.dims[0][0].name == "/time"
+        assert file["nodes/axle/position"].dims[1][0].name == "/xyz"
+        assert file["xyz"][:].tolist() == [b"x", b"y", b"z"] and file["wxyz"][:].tolist() == [b"w", b"x", b"y", b"z"]
+        assert file["time"].attrs["units"] == "s" and np.array_equal(file["time"][:], samples.time_of(np.arange(40)))
+        assert np.array_equal(file["solver/step_size"][:], np.arange(40.0)) and "checkpoints" in file
+        assert file["run/status"][()] == b"stopped" and file["run/acknowledged"][:3].tolist() == [40, 40, 40]
+
+
+def test_h5dump_shows_the_values(finished):
+    if shutil.which("h5dump") is None:
+        pytest.skip("h5dump is not installed")
+    command = ["h5dump", "-w", "0", "-m", "%.17g", "-d", "/joints/knee/angle", finished]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    data = shown.split("DATA {")[1].split("}")[0]
+    numbers = [float(x) for line in data.strip().splitlines() for x in line.split(":")[1].strip(" ,").split(",")]
+    angle = samples.LAYOUT.slices["joints/knee/angle"]
+    assert numbers == samples.rows_of(np.arange(40))[:, angle].ravel().tolist()
+
+
+def test_xarray_reads_the_views(finished):
+    xarray = pytest.importorskip("xarray", reason="xarray is not installed")
+    pytest.importorskip("h5netcdf", reason="h5netcdf is not installed")
+    with xarray.open_datatree(finished, engine="h5netcdf") as tree:
+        position = tree["nodes/axle/position"]
+        assert position.dims == ("time", "xyz") and position.attrs["units"] == "m"
+        assert np.array_equal(position.values, samples.rows_of(np.arange(40))[:, :3])
+        assert np.array_equal(position.time.values, samples.time_of(np.arange(40)))
+
+
+@pytest.mark.parametrize(
+    "name, path, component",
+    [
+        ("elements/wheel/radial_force", "elements/wheel/radial_force", None),
+        ("wheel.radial_force", "elements/wheel/radial_force", None),
+        ("joints.knee.angle", "joints/knee/angle", None),
+        ("axle.position.z", "nodes/axle/position.z", 2),
+        ("axle.position[1]", "nodes/axle/position.y", 1),
+        ("axle.rotation.w", "nodes/axle/rotation.w", 0),
+        ("knee.stiffness.1.2", "joints/knee/stiffness.1.2", 5),
+        ("knee.stiffness[2][0]", "joints/knee/stiffness.2.0", 6),
+        ("energy.total", "energy/total", None),
+    ],
+)
+def test_names_people_write(finished, name, path, component):
+    with open_results(finished) as results:
+        trace = results.find(name)
+    series = next(one for one in samples.LAYOUT.series if one.path == path.split(".")[0])
+    expected = samples.rows_of(np.arange(40))[:, samples.LAYOUT.slices[series.path]]
+    expected = expected.reshape(40, *series.shape) if component is None else expected[:, component]
+    assert (trace.path, trace.unit, trace.doc) == (path, series.unit, series.doc)
+    assert np.array_equal(trace.values, expected) and np.array_equal(trace.time, samples.time_of(np.arange(40)))
+
+
+@pytest.mark.parametrize(
+    "name, message",
+    [
+        ("wheel.radial_froce", "did you mean wheel.radial_force"),
+        ("axle.positon.z", "did you mean axle.position"),
+        ("axle.position.q", "no component 'q' in 'axle.position.q': there are x, y, z"),
+        ("axle.position.3", "no component '3'"),
+        ("wheel.radial_force.x", "no output 'wheel.radial_force.x'"),
+        ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
+    ],
+)
+def test_names_that_are_wrong(finished, name, message):
+    with open_results(finished) as results, pytest.raises(ResultsError) as error:
+        results.find(name)
+    assert message in str(error.value)
+
+
+def test_a_name_of_several_series_is_refused(tmp_path):
+    layout = Layout([Series("elements/leg/force", "N", "a"), Series("joints/leg/force", "N", "b")])
+    Writer.create(tmp_path / "r.h5", layout, Source("", {})).close()
+    with open_results(tmp_path / "r.h5") as results:
+        with pytest.raises(ResultsError, match="elements/leg/force, joints/leg/force: write more"):
+            results.find("leg.force")
+        assert results.find("joints.leg.force").doc == "b"
+
+
+def test_names_by_pattern(finished):
+    with open_results(finished) as results:
+        assert results.names() == [one.path for one in samples.LAYOUT.series]
+        assert results.names("wheel.*") == ["elements/wheel/radial_force", "elements/wheel/slip"]
+        assert results.names("joints/*") == ["joints/knee/angle", "joints/knee/stiffness"]
+        assert results.names("nothing*") == []
+
+
+@pytest.mark.parametrize(
+    "paths",
+    [["a/b", "a/b"], ["a/b", "a/b/c"], ["run/x"], ["VTKHDF"], ["a//b"], ["index_3"], ["time"], ["a/../b"], [""]],
+)
+def test_layouts_that_cannot_be_stored(paths):
+    with pytest.raises(ValueError):
+        Layout([Series(path, "", "") for path in paths])
+
+
+def test_an_existing_file_is_kept_unless_forced(finished):
+    before = finished.read_bytes()
+    with pytest.raises(ResultsError, match="exists already.*--force"):
+        samples.create(finished)
+    assert finished.read_bytes() == before and os.listdir(finished.parent) == ["results.h5"]
+    samples.create(finished, force=True).close()
+    with open_results(finished) as results:
+        assert len(results.time) == 0 and results.status == "complete" and results.events == []
+        assert np.isnan(results.extremes["energy/total"].maximum)
+    assert os.listdir(finished.parent) == ["results.h5"]
+
+
+@pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "exists already")])
+def test_paths_that_cannot_be_written(tmp_path, target, message):
+    with pytest.raises(ResultsError, match=message) as error:
+        samples.create(tmp_path / target)
+    assert error.value.exit_code == 5
+
+
+def test_an_exception_ends_the_file_as_failed(tmp_path):
+    with pytest.raises(ZeroDivisionError), samples.create(tmp_path / "r.h5") as writer:
+        samples.append(writer, 0)
+        raise ZeroDivisionError("mass is zero")
+    with open_results(tmp_path / "r.h5") as results:
+        assert (samples.check(results), results.status, results.reason) == (1, "failed", "mass is zero")
+
+
+def test_nothing_is_written_after_the_end(finished, tmp_path):
+    writer = samples.create(tmp_path / "r.h5")
+    writer.close()
+    writer.close()
+    with pytest.raises(ResultsError, match="is closed"):
+        writer.flush()
+    with pytest.raises(ValueError, match="'running' is not a status"):
+        samples.create(tmp_path / "s.h5").close("running")
+
+
+def test_long_texts_are_cut_between_letters(tmp_path):
+    with samples.create(tmp_path / "r.h5") as writer:
+        writer.append_event(1.0, "ü" * 100, "n", "b", "a")
+        writer.close("failed", "ä" * 5000)
+    with open_results(tmp_path / "r.h5") as results:
+        assert results.events[0].element == "ü" * 32 and results.reason == "ä" * 4000
+
+
+def _other_hdf5(path):
+    with h5py.File(path, "w") as file:
+        file["x"] = 1.0
+
+
+def _newer(path):
+    samples.create(path).close()
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 99
+
+
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (lambda path: None, "No such file"),
+        (lambda path: path.mkdir(), "Is a directory"),
+        (lambda path: path.write_bytes(b""), "not a results file"),
+        (lambda path: path.write_text("time: 1\n" * 1000), "not a results file"),
+        (lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10)), "cannot be read"),
+        (_other_hdf5, "no results of mecano"),
+        (_newer, "format 99 of a newer mecano"),
+    ],
+)
+def test_files_that_are_no_results(tmp_path, make, message):
+    make(tmp_path / "r.h5")
+    with pytest.raises(ResultsError, match=message) as error:
+        open_results(tmp_path / "r.h5")
+    assert error.value.exit_code == 5
+
+
+STATE = {
+    "positions": np.random.default_rng(1).normal(size=(5, 3)),
+    "odd": np.array([np.nan, -0.0, np.inf, 5e-324, np.frombuffer(b"\1\0\0\0\0\0\xf8\x7f")[0]]),
+    "single": np.float32([0.1, 0.2]),
+    "modes": np.array([[1, -2], [3, 4]], dtype=np.int32, order="F"),
+    "flags": np.array([True, False]),
+    "names": np.array(["Knie", "ä\0b", ""]),
+    "bytes": np.array([b"a\0b", b"c"]),
+    "empty": np.zeros((0, 4)),
+    "zero_dimensional": np.array(3.5),
+    "complex": np.array([1 + 2j]),
+    "records": np.zeros(2, dtype=np.dtype([("mass", "f8"), ("n", "i4"), ("J", "f8", (3, 3))], align=True)),
+    "time": 0.1,
+    "step": 12,
+    "big": 2**127 + 1,
+    "accepted": True,
+    "nothing": None,
+    "method": "generalized_alpha ρ",
+    "size": np.float32(0.1),
+    "controller": {"history": {"error": np.array([1e-3])}, "rejected": 0},
+}
+
+
+def _same(one, other):
+    assert type(one) is type(other)
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            _same(one[key], other[key])
+    elif isinstance(one, np.ndarray):
+        assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
+    else:
+        assert one == other
+
+
+def test_a_state_comes_back_bit_for_bit(tmp_path):
+    with h5py.File(tmp_path / "s.h5", "w") as file:
+        save_state(file.create_group("checkpoints"), "0", STATE)
+    with h5py.File(tmp_path / "s.h5") as file:
+        _same(load_state(file["checkpoints/0"]), STATE)
+
+
+@pytest.mark.parametrize(
+    "state, error",
+    [({"a/b": 1}, ValueError), ({1: 1}, ValueError), ({"a": [1, 2]}, TypeError), ({"a": np.array([None])}, TypeError)],
+)
+def test_states_that_cannot_be_saved(tmp_path, state, error):
+    with h5py.File(tmp_path / "s.h5", "w") as file, pytest.raises(error):
+        save_state(file, "0", state)
+
+
+def test_many_series_have_no_views_but_are_read(tmp_path):
+    layout = Layout([Series(f"elements/e{i}/force", "N", "force", (3,)) for i in range(3001)])
+    with Writer.create(tmp_path / "r.h5", layout, Source("", {})) as writer:
+        writer.append(0.0, np.arange(layout.size, dtype=float))
+    with open_results(tmp_path / "r.h5") as results:
+        assert results["e3000.force"].values.tolist() == [[9000.0, 9001.0, 9002.0]]
+    with h5py.File(tmp_path / "r.h5") as file:
+        assert "elements" not in file
+
+
+def test_appending_is_fast(tmp_path):
+    """500 numbers: under 20 us of processor time a row with all its flushes; a flush of one row under 3 ms."""
+    layout = Layout([Series(f"elements/e{i}/force", "N", "force", (5,)) for i in range(100)])
+    row, append_times, flush_times = np.ones(500), [], []
+    with Writer.create(tmp_path / "r.h5", layout, Source("", {}), flush_interval=1e9) as writer:
+        for _ in range(4):
+            start = time.process_time()
+            for index in range(2048):
+                writer.append(index, row)
+            append_times.append((time.process_time() - start) / 2048)
+        for index in range(20):
+            start = time.process_time()
+            writer.append(index, row)
+            writer.flush()
+            flush_times.append(time.process_time() - start)
+    assert min(append_times) < 20e-6
+    assert np.median(flush_times) < 3e-3
+
+
+def test_the_reader_needs_no_compiler():
+    code = "import sys, mecano.results.reader; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

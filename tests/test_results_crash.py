@@ -1,0 +1,350 @@
+"""Results files of runs that were killed, interrupted, cut short or met a full disk, and of runs still going on."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import results_samples as samples
+
+from mecano.errors import ResultsError
+from mecano.results import disk, table
+from mecano.results.reader import open_results
+from mecano.results.state import save_state
+
+HERE = Path(__file__).parent
+PAGE = 4096
+
+
+def script(body, *arguments, **options):
+    """Start a Python process that has the samples at hand."""
+    head = "import os, sys, time, random, signal, resource\nimport results_samples as samples\n"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), str(HERE.parent)])}
+    command = [sys.executable, "-c", head + textwrap.dedent(body), *map(str, arguments)]
+    return subprocess.Popen(command, env=environment, text=True, **options)
+
+
+class Recorder:
+    """All changes of the file in their order, and the counts acknowledged in between."""
+
+    def __init__(self, monkeypatch):
+        self.log = []
+        write, truncate = os.pwrite, os.ftruncate
+
+        def pwrite(descriptor, data, offset):
+            self.log.append((offset, bytes(data)))
+            return write(descriptor, data, offset)
+
+        def ftruncate(descriptor, size):
+            self.log.append((size, None))
+            truncate(descriptor, size)
+
+        monkeypatch.setattr(os, "pwrite", pwrite)
+        monkeypatch.setattr(os, "ftruncate", ftruncate)
+
+    @staticmethod
+    def apply(content, offset, data):
+        """Make one change to the bytes of a file."""
+        end = offset if data is None else offset + len(data)
+        content.extend(bytes(max(end - len(content), 0)))
+        if data is None:
+            del content[offset:]
+        else:
+            content[offset:end] = data
+
+    @staticmethod
+    def torn(content, offset, data):
+        """Contents after a kill within one write, which the system only interrupts between pages."""
+        first = PAGE - offset % PAGE
+        for length in range(first, len(data or b""), PAGE):
+            part = bytearray(content)
+            Recorder.apply(part, offset, data[:length])
+            yield part
+
+
+def record(path, monkeypatch):
+    """Record a run of many flushes with small chunks and a saved state; log, start of the run, (changes, count)."""
+    monkeypatch.setattr(table, "BLOCK_NUMBERS", 256)
+    monkeypatch.setattr(table, "CHUNK_NUMBERS", 32)
+    recorder = Recorder(monkeypatch)
+    writer = samples.create(path)
+    start, acknowledged = len(recorder.log), [(len(recorder.log), 0)]
+    for index in range(200):
+        samples.append(writer, index)
+        if index % 7 == 0 or index > 190:
+            count = writer.flush()
+            acknowledged.append((len(recorder.log), count))
+        if index == 100:
+            save_state(writer._file["checkpoints"], "0", {"x": np.arange(1000.0), "time": 1.0, "memory": {"a": 1}})
+    writer.close()
+    acknowledged.append((len(recorder.log), 200))
+    return recorder.log, start, acknowledged
+
+
+def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
+    """Kill after each change of the file, and between the pages of each change, in turn."""
+    path = tmp_path / "r.h5"
+    log, start, acknowledged = record(path, monkeypatch)
+    monkeypatch.undo()
+    final, content, tried = path.read_bytes(), bytearray(), 0
+    for done, (offset, data) in enumerate(log, start=1):
+        least = max((count for changes, count in acknowledged if changes < done), default=0)
+        torn = list(Recorder.torn(content, offset, data)) if done > start else []
+        Recorder.apply(content, offset, data)
+        if done < start:
+            continue
+        for state in (*torn, content):
+            path.write_bytes(state)
+            with open_results(path) as results:
+                assert results.status in ("running", "complete")  # "truncated" would be unreadable for others
+                count = samples.check(results)
+                assert count >= least and len(results.steps) >= least and len(results.events) >= least
+                if count:
+                    samples.check_extremes(results, count)
+            tried += 1
+    assert bytes(content) == final and tried > 1000
+
+
+NURSERY = """
+    folder, runs = sys.argv[1], int(sys.argv[2])
+    with samples.create(f"{folder}/first.h5") as writer:
+        samples.append(writer, 0)  # compiles, so that the children do not
+    pick = random.Random(7)
+    for number in range(runs):
+        child = os.fork()
+        if child == 0:
+            told = os.open(f"{folder}/{number}.txt", os.O_WRONLY | os.O_CREAT)
+            writer = samples.create(f"{folder}/{number}.h5")
+            for index in range(10**7):
+                samples.append(writer, index)
+                if index % 3 == 0:
+                    os.pwrite(told, b"%9d" % writer.flush(), 0)
+        while not os.path.exists(f"{folder}/{number}.h5"):
+            time.sleep(0.001)
+        time.sleep(pick.uniform(0.0, 0.25))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+"""
+
+
+def test_a_kill_loses_no_acknowledged_step(tmp_path):
+    """30 runs killed with -9 at random instants: each flushed row is there and right, bit for bit."""
+    nursery = script(NURSERY, tmp_path, 30)
+    assert nursery.wait(120) == 0
+    flushed = []
+    for number in range(30):
+        told = (tmp_path / f"{number}.txt").read_text()
+        with open_results(tmp_path / f"{number}.h5") as results:
+            count = samples.check(results)
+            assert results.status == "killed" and results.reason == ""
+            if count:
+                samples.check_extremes(results, count)
+        flushed.append(int(told or 0))
+        assert count >= flushed[-1]
+    assert np.median(flushed) > 50
+
+
+def test_reading_while_another_process_writes(tmp_path):
+    path = tmp_path / "r.h5"
+    writing = script(
+        """
+        writer = samples.create(sys.argv[1])
+        for index in range(1500):
+            samples.append(writer, index)
+            if index % 5 == 0:
+                print(writer.flush(), flush=True)
+                time.sleep(0.001)
+        writer.close()
+        """,
+        path,
+        stdout=subprocess.PIPE,
+    )
+    counts = []
+    with writing:
+        for number, line in enumerate(writing.stdout):
+            if number % 10:
+                continue
+            with open_results(path) as results:
+                counts.append(samples.check(results))
+                assert counts[-1] >= int(line) and results.status in ("running", "complete")
+            with h5py.File(path, "r", locking=False) as file:
+                assert len(file["joints/knee/angle"]) >= int(line)
+    assert writing.returncode == 0 and len(counts) > 5 and counts == sorted(counts)
+    with open_results(path) as results:
+        assert results.status == "complete" and samples.check(results) == 1500
+
+
+def test_refresh_shows_what_was_added(tmp_path):
+    with samples.create(tmp_path / "r.h5") as writer, open_results(tmp_path / "r.h5") as results:
+        assert results.status == "running" and len(results.time) == 0
+        samples.append(writer, 0)
+        writer.flush()
+        assert len(results.time) == 0
+        results.refresh()
+        assert samples.check(results) == 1
+
+
+FILL = """
+    from mecano.errors import ResultsError
+    path, limit = sys.argv[1], int(sys.argv[2])
+    if limit:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    try:
+        writer = samples.create(path)
+        for index in range(10**6):
+            samples.append(writer, index)
+            if index % 10 == 0:
+                print(writer.flush(), flush=True)
+    except ResultsError as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_code)
+"""
+
+
+def check_full(process, path, reason):
+    """The process said why and ended in order; the file holds what it acknowledged."""
+    out, told = process.communicate(timeout=60)
+    assert process.returncode == 5 and reason in told and told.count("\n") == 1
+    assert os.listdir(path.parent) in ([path.name], [])
+    if not path.exists():
+        assert out == "" and "cannot write" in told
+        return 0
+    with open_results(path) as results:
+        count = samples.check(results)
+        assert count == int(out.split()[-1] if out else 0)
+        assert f"{count} saved times" in told
+        assert (results.status, results.reason) == ("failed", f"writing failed: {reason}")
+    return count
+
+
+def test_a_file_that_may_not_grow_keeps_what_it_has(tmp_path):
+    """Every size at which the system may refuse to go on, from the first byte to many rows."""
+    sizes = [*range(1, 60_000, 19_001), *range(60_000, 800_000, 180_003)]
+    (tmp_path / "d").mkdir()
+    counts = []
+    for size in sizes:
+        path = tmp_path / "d" / "r.h5"
+        process = script(FILL, path, size, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        counts.append(check_full(process, path, "File too large"))
+        path.unlink(missing_ok=True)
+    assert counts[0] == 0 and counts[-1] > 500 and counts == sorted(counts)
+
+
+def test_a_full_disk(tmp_path):
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=600k", "tmpfs", str(folder)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("a tmpfs cannot be mounted here")
+    try:
+        process = script(FILL, folder / "r.h5", 0, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        assert check_full(process, folder / "r.h5", "No space left on device") > 300
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_process_that_forgets_to_close(tmp_path):
+    process = script("samples.append(samples.create(sys.argv[1]), 0)", tmp_path / "r.h5", stderr=subprocess.PIPE)
+    assert process.communicate(timeout=60)[1] == "" and process.returncode == 0
+    with open_results(tmp_path / "r.h5") as results:
+        assert (samples.check(results), results.status) == (1, "failed")
+        assert results.reason == "the process ended before the run did"
+
+
+class Interrupted(Exception):
+    pass
+
+
+def test_a_signal_handler_that_raises_waits_for_the_end_of_a_flush(tmp_path, monkeypatch):
+    def interrupt(*_):
+        raise Interrupted
+
+    put = disk.Disk._put
+
+    def put_with_signal(*arguments):
+        signal.raise_signal(signal.SIGUSR1)
+        return put(*arguments)
+
+    before = signal.signal(signal.SIGUSR1, interrupt)
+    try:
+        with samples.create(tmp_path / "r.h5") as writer:
+            samples.append(writer, 0)
+            monkeypatch.setattr(disk.Disk, "_put", put_with_signal)
+            with pytest.raises(Interrupted):
+                writer.flush()
+            assert writer.acknowledged == 1
+            monkeypatch.undo()
+            assert signal.getsignal(signal.SIGUSR1) is interrupt
+            samples.append(writer, 1)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    with open_results(tmp_path / "r.h5") as results:
+        assert (samples.check(results), results.status) == (2, "complete")
+
+
+def test_ctrl_c_ends_the_file_as_stopped(tmp_path):
+    with pytest.raises(KeyboardInterrupt), samples.create(tmp_path / "r.h5") as writer:
+        samples.append(writer, 0)
+        raise KeyboardInterrupt
+    with open_results(tmp_path / "r.h5") as results:
+        assert (samples.check(results), results.status, results.reason) == (1, "stopped", "interrupted")
+
+
+TOO_SHORT = ("not a results file", "cannot be read", "too little is left")
+
+
+def test_files_cut_short_are_read_as_far_as_they_reach(tmp_path, monkeypatch):
+    monkeypatch.setattr(table, "BLOCK_NUMBERS", 2048)
+    with samples.create(tmp_path / "whole.h5") as writer:
+        for index in range(3000):
+            samples.append(writer, index)
+    whole, counts = (tmp_path / "whole.h5").read_bytes(), []
+    for part in np.linspace(0.0, 0.999, 60):
+        (tmp_path / "r.h5").write_bytes(whole[: int(part * len(whole))])
+        try:
+            with open_results(tmp_path / "r.h5") as results:
+                assert results.status == "truncated"
+                counts.append(samples.check(results))
+        except ResultsError as error:
+            assert not counts and any(text in str(error) for text in TOO_SHORT)
+    assert len(counts) > 50 and counts == sorted(counts) and counts[0] < 100 and 1000 < counts[30] < 2000
+
+
+def test_a_removed_file_is_reported(tmp_path):
+    samples.create(tmp_path / "r.h5").close()
+    with open_results(tmp_path / "r.h5") as results:
+        (tmp_path / "r.h5").unlink()
+        with pytest.raises(ResultsError, match="No such file"):
+            results.refresh()
+
+
+def test_two_runs_at_once_do_not_share_a_file(tmp_path, monkeypatch):
+    """The name is taken in one step: the second of two runs that start together is refused."""
+    first = samples.create(tmp_path / "r.h5")
+    monkeypatch.setattr(Path, "exists", lambda path: False)
+    with pytest.raises(ResultsError, match="exists already"):
+        samples.create(tmp_path / "r.h5")
+    monkeypatch.undo()
+    samples.append(first, 0)
+    first.close()
+    with open_results(tmp_path / "r.h5") as results:
+        assert samples.check(results) == 1
+    assert os.listdir(tmp_path) == ["r.h5"]
+
+
+def test_a_file_replaced_while_it_is_written_leaves_both_runs_whole(tmp_path):
+    first = samples.create(tmp_path / "r.h5")
+    second = samples.create(tmp_path / "r.h5", force=True)
+    samples.append(second, 0)
+    samples.append(first, 0)
+    samples.append(first, 1)
+    second.close()
+    first.close()
+    with open_results(tmp_path / "r.h5") as results:
+        assert samples.check(results) == 1
