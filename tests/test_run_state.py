@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from marching import deck
+
 from mecano.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
 from mecano.solve.run_state import from_plain, to_plain
