@@ -67,4 +67,5 @@ def test_acknowledged_steps_survive_a_kill(whole, tmp_path):
         for name, array in values.items():
             assert np.array_equal(array, series[name][: len(t)]), name
         counts.append(len(t))
-    assert sum(0 < count < len(times) for count in counts) >= KILLS // 5  # not all died before the first flush or after the end
+    # not all died before the first flush or after the end
+    assert sum(0 < count < len(times) for count in counts) >= KILLS // 5

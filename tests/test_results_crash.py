@@ -182,7 +182,7 @@ def test_reading_while_another_process_writes(tmp_path):
 
 
 def plainly_read(path):
-    """Rows that plain HDF5 sees; it may open the file between two writes of the same flush, and then has to try again."""
+    """Rows that plain HDF5 sees; it may have to try again between two writes of one flush."""
     for _ in range(100):
         with contextlib.suppress(OSError), h5py.File(path, "r", locking=False) as file:
             return len(file["joints/knee/angle"])

@@ -1,4 +1,7 @@
-r"""Compliances of redundant constraints, :math:`\Phi + c \Lambda = 0`, which share their forces; docs/theory.md, section 3."""
+r"""Compliances that let redundant constraints share their forces: :math:`\Phi + c \Lambda = 0`.
+
+See docs/theory.md, section 3.
+"""
 
 from dataclasses import dataclass
 
