@@ -132,6 +132,18 @@ def test_mobility():
     assert analysis.mobility == 5 and not analysis.redundant
 
 
+def test_redundant_hinges_change_nothing(flat):
+    """The triangle of leg, brace and aircraft with parallel hinges at all corners: three constraints too many."""
+    pin, ball = (
+        f"joints.{joint}={{type: hinge, nodes: [{nodes}], axis: [0, 1, 0]}}"
+        for joint, nodes in (("brace_pin", "brace_mount, brace_head"), ("brace_ball", "leg_brace_lug, brace_foot"))
+    )
+    march = March(input_deck("nose_gear_rigid", pin, ball))
+    assert [group.count for group in march.prepared.analysis.redundant] == [3]
+    assert np.array(flights(march)) == pytest.approx(np.array(flights(flat)), abs=1e-7)
+    assert march.run.steps == pytest.approx(flat.run.steps, abs=20)
+
+
 def test_it_rebounds_as_in_the_paper(flat):
     """Off the ground from 0.45 to 0.8 s and from 1.1 to 1.2 s, as read there to 0.05 s, then no more."""
     paper = [(0.45, 0.8), (1.1, 1.2)]
