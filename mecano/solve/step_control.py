@@ -5,7 +5,8 @@ from dataclasses import dataclass
 SAFETY = 0.9
 GROWTH = 2.0
 SHRINK = 0.2
-HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a restart
+HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a projection
+RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the next ones keep their size
 AFTER_FAILURE = 0.25
 
 
@@ -56,7 +57,8 @@ class AdaptiveStep:
         factor = self._factor(error, h)
         if 1.0 <= factor < HOLD:
             return h
-        return min(max(h * min(factor, GROWTH), self.minimum), self.maximum)
+        factor = min(factor, GROWTH) if factor > 1.0 else factor * RESERVE
+        return min(max(h * factor, self.minimum), self.maximum)
 
     def retry(self, error, h):
         """The step size to try after a rejected step of size h."""
