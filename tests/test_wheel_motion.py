@@ -175,7 +175,9 @@ def test_bounces_of_a_sliding_wheel():
     assert march["elements/tire/spin_rate"][-1] == pytest.approx(3 * exact.spin(exact.contact), abs=1e-5)
     w = exact.g / exact.p**2 + math.hypot(exact.g / exact.p**2, exact.v / exact.p)
     assert march["elements/tire/deformation"].max() == pytest.approx(w, rel=1e-5)
-    assert march["nodes/hub/position"][-1, 2] == pytest.approx(0.4 - 0.5 * exact.g * (1.0 - 3 * exact.period) ** 2, abs=1e-6)
+    assert march["nodes/hub/position"][-1, 2] == pytest.approx(
+        0.4 - 0.5 * exact.g * (1.0 - 3 * exact.period) ** 2, abs=1e-6
+    )
 
 
 def pose(march):
@@ -210,7 +212,11 @@ def test_second_order_and_energy_across_events(waves):
     """Fall, touch-down, contact with damping and falling friction, lift-off, flight, at h, h/2, h/4 against h/16."""
     ends, leaks = [], []
     for n in (300, 600, 1200, 4800):
-        march = March(input_deck("wheel_drop", *SMOOTH, f"parameters.wave_amplitude={waves}", f"time={{end: 0.3, step: {0.3 / n}}}"))
+        march = March(
+            input_deck(
+                "wheel_drop", *SMOOTH, f"parameters.wave_amplitude={waves}", f"time={{end: 0.3, step: {0.3 / n}}}"
+            )
+        )
         assert [h.name for h in march.happenings] == ["touch_down", "lift_off"]
         velocity = march["nodes/hub/velocity"][-1, [0, 2]]
         ends.append(np.r_[pose(march), 0.1 * velocity, 0.1 * march["elements/tire/spin_rate"][-1]])

@@ -1,4 +1,4 @@
-r"""Compliances of redundant constraints, which share their forces: :math:`\Phi + c \Lambda = 0`.
+r"""Compliances that let redundant constraints share their forces: :math:`\Phi + c \Lambda = 0`.
 
 See docs/theory.md, section 3.
 """

@@ -41,7 +41,7 @@ class Consistent:
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
         status = self.linear.solve(data, b, x)
-        if status.singular:
+        if not status.ok:
             raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
         return x
 

@@ -12,7 +12,7 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
-from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP, TOP_SPEED
+from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
 
 sys.exudynFast = True  # the module compiled without range checks
 with warnings.catch_warnings():

@@ -19,7 +19,6 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 from cases import CASES
 from mecano_side import Mecano
-from startup import startup
 
 
 def exudyn():
