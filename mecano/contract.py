@@ -111,6 +111,8 @@ class Kind:
     """(deck values, nodes, Context) -> [Part]"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
+    limits: Callable = nothing
+    """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None

@@ -97,3 +97,16 @@ def remarks(prepared):
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
     return texts
+
+
+def chosen(prepared, march, start):
+    """What stands for the values that the deck leaves automatic, by name: for the results file."""
+    method, control = march.method, march.control
+    return {
+        "length_scale": prepared.length,
+        "minimum_step": control.minimum,
+        "maximum_step": control.maximum,
+        "k": method.k or start.history.k,
+        "penalty": start.history.k if method.penalty is None else method.penalty,
+        "increment_tolerance": method.tolerances.increment,
+    }

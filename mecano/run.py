@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from mecano.elements import KINDS
 from mecano.model.sampler import Sampler
-from mecano.prepare import march_of, prepare, remarks
+from mecano.prepare import chosen, march_of, prepare, remarks
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
-from mecano.results.writer import Writer
+from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
 
 
@@ -69,15 +70,39 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the start),
     ConvergenceError, NonFiniteError (the march), ResultsError (the file).
     """
-    prepared = prepare(deck)
-    sampler = Sampler(prepared.system)
+    refuse_existing(path, force)
+    values, prepared = deck.values["time"], prepare(deck)
+    march, sampler = march_of(prepared), Sampler(prepared.system)
+    start = march.begin(prepared.state, values["step"])
+    notes = remarks(prepared)
+    source = Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        automatic=chosen(prepared, march, start), remarks=notes,
+    )  # fmt: skip
     layout = Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
-    source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files)
     with Writer.create(path, layout, source, force=force) as writer:
-        for text in remarks(prepared):
+        for text in notes:
             announce(text)
         recorder = Recorder(prepared, writer, sampler)
-        march = march_of(prepared, (recorder, *observers))
-        start = march.begin(prepared.state, deck.values["time"]["step"])
+        march.observers = (recorder, *observers)
         recorder.first(start)
-        return march.to(deck.values["time"]["end"], start)
+        final = march.to(values["end"], start)
+        warnings = exceeded(deck, sampler, writer.extremes)
+        for text in warnings:
+            announce(text)
+        writer.close("complete", "; ".join(["the end was reached", *warnings]))
+    return final
+
+
+def exceeded(deck, sampler, extremes):
+    """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
+    texts, columns = [], {column.path: column.start for column in sampler.columns}
+    for name, d in deck.values["elements"].items():
+        for output, limit, text in KINDS[d["type"]].limits(d):
+            i = columns[f"elements/{name}/{output}"]
+            if extremes.high[i] > limit:
+                texts.append(
+                    f"{d['type']} '{name}': {output} reached {extremes.high[i]:.4g} at t = "
+                    f"{extremes.high_time[i]:.4g} s, but {text}"
+                )
+    return texts

@@ -3,6 +3,7 @@
 3,900 decks per run, the same ones each time.
 """
 
+import contextlib
 import json
 import random
 import re
@@ -18,8 +19,9 @@ from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
-from mecano.errors import DeckError
+from mecano.errors import AssemblyError, DeckError
 from mecano.laws import TERMS
+from mecano.summary import summary
 
 INPUTS = sorted((Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 DECKS = [(VALID, "fake.yaml", FAKE), (REAL, "real.yaml", {})] + [(path.read_text(), str(path), {}) for path in INPUTS]
@@ -50,6 +52,9 @@ def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
         assert re.match(r".+:\d+:\d+: ", text) and re.search(r"\b\d+ errors?$", text)
         return False
     assert json.loads(deck.resolved_text())["mecano"] == 1
+    if not options:  # of real kinds: what `mecano check` does with it
+        with contextlib.suppress(AssemblyError):
+            summary(deck)
     return True
 
 

@@ -4,6 +4,7 @@ import h5py
 import numpy as np
 import pytest
 from marching import deck
+
 from mecano.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
 from mecano.solve.run_state import from_plain, to_plain
@@ -15,8 +16,8 @@ DECK = """
       b: {position: [1, 0, 0]}
       c: {position: [1, 0, 0]}
     elements:
-      upper: {type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.08, 0.08], attached: [b]}
-      lower: {type: rigid_body, node: c, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.08, 0.08]}
+      upper: {type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1], attached: [b]}
+      lower: {type: rigid_body, node: c, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
     joints:
       shoulder: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
       elbow: {type: hinge, nodes: [b, c], axis: [0, 1, 0.2]}

@@ -1,7 +1,7 @@
 r"""What every scalar constraint does with its gradient: augmented Lagrangian, bordered.
 
 With :math:`g = p\,\Phi - k\lambda` and B the gradient of Phi by blocks of three unknowns (theory.md section 1,
-equations (12)-(14) of the seed paper):
+equations (12)-(14) of Cardona, Geradin & Doan 1991):
 
 .. math::  f = B^T g, \quad f_\lambda = -k \Phi, \quad K = p B^T B + g\, \partial B^T/\partial q, \quad
            K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B

@@ -1,6 +1,7 @@
 r"""Orthogonal: :math:`\mu \cdot \xi = 0` for mu carried by the first node and xi by the second.
 
-The multiplier is the moment on the second node about :math:`\xi \times \mu` (equations (12)-(17) of the seed paper).
+The multiplier is the moment on the second node about :math:`\xi \times \mu` (equations
+(12)-(17) of Cardona, Geradin & Doan 1991).
 """
 
 from numba import njit

@@ -1,7 +1,8 @@
 r"""Hinge: node b turns about an axis that it shares with node a.
 
 Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` carried by a,
-:math:`\xi_3` the axis carried by b and :math:`\mu_3` the axis carried by a (equations (11)-(17) of the seed paper):
+:math:`\xi_3` the axis carried by b and :math:`\mu_3` the axis carried by a (equations
+(11)-(17) of Cardona, Geradin & Doan 1991):
 
 .. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0
 

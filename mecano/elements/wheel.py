@@ -197,26 +197,28 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     arm = scale(radius, g.c)
     slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, arm)))
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
-    on = 1.0 if mode == CONTACT and slip.F > 0.0 else 0.0
+    touching = mode == CONTACT and slip.F > 0.0
+    F, N = (slip.F, slip.N) if touching else (0.0, 0.0)
     w = max(0.0, p.radius - radius)
     tangential = scale(1.0 / g.q, cross(axis, g.n))
     lateral = cross(g.n, tangential)
     y[0] = g.r * g.q
     y[1] = radius
     y[2] = w
-    y[3] = on * slip.F
-    y[4] = on * slip.N
-    y[5] = -on * dot(slip.f, tangential)
-    y[6] = -on * dot(slip.f, lateral)
-    put(y, 7, scale(-on, slip.f))
+    y[3] = F
+    y[4] = N
+    if touching:
+        y[5] = -dot(slip.f, tangential)
+        y[6] = -dot(slip.f, lateral)
+        put(y, 7, scale(-1.0, slip.f))
+        y[16] = slip.grip
     y[10] = dot(slip.v_C, tangential)
     y[11] = dot(slip.v_C, lateral)
     y[12] = dot(omega, axis)
     put(y, 13, add(vec(q, 0), arm))
-    y[16] = on * slip.grip
     elastic, _ = elastic_force(p, laws, w)
     e[1] = elastic_energy(p, laws, w)
-    e[2] = on * slip.N * slip.grip * norm(slip.v_C) + (on * slip.F - elastic) * slip.w1
+    e[2] = N * slip.grip * norm(slip.v_C) + (F - elastic) * slip.w1
 
 
 @njit
@@ -266,6 +268,12 @@ def sample(rng):
     return samples
 
 
+def limits(d):
+    """The range of the radial law."""
+    valid = d["tire_law"]["valid_deformation"]
+    return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
+
+
 WHEEL = Kind(
     name="wheel",
     section="elements",
@@ -281,6 +289,7 @@ WHEEL = Kind(
     ),
     prepare=prepare,
     check=check,
+    limits=limits,
     force=force,
     observe=observe,
     event_values=event_values,

@@ -10,6 +10,20 @@ from functools import cache
 from numba import njit
 
 
+@njit
+def gather(dofs, rots, z_in, v_in, a_in, R_in, q_out, v_out, a_out, R_out):
+    """Local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
+    for i in range(dofs.shape[0]):
+        d = dofs[i]
+        q_out[i] = z_in[d]
+        v_out[i] = v_in[d]
+        a_out[i] = a_in[d]
+    for r in range(rots.shape[0]):
+        for i in range(3):
+            for j in range(3):
+                R_out[r, i, j] = R_in[rots[r], i, j]
+
+
 def _assemble(
     # element
     p, memory, mode, dofs, rots, slots, columns, entries,
@@ -25,19 +39,12 @@ def _assemble(
     residual_only = cK == 0.0 and cC == 0.0 and cM == 0.0
     for e in range(dofs.shape[0]):
         for i in range(n):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
             f[i] = 0.0
             for j in range(n):
                 K[i, j] = 0.0
                 C[i, j] = 0.0
                 M[i, j] = 0.0
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
         for i in range(n):
             size = abs(f[i])
@@ -61,15 +68,7 @@ def _assemble(
 
 def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
     for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g)  # noqa: F821
         for i in range(multipliers.shape[1]):
             for j in range(3):
@@ -78,15 +77,7 @@ def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in,
 
 def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, q, v, a, R):
     for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
 
 
@@ -95,17 +86,9 @@ def _observe(
     y_out, e_out, q, v, a, R, F,
 ):  # fmt: skip
     for e in range(dofs.shape[0]):
-        for i in range(dofs.shape[1]):
-            d = dofs[e, i]
-            q[i] = z_in[d]
-            v[i] = v_in[d]
-            a[i] = a_in[d]
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         for i in range(slots.shape[1]):
             F[i] = force_in[slots[e, i]]
-        for r in range(rots.shape[1]):
-            for i in range(3):
-                for j in range(3):
-                    R[r, i, j] = R_in[rots[e, r], i, j]
         y_out[e] = 0.0
         e_out[e] = 0.0
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821

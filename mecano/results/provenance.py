@@ -20,7 +20,8 @@ class Source:
     """What the run was asked to do.
 
     ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
-    and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path.
+    and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
+    ``automatic`` what stood for values that the deck leaves automatic; ``remarks`` what the user was told at the start.
     """
 
     deck_text: str
@@ -29,6 +30,8 @@ class Source:
     title: str = ""
     overrides: tuple = ()
     includes: dict = field(default_factory=dict)
+    automatic: dict = field(default_factory=dict)
+    remarks: tuple = ()
 
     def texts(self):
         """Return what the group ``deck`` holds: dataset name -> text."""
@@ -37,6 +40,8 @@ class Source:
             "resolved": to_json(self.resolved),
             "overrides": to_json(list(self.overrides)),
             "includes": to_json(self.includes),
+            "automatic": to_json(self.automatic),
+            "remarks": to_json(list(self.remarks)),
         }
 
 

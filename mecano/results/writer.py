@@ -268,6 +268,12 @@ class Writer:
             self.close("stopped" if stopped else "failed", reason)
 
 
+def refuse_existing(path, force):
+    """Raise ResultsError when ``path`` exists and may not be replaced."""
+    if Path(path).exists() and not force:
+        raise ResultsError(f"{path} exists already; give another name, or --force to replace it")
+
+
 def _new_file(disk, layout):
     rows, width = chunk_shape(1 + layout.size)
     chunks = -(-(1 + layout.size) // width)

@@ -1,4 +1,7 @@
-r"""Compliances that let redundant constraints share their forces, :math:`\Phi + c \Lambda = 0`; docs/theory.md, section 3."""
+r"""Compliances that let redundant constraints share their forces: :math:`\Phi + c \Lambda = 0`.
+
+See docs/theory.md, section 3.
+"""
 
 from dataclasses import dataclass
 

@@ -11,6 +11,7 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 import numpy as np
 
 from mecano.errors import AssemblyError
+from mecano.model.numbering import SCALAR
 from mecano.solve.increments import moved
 
 
@@ -40,7 +41,7 @@ class Consistent:
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
         status = self.linear.solve(data, b, x)
-        if status.singular:
+        if not status.ok:
             raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
         return x
 
@@ -81,10 +82,15 @@ class Consistent:
         Central difference; only geometry enters, no force, so stiff laws do no harm.
         """
         of = self.system.numbering
-        speed = np.abs(s.v).max() + np.sqrt(np.abs(s.a).max())
-        dt = 1e-4 / max(speed, 1e-4)
+        dt = 1e-4 / max(_fastest(s.v, of) + np.sqrt(_fastest(s.a, of)), 1e-4)
         ahead, back = (self.system.levels(moved(s, d, of))[:, 2] for d in (dt, -dt))
         return (ahead - back) / (2.0 * dt)
+
+
+def _fastest(v, of):
+    """Largest length of the vectors in v (n_all,) of the free nodes; the same in any axes."""
+    nodes = v[: of.n_q][of.kind[: of.n_q] != SCALAR].reshape(-1, 3)
+    return np.sqrt(np.max(np.sum(nodes * nodes, axis=1), initial=0.0))
 
 
 def _with(s, v, a):

@@ -147,7 +147,7 @@ class GeneralizedAlpha:
             if not fresh:
                 self.linear.resolve(b, x)
                 return x
-            return None if self.linear.solve(system.data, b, x).singular else x
+            return x if self.linear.solve(system.data, b, x).ok else None
 
         def move(dz):
             largest = correct(

@@ -1,11 +1,13 @@
 """Moving a state: prediction, correction, and rotations placed from their increments."""
 
+import math
+
 import numpy as np
 from numba import njit
 
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import mat, matmul, vec
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ROTATION, SCALAR
 
 
 @njit
@@ -93,15 +95,19 @@ def largest(dz, kind, n_q, length):
 def finish(h, am, af, a0, acceleration0, acceleration, z0, z, kind, n_q, n, length, a_out, rate_out):
     """Algorithmic acceleration (n_all,) and rate of the multipliers (n_l,) after a step.
 
-    Returns the largest change of the algorithmic acceleration, over ``length`` for displacements.
+    Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
+    displacements, or of a scalar.
     """
-    worst = 0.0
+    worst = square = 0.0
     for i in range(n_q):
         a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
-        worst = max(worst, abs(a_out[i] - a0[i]) / (1.0 if kind[i] == ROTATION else length))
+        change = (a_out[i] - a0[i]) / (1.0 if kind[i] == ROTATION else length)
+        begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
+        square = change * change + (0.0 if begins else square)
+        worst = max(worst, square)
     for i in range(n_q, n):
         rate_out[i - n_q] = (z[i] - z0[i]) / h
-    return worst
+    return math.sqrt(worst)
 
 
 def displaced(s, dq, of):

@@ -48,7 +48,7 @@ def _least_change(system, linear, s, phi, weight):
     data[system.diagonal[system.n_q :]] -= REGULARIZATION
     b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
     status = linear.solve(data, b, x)
-    return None if status.singular else x[: system.n_q]
+    return x[: system.n_q] if status.ok else None
 
 
 def _refusal(system, phi, error):

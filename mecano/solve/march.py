@@ -11,6 +11,7 @@ from mecano.solve.step_control import AFTER_FAILURE
 
 REPORTED = 5  # equations named when Newton fails
 SLIVER = 1e-6  # of a step: no step is made to cover less
+STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
 @dataclass(slots=True)
@@ -93,7 +94,7 @@ class March:
             run = self._start_again(counted, s)
             self._tell(Accepted(s0, run, trial[2], 0.0, rejected, run.work, tuple(happenings)))
             return run
-        return self._accept_event(counted, found, rejected)
+        return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
     def _step(self, run, h):
         return self.method.step(run.motion, self._history_for(run, h), h)
@@ -105,7 +106,7 @@ class March:
     def _clip(self, run, stop):
         """The step to try: the planned one, or what is left to ``stop``."""
         left = stop - run.motion.t
-        return run.h if abs(left - run.h) <= SLIVER * run.h else min(left, run.h)
+        return left if SLIVER * run.h < abs(left - run.h) and left < STRETCH * run.h else run.h
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
@@ -120,6 +121,9 @@ class March:
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
+        # of a very short step the accelerations and multipliers are rounding of the positions over h^2
+        s, _ = self.method.start(s, run.h)
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         new = self._stepped(run, s, history, run.h, h)
         after, happenings = self.watch.apply(s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 SAFETY = 0.9
 GROWTH = 2.0
 SHRINK = 0.2
-HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a restart
+HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a projection
+RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the next ones keep their size
 AFTER_FAILURE = 0.25
 
 
@@ -16,6 +17,11 @@ class FixedStep:
     step: float
     minimum: float
 
+    @property
+    def maximum(self):
+        """The longest step."""
+        return self.step
+
     def accept(self, error, h):
         """Always: a fixed step has no error control."""
         return True
@@ -23,10 +29,6 @@ class FixedStep:
     def after(self, error, h):
         """The next step size after an accepted step of size h."""
         return min(self.step, GROWTH * h)
-
-    def retry(self, error, h):
-        """Not reached: every converged step is accepted."""
-        return h
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ class AdaptiveStep:
         factor = self._factor(error, h)
         if 1.0 <= factor < HOLD:
             return h
-        return min(max(h * min(factor, GROWTH), self.minimum), self.maximum)
+        factor = min(factor, GROWTH) if factor > 1.0 else factor * RESERVE
+        return min(max(h * factor, self.minimum), self.maximum)
 
     def retry(self, error, h):
         """The step size to try after a rejected step of size h."""

@@ -1,0 +1,278 @@
+"""The cases in Exudyn (pip install exudyn), as its users write and tune them: the same bodies, joints and steps.
+
+Exudyn wants to be told how to solve a model. ``CANDIDATES`` are the settings that its manual offers; ``run.py tune CASE``
+tries them all; ``BEST`` names the fastest that keeps the accuracy.
+"""
+
+import contextlib
+import math
+import sys
+import time
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
+
+sys.exudynFast = True  # the module compiled without range checks
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import exudyn as exu
+    from exudyn import utilities as lib
+
+NODE_TYPES = {
+    "Euler parameters": exu.NodeType.RotationEulerParameters,
+    "rotation vector": exu.NodeType.RotationRotationVector,
+    "Tait-Bryan": exu.NodeType.RotationRxyz,
+}
+SOLVERS = {
+    "dense": exu.LinearSolverType.EXUdense,
+    "full pivoting": exu.LinearSolverType.EigenDense,
+    "sparse": exu.LinearSolverType.EigenSparse,
+    "sparse symmetric": exu.LinearSolverType.EigenSparseSymmetric,
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How Exudyn is asked to solve a model."""
+
+    solver: str = "sparse"
+    modified: bool = True  # modified Newton
+    relative: float = 1e-5  # tolerance of Newton; the default of Exudyn is 1e-8
+    absolute: float = 1e-10
+    node: str = "Euler parameters"
+    method: str = "index 3"  # or "trapezoidal", which is index 2
+    rho: float = 0.9
+    redundant: bool = False  # go on with a singular matrix
+    planar: bool = False  # for the reference of four-bars: hinges without redundancy
+    tyre: str = "own"  # "script": the law of mecano's tyre as a Python function
+
+
+BEST = {
+    "chain-1": Settings(solver="dense"),
+    "chain-10": Settings(),
+    "chain-100": Settings(),
+    "chain-1000": Settings(),
+    "four-bar-10": Settings(solver="full pivoting", rho=0.95, redundant=True),
+    "gear-drop": Settings(solver="dense", rho=0.8),
+}
+
+
+def candidates(case):
+    """All settings worth trying for a case."""
+    base = BEST[case.name]
+    solvers = ["full pivoting"] if base.redundant else list(SOLVERS)[:3] if case.size <= 10 else ["sparse"]
+    for solver in solvers:
+        for node in NODE_TYPES:
+            for modified in (True, False):
+                for relative in (1e-5, 1e-8):
+                    for method in ("index 3", "trapezoidal"):
+                        yield replace(
+                            base, solver=solver, node=node, modified=modified, relative=relative, method=method
+                        )  # fmt: skip
+
+
+def precise(case):
+    """Settings of the reference: full Newton, tight tolerances; isostatic hinges, which Exudyn solves as a matter of course."""
+    solver = "sparse" if case.model == "four_bar" else BEST[case.name].solver
+    tight = replace(BEST[case.name], solver=solver, modified=False, relative=1e-10, absolute=1e-12)
+    return replace(tight, redundant=False, planar=True)
+
+
+def same_law(settings):
+    """The settings with the tyre law of mecano, for a converged solution that both codes must agree on."""
+    return replace(settings, tyre="script")
+
+
+def _bar():
+    density = MASS / (LENGTH * THICKNESS**2)
+    return lib.InertiaCuboid(density=density, sideLengths=[LENGTH, THICKNESS, THICKNESS])
+
+
+def _hinge(mbs, bodies, position, axis):
+    mbs.CreateRevoluteJoint(bodyNumbers=bodies, position=position, axis=axis, useGlobalFrame=True, show=False)
+
+
+def chain(mbs, n, settings):
+    """Bodies of the chain."""
+    bodies, held = [], mbs.CreateGround()
+    for i in range(n):
+        body = mbs.CreateRigidBody(
+            referencePosition=[(i + 0.5) * LENGTH, 0, 0], inertia=_bar(), gravity=[0, 0, -GRAVITY],
+            nodeType=NODE_TYPES[settings.node],
+        )  # fmt: skip
+        _hinge(mbs, [held, body], [i * LENGTH, 0, 0], [0, 1, 0])
+        bodies.append(body)
+        held = body
+    return bodies
+
+
+def four_bar(mbs, n, settings):
+    """Cranks, then bars between them."""
+    ground = mbs.CreateGround()
+    upright = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+    def bar(position, rotation, velocity, turning):
+        return mbs.CreateRigidBody(
+            referencePosition=position, referenceRotationMatrix=rotation, initialVelocity=velocity,
+            initialAngularVelocity=[0, 0, turning], inertia=_bar(), gravity=[0, -GRAVITY, 0],
+            nodeType=NODE_TYPES[settings.node],
+        )  # fmt: skip
+
+    cranks = [
+        bar([i * LENGTH, 0.5 * LENGTH, 0], upright, [0.5 * TOP_SPEED, 0, 0], -TOP_SPEED / LENGTH) for i in range(n + 1)
+    ]
+    bars = [bar([(i + 0.5) * LENGTH, LENGTH, 0], np.eye(3), [TOP_SPEED, 0, 0], 0.0) for i in range(n)]
+    for i, crank in enumerate(cranks):
+        _hinge(mbs, [ground, crank], [i * LENGTH, 0, 0], [0, 0, 1])
+    for i, body in enumerate(bars):
+        _hinge(mbs, [cranks[i], body], [i * LENGTH, LENGTH, 0], [0, 0, 1])
+        end, pair = [(i + 1) * LENGTH, LENGTH, 0], [body, cranks[i + 1]]
+        if settings.planar:
+            mbs.CreateGenericJoint(
+                bodyNumbers=pair, position=end, constrainedAxes=[1, 1, 0, 0, 0, 0], useGlobalFrame=True, show=False
+            )
+        else:
+            _hinge(mbs, pair, end, [0, 0, 1])
+    return cranks + bars
+
+
+def gear_drop(mbs, n, settings):
+    """Top, slider, wheel."""
+    g = GEAR
+    height = g.radius + g.clearance
+    ground = mbs.CreateGround()
+
+    def body(z, mass, inertia):
+        return mbs.CreateRigidBody(
+            referencePosition=[0, 0, z], initialVelocity=[g.speed, 0, -g.sink], gravity=[0, 0, -GRAVITY],
+            inertia=lib.RigidBodyInertia(mass, np.diag(inertia)), nodeType=NODE_TYPES[settings.node],
+        )  # fmt: skip
+
+    top = body(height + g.strut, g.top_mass, [g.top_inertia] * 3)
+    slider = body(height, g.slider_mass, g.slider_inertia)
+    wheel = body(height, g.wheel_mass, g.wheel_inertia)
+    mbs.CreateGenericJoint(
+        bodyNumbers=[ground, top], position=[0, 0, 0], constrainedAxes=[0, 1, 0, 1, 1, 1], useGlobalFrame=False,
+        show=False,
+    )  # fmt: skip
+    axle = [0, 0, height]
+    mbs.CreatePrismaticJoint(
+        bodyNumbers=[top, slider], position=axle, axis=[0, 0, 1], useGlobalFrame=True, show=False
+    )  # fmt: skip
+    mbs.CreateSpringDamper(
+        bodyNumbers=[top, slider], referenceLength=g.strut, stiffness=g.stiffness, damping=g.damping, show=False
+    )
+    _hinge(mbs, [slider, wheel], axle, [0, 1, 0])
+    (_script_tyre if settings.tyre == "script" else _own_tyre)(mbs, ground, wheel)
+    return [top, slider, wheel]
+
+
+def _own_tyre(mbs, ground, wheel):
+    """The disc of Exudyn: friction acts at the undeformed radius, otherwise the law of mecano's tyre."""
+    mbs.CreateRollingDiscPenalty(
+        bodyNumbers=[ground, wheel], axisPosition=[0, 0, 0], axisVector=[0, 1, 0], discRadius=GEAR.radius,
+        contactStiffness=GEAR.tyre, contactDamping=0.0, dryFriction=[GEAR.friction] * 2,
+        dryFrictionProportionalZone=GEAR.slip, useLinearProportionalZone=False, show=False,
+    )  # fmt: skip
+
+
+def _script_tyre(mbs, ground, wheel):
+    """The law of mecano's tyre, friction at the deformed radius, in Python."""
+    markers = [mbs.AddMarker(lib.MarkerBodyRigid(bodyNumber=body)) for body in (ground, wheel)]
+    data = mbs.AddNode(lib.NodeGenericData(numberOfDataCoordinates=1, initialCoordinates=[0]))
+
+    def force(mbs, t, item, position, rotation, velocity, turning, *constants):
+        height = position[2]
+        load = GEAR.tyre * max(0.0, GEAR.radius - height)
+        ratio = (velocity[0] - turning[1] * height) / GEAR.slip
+        shape = math.copysign(1.0, ratio) if abs(ratio) >= 1.0 else ratio * (2.0 - abs(ratio))
+        friction = GEAR.friction * shape * load
+        return [friction, 0, -load, 0, -friction * height, 0]  # on the ground; the opposite on the wheel
+
+    mbs.AddObject(
+        lib.RigidBodySpringDamper(
+            markerNumbers=markers, nodeNumber=data, stiffness=np.zeros((6, 6)), damping=np.zeros((6, 6)),
+            springForceTorqueUserFunction=force,
+        )
+    )  # fmt: skip
+
+
+MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop}
+
+
+class Exudyn:
+    """A case in Exudyn, built anew for every run."""
+
+    def __init__(self, case, settings=None, step=None):
+        self.case, self.step = case, step or case.step
+        self.settings = settings or BEST[case.name]
+        self.counts = None  # (steps, Newton iterations, Jacobians) of the last run
+
+    def _build(self):
+        container = exu.SystemContainer()
+        mbs = container.AddSystem()
+        bodies = MODELS[self.case.model](mbs, self.case.size, self.settings)
+        return container, mbs, bodies
+
+    def march(self):
+        """Solve the whole duration; CPU time [s]."""
+        container, mbs, _ = self._build()
+        mbs.Assemble()
+        return self._solve(mbs)
+
+    def trace(self):
+        """The probes (n_samples, n_probes) at every ``case.every`` steps of the case, the start left out."""
+        container, mbs, bodies = self._build()
+        sensors = [self._sensor(mbs, bodies, probe) for probe in self.case.probes]
+        mbs.Assemble()
+        self._solve(mbs)
+        columns = [
+            mbs.GetSensorStoredData(sensor)[1:, 1 + probe.axis]
+            for sensor, probe in zip(sensors, self.case.probes, strict=True)
+        ]
+        return np.column_stack(columns)
+
+    def _sensor(self, mbs, bodies, probe):
+        kind = exu.OutputVariableType
+        what = kind.Position if probe.what == "position" else kind.AngularVelocity
+        return mbs.AddSensor(
+            lib.SensorBody(
+                bodyNumber=bodies[probe.body], localPosition=[probe.point, 0, 0], storeInternal=True,
+                outputVariableType=what,
+            )
+        )  # fmt: skip
+
+    def _solve(self, mbs):
+        given = self._simulation()
+        done, start = False, time.process_time()
+        with contextlib.suppress(ValueError):
+            done = mbs.SolveDynamic(given, showHints=False)
+        spent = time.process_time() - start
+        if not done:
+            raise RuntimeError(f"Exudyn does not solve {self.case.name} with {self.settings}")
+        solver = mbs.sys["dynamicSolver"]
+        steps = round(self.case.duration / self.step)
+        self.counts = steps, int(solver.it.newtonStepsCount), int(solver.it.newtonJacobiCount)
+        return spent
+
+    def _simulation(self):
+        want, given = self.settings, exu.SimulationSettings()
+        integration = given.timeIntegration
+        integration.numberOfSteps = round(self.case.duration / self.step)
+        integration.endTime = self.case.duration
+        integration.adaptiveStep = False
+        integration.generalizedAlpha.spectralRadius = want.rho
+        integration.generalizedAlpha.useIndex2Constraints = want.method != "index 3"
+        integration.generalizedAlpha.useNewmark = want.method == "trapezoidal"
+        integration.newton.useModifiedNewton = want.modified
+        integration.newton.relativeTolerance = want.relative
+        integration.newton.absoluteTolerance = want.absolute
+        given.linearSolver.solverType = SOLVERS[want.solver]
+        given.linearSolver.reuseAnalyzedPattern = True
+        given.linearSolver.ignoreSingularJacobian = want.redundant
+        given.solution.file.write = False
+        given.solution.sensors.writePeriod = self.case.step * self.case.every
+        given.parallel.numberOfThreads = 1
+        return given

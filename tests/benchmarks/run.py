@@ -1,0 +1,120 @@
+"""CPU time and accuracy of mecano on a few models, beside Exudyn where that is installed.
+
+    python tests/benchmarks/run.py CASE [--json]      one case, or "all"
+    python tests/benchmarks/run.py tune CASE          every setting of Exudyn worth trying
+    python tests/benchmarks/run.py startup            whole process of `mecano run inputs/pendulum.yaml`
+
+What is measured and how: docs/benchmarks.md.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import sys
+
+for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+import numpy as np
+from cases import CASES
+from mecano_side import Mecano
+
+
+def exudyn():
+    """The module of the other side, or None where Exudyn is not installed."""
+    try:
+        import exudyn_side
+    except ImportError:
+        return None
+    return exudyn_side
+
+
+def converged(case, run):
+    """The probes of a much finer integration, extrapolated: run(step) -> (n_samples, n_probes)."""
+    coarse, fine = run(2.0 * case.step / case.finer), run(case.step / case.finer)
+    return fine + (fine - coarse) / 3.0
+
+
+def error(case, trace, reference):
+    """Largest difference of any probe at any sample, over its scale."""
+    scale = np.array([probe.scale for probe in case.probes])
+    return float(np.max(np.abs(trace - reference) / scale))
+
+
+def measure(case, repetitions, other):
+    """Everything about one case, as a dictionary."""
+    ours = Mecano(case)
+    theirs = other and other.Exudyn(case)
+    own = converged(case, lambda step: Mecano(case, step).trace())
+    found = {"case": case.name, "steps": case.steps, "step": case.step, "required": case.required}
+    found["mecano"] = {"error": error(case, ours.trace(), own), "rho_inf": case.rho}
+    if theirs:
+        found["exudyn"], found["agreement"] = _accuracy(case, theirs, own, other)
+    ours.march()
+    pairs = [(ours.march(), theirs.march() if theirs else 0.0) for _ in range(repetitions)]
+    for name, code, spent in zip(("mecano", "exudyn"), (ours, theirs), zip(*pairs, strict=True), strict=True):
+        if code:
+            found[name] |= {"us_per_step": 1e6 * statistics.median(spent) / case.steps, "counts": code.counts}
+            found[name]["spread"] = (max(spent) - min(spent)) / statistics.median(spent)
+    if theirs:
+        found["ratio"] = found["mecano"]["us_per_step"] / found["exudyn"]["us_per_step"]
+    return found
+
+
+def _accuracy(case, theirs, own, other):
+    """Error of Exudyn against its converged solution, and how far the converged solutions of both codes agree."""
+    settings = other.precise(case)
+    same = converged(case, lambda step: other.Exudyn(case, other.same_law(settings), step).trace())
+    agreement = error(case, same, own)
+    if not case.same_physics:
+        same = converged(case, lambda step: other.Exudyn(case, settings, step).trace())
+    return {"error": error(case, theirs.trace(), same), "settings": vars(theirs.settings)}, agreement
+
+
+def tune(case, repetitions, other):
+    """Print what every setting of Exudyn costs and how far it is from its converged solution."""
+    settings = other.precise(case)
+    reference = converged(case, lambda step: other.Exudyn(case, settings, step).trace())
+    for settings in other.candidates(case):
+        code = other.Exudyn(case, settings)
+        try:
+            off = error(case, code.trace(), reference)
+            spent = statistics.median(code.march() for _ in range(repetitions))
+        except RuntimeError:
+            print(f"{'fails':>10s} {'':11s} {settings}")
+            continue
+        print(f"{1e6 * spent / case.steps:7.1f} us error {off:.2e} {settings}", flush=True)
+
+
+def table(found):
+    """One case as a line of text."""
+    text = f"{found['case']:12s} mecano {found['mecano']['us_per_step']:8.1f} us/step, error {found['mecano']['error']:.1e}"
+    if "ratio" in found:
+        other = found["exudyn"]
+        text += f"; Exudyn {other['us_per_step']:8.1f} us/step, error {other['error']:.1e}"
+        text += f"; ratio {found['ratio']:.2f} (required: {found['required']})"
+        text += f"; converged solutions agree to {found['agreement']:.1e}"
+    return text
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=[*CASES, "all", "tune", "startup"])
+    parser.add_argument("case", nargs="?", choices=list(CASES))
+    parser.add_argument("--json", action="store_true", help="one JSON object per case")
+    parser.add_argument("--repetitions", type=int, default=7)
+    parser.add_argument("--mecano-only", action="store_true", help="leave Exudyn out even where it is installed")
+    given = parser.parse_args()
+    other = None if given.mecano_only else exudyn()
+    if given.what == "tune":
+        tune(CASES[given.case], given.repetitions, other)
+        return
+    cases = list(CASES.values()) if given.what == "all" else [CASES[given.what]]
+    for case in cases:
+        found = measure(case, given.repetitions, other)
+        print(json.dumps(found) if given.json else table(found), flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+def startup(): pass

@@ -1,0 +1,49 @@
+"""Error control: the error of a run follows the tolerance; docs/step-control.md has the tables."""
+
+import numpy as np
+import pytest
+from work_precision import CASES, adaptive, fixed
+
+FAST = {"four_bar": (1e-3, 1e-4, 1e-5), "heavy_top": (1e-3, 1e-4), "wheel_drop": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+REJECTED = 0.08  # share of the trial steps that the controller may waste
+
+
+def check_tolerances(name, tolerances):
+    """Errors within a factor 10 of each tolerance, each smaller than the one before; few rejections."""
+    errors = []
+    for tolerance in tolerances:
+        march, error = adaptive(name, tolerance)
+        errors.append(error)
+        assert 0.1 <= error / tolerance <= 10.0
+        assert march.run.rejected <= REJECTED * march.run.steps
+    assert np.all(np.diff(errors) < 0.0)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_error_follows_the_tolerance(name):
+    check_tolerances(name, FAST[name])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_error_follows_every_tolerance(name):
+    check_tolerances(name, TOLERANCES)
+
+
+@pytest.mark.parametrize(("name", "h", "gain"), [("four_bar", 2e-3, 1.5), ("wheel_drop", 1e-3, 2.0)])
+def test_fewer_steps_than_fixed_ones(name, h, gain):
+    """At the error of fixed steps, which falls with the square of their size, error control takes fewer."""
+    march, error = adaptive(name, 1e-4)
+    every, error_of_fixed = fixed(name, h)
+    needed = every.run.steps * np.sqrt(error_of_fixed / error)
+    assert gain * march.run.steps < needed
+
+
+def test_step_sizes_follow_the_motion():
+    """Long steps in flight, short ones on the ground; a step keeps its size most of the time."""
+    march, _ = adaptive("wheel_drop", 1e-5)
+    h, load = np.diff(march.time), march["elements/tire/normal_force"][1:]
+    assert np.median(h[load == 0.0]) > 3.0 * np.median(h[load > 0.0])
+    changes = np.abs(np.diff(h)) > 1e-9 * h[1:]
+    assert changes.mean() < 0.2

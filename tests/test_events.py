@@ -1,0 +1,215 @@
+"""Events are found, in order, at their times, whatever the step: touch-downs, stops of a strut, corners of loads.
+
+Times are closed forms. The method integrates a constant acceleration exactly, so what happens at the end of a flight
+has no error but rounding; what happens at the end of a contact has an error of order h^2.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+
+g = 9.81
+WHEELS = """
+    mecano: 1
+    nodes:
+      {nodes}
+    elements:
+      {elements}
+    tire_laws:
+      rubber: {{radius: 0.3, radial: {{linear: {{slope: 2.0e5}}}}, friction: 0.5, slip_regularization: 0.1}}
+    grounds:
+      road: {{plane: {{point: [0, 0, 0], normal: [{slope}, 0, 1]}}}}
+    initial:
+      velocities: [{{nodes: all, velocity: [{speed}, 0, {climb}]}}]
+    time: {{end: {end}, step: {step}}}
+"""
+STIFFNESS, MASS = 2e5, 20.0
+
+
+def wheels(*heights, slope=0.0, speed=0.0, climb=0.0, end=0.2, step=1e-3):
+    """A march of wheels of radius 0.3 m, side by side at the given heights [m], on a plane."""
+    nodes = [f"hub_{i}: {{position: [0, {i}, {z!r}]}}" for i, z in enumerate(heights)]
+    elements = []
+    for i in range(len(heights)):
+        elements += [
+            f"rim_{i}: {{type: rigid_body, node: hub_{i}, mass: {MASS}, inertia: [0.6, 1, 0.6]}}",
+            f"tire_{i}: {{type: wheel, node: hub_{i}, axis: [0, 1, 0], tire_law: rubber, ground: road}}",
+        ]
+    lines = "\n      "
+    values = {"slope": slope, "speed": speed, "climb": climb, "end": end, "step": step}
+    return March(deck(WHEELS.format(nodes=lines.join(nodes), elements=lines.join(elements), **values)))
+
+
+def story(march):
+    """[(name of the event, name of the element)] in the order in which they happened."""
+    return [(h.name, h.element.split("'")[1]) for h in march.happenings]
+
+
+def falling(height):
+    """Time in which a wheel at rest falls to the ground [s]."""
+    return math.sqrt(2 * (height - 0.3) / g)
+
+
+def time_on_ground(v):
+    """How long a wheel stays that meets level ground at v [m/s]."""
+    p = math.sqrt(STIFFNESS / MASS)
+    return (2 * math.pi - 2 * math.atan(v * p / g)) / p
+
+
+@pytest.mark.parametrize("step", [7e-3, 1e-3, 0.05])
+@pytest.mark.parametrize("slope", [0.0, 0.3], ids=["level", "slope"])
+def test_touch_down_of_a_ballistic_wheel(slope, step):
+    """A parabola meets a plane: h + v_n t - g_n t^2/2 = r0 along the normal."""
+    march = wheels(0.6, slope=slope, speed=-3.0, climb=1.0, end=0.4, step=step)
+    n = np.array([slope, 0.0, 1.0]) / math.hypot(slope, 1.0)
+    h, v, a = 0.6 * n[2] - 0.3, -3.0 * n[0] + n[2], -g * n[2]
+    (down, *_) = march.happenings
+    assert (down.name, down.before, down.after) == ("touch_down", "air", "contact")
+    assert down.t == pytest.approx((-v - math.sqrt(v * v - 2 * a * h)) / a, abs=1e-9)
+
+
+def test_lift_off_is_of_second_order():
+    """The contact of a linear tyre ends after (2 pi - 2 atan(v p/g))/p."""
+    exact, errors = falling(0.4) + time_on_ground(g * falling(0.4)), []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        march = wheels(0.4, step=step)
+        assert story(march) == [("touch_down", "tire_0"), ("lift_off", "tire_0")]
+        errors.append(abs(march.happenings[1].t - exact))
+        at_events = march["elements/tire_0/deformation"][np.isin(march.time, [h.t for h in march.happenings])]
+        assert len(at_events) == 2 and at_events.max() < 1e-12
+    assert errors[0] < 1e-4
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.5)
+    assert errors[1] / errors[2] == pytest.approx(4.0, abs=0.5)
+
+
+STRUT = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes:
+      wall: {{position: [0, 0, 0], fixed: true}}
+      ball: {{position: [1, 0, 0]}}
+    elements:
+      ball: {{type: point_mass, node: ball, mass: 1.0}}
+      strut:
+        type: spring_damper
+        nodes: [wall, ball]
+        law: {{stop: {{stiffness: 1.0e4, lower: -0.1, upper: 0.2}}}}
+    initial:
+      velocities: [{{nodes: [ball], velocity: [-2, 0, 0]}}]
+    time: {{end: 0.5, step: {step}}}
+"""
+
+
+def test_stops_of_a_strut():
+    """A mass flies at 2 m/s between two stops, on each of which it spends half a period, pi/100 s."""
+    first, half = 0.05, math.pi / 100
+    exact = np.array([first, first + half, first + half + 0.15, first + half + 0.15 + half])
+    errors = []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        march = March(deck(STRUT.format(step=step)))
+        names = [f"{side} stop {what}" for side in ("lower", "upper") for what in ("closes", "opens")]
+        assert [h.name for h in march.happenings][:4] == names
+        found = np.array([h.t for h in march.happenings][:4])
+        assert found[0] == pytest.approx(first, abs=1e-12)
+        errors.append(np.abs(found - exact)[1:])
+    assert errors[0].max() < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.5)
+    assert errors[1] / errors[2] == pytest.approx(4.0, abs=0.5)
+
+
+def test_several_at_once_and_in_order():
+    """Two wheels of four are equally high; one is a little, one much higher."""
+    march = wheels(0.4, 0.44, 0.4, 0.4001, end=0.174)
+    assert story(march) == [("touch_down", f"tire_{i}") for i in (0, 2, 3, 1)]
+    first, second, third, last = (h.t for h in march.happenings)
+    assert first == second == pytest.approx(falling(0.4), abs=1e-9)
+    assert third == pytest.approx(falling(0.4001), abs=1e-9)
+    assert last == pytest.approx(falling(0.44), abs=1e-9)
+
+
+@pytest.mark.parametrize("gap", [1e-5, 1e-7, 1e-9, 1e-11, 1e-13])
+def test_one_event_right_after_another(gap):
+    """The second wheel follows the first by 7e-6 to 7e-14 s: both touch down, none is lost, at their times."""
+    march = wheels(0.4, 0.4 + gap)
+    assert story(march)[:2] == [("touch_down", "tire_0"), ("touch_down", "tire_1")]
+    times = [h.t for h in march.happenings]
+    assert times == sorted(times) and len(times) == 4
+    assert times[:2] == pytest.approx([falling(0.4), falling(0.4 + gap)], abs=1e-9)
+
+
+@pytest.mark.parametrize("climb", [0.0, -1.0])
+@pytest.mark.parametrize("above", [0.0, 1e-13, 1e-12])
+def test_an_event_at_the_beginning_of_a_step(above, climb):
+    """A wheel that starts on the ground, or next to it, does not fall through."""
+    march = wheels(0.3 + above, climb=climb, end=0.01)
+    assert story(march) == [("touch_down", "tire_0")]
+    assert march.happenings[0].t <= 1e-6
+    assert march["elements/tire_0/deformation"][-1] > 1e-4
+
+
+def test_a_wheel_that_starts_on_the_ground_and_rises():
+    """Its event value is zero at the start, but no touch-down happens there: it comes back after 2 v/g."""
+    march = wheels(0.3, climb=0.01, end=0.004, step=4e-3)
+    assert story(march) == [("touch_down", "tire_0")]
+    assert march.happenings[0].t == pytest.approx(2 * 0.01 / g, abs=1e-9)
+
+
+def test_a_wheel_that_starts_in_the_ground_is_in_contact():
+    """The mode at the start is no event."""
+    march = wheels(0.29, end=0.01)
+    assert story(march) == [] and march["elements/tire_0/radial_force"][0] == pytest.approx(STIFFNESS * 0.01)
+
+
+@pytest.mark.parametrize("late", [-1e-14, 0.0, 1e-15, 1e-13, 1e-9])
+def test_an_event_at_the_end_of_the_run(late):
+    """A run that ends within rounding of an event ends; what is before the end has happened."""
+    march = wheels(0.4, end=falling(0.4) + late)
+    assert march.time[-1] == march.run.motion.t == falling(0.4) + late
+    assert len(march.happenings) == (late > 1e-14) or abs(late) <= 1e-14
+
+
+@pytest.mark.parametrize("early", [1e-6, 1e-8, 1e-10])
+def test_forces_where_a_step_to_an_event_is_very_short(early):
+    """In free fall nothing is transmitted, whatever is left of the step before the touch-down, 1 km from the origin."""
+    drop = 3.05 * (0.01 + early) + 0.5 * g * (0.01 + early) ** 2
+    places = [f"nodes.{node}.position=[1000, 0, {0.3225 + drop!r}]" for node in ("fork", "hub")]
+    march = March(input_deck("wheel_spin_up", *places, "time={end: 0.02, step: 1.0e-3}"))
+    assert march.happenings[0].t == pytest.approx(0.01 + early, abs=1e-12)
+    i = int(np.argmax(march.time >= march.happenings[0].t))
+    assert march.time[i] - march.time[i - 1] == pytest.approx(early, rel=1e-3)
+    assert abs(march["joints/tow/force"][i]) < 1e-6
+    assert np.abs(march["joints/bearing/force"][i]).max() < 1e-6
+
+
+RAMP = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{ball: {{position: [1, 0, 0]}}}}
+    elements: {{ball: {{type: point_mass, node: ball, mass: 2.0}}}}
+    loads:
+      push:
+        type: force
+        node: ball
+        direction: [1, 0, 0]
+        value: {{ramp: {{start: 0.0137, end: 0.0719, from: 0, to: 10}}}}
+    time: {{end: 0.1, step: 1.0e-2{control}}}
+"""
+
+
+@pytest.mark.parametrize("control", ["", ", adaptive: {tolerance: 1.0e-3}"], ids=["fixed", "adaptive"])
+def test_steps_end_at_the_corners_of_a_load(control):
+    """No step goes over a corner of a law of time."""
+    march = March(deck(RAMP.format(control=control)))
+    assert 0.0137 in march.time and 0.0719 in march.time and march.time[-1] == 0.1
+    velocity = 0.5 * 10 * (0.0719 - 0.0137) / 2 + 10 * (0.1 - 0.0719) / 2
+    assert march["nodes/ball/velocity"][-1, 0] == pytest.approx(velocity, rel=1e-3)
+
+
+def test_no_step_is_accepted_with_more_error_than_allowed():
+    """Nor one that leads to an event: 1e-4 per second here."""
+    march = March(input_deck("wheel_drop"))
+    errors = np.array([info.error for info in march.infos])
+    assert len(march.happenings) == 6
+    assert (errors <= 1e-4 * np.diff(march.time) * (1 + 1e-9)).all()
