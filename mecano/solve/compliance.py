@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
+SHARE_OF_PENALTY = 1e-3
 TINY = 1e-300
 
 
@@ -20,6 +21,11 @@ class Compliance:
 
     matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)]
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent
+
+    @property
+    def largest_penalty(self):
+        """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way."""
+        return SHARE_OF_PENALTY / self.matrix.data.max()
 
     def soften(self, k, multipliers, rows):
         """Add -k c Lambda to the constraint rows (n_l,) in place."""

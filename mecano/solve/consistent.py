@@ -12,7 +12,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import SCALAR
-from mecano.solve.increments import moved
+from mecano.solve.increments import displaced, moved
 
 
 class Consistent:
@@ -75,6 +75,12 @@ class Consistent:
         s.a[:] = 0.0
         s.a[: system.n_q] = a
         s.z[system.n_q : system.n] = reaction + self.k * gamma
+
+    def give_way(self, s, compliance):
+        """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
+        n_q, n = self.system.n_q, self.system.n
+        gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
+        return displaced(s, self.change(-gap), self.system.numbering)
 
     def jerk_rate(self, s):
         """-B d3q/dt3 (n_l,): how the second rates would change along the motion if the accelerations stayed.

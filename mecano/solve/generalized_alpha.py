@@ -90,6 +90,8 @@ class GeneralizedAlpha:
         consistent = Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
         consistent.accelerate(s)
+        if self.compliance is not None:
+            s = consistent.give_way(s, self.compliance)
         return s, self._history(consistent, s, s.a.copy(), h, np.zeros(self.system.n_l))
 
     def restart(self, s, history, h):
@@ -126,6 +128,8 @@ class GeneralizedAlpha:
         cC, cM = self._weights(h)
         k = self.k or history.k
         penalty = history.k if self.penalty is None else self.penalty
+        if self.compliance is not None:
+            penalty = min(penalty, self.compliance.largest_penalty)
         s, n_q, n, rotations = s0.copy(), system.n_q, system.n, of.rotation_dof
         s.t = s0.t + h
         reach = predict(

@@ -1,0 +1,128 @@
+"""Redundant constraints: named, solved with the same motion as without them, at singular positions too."""
+
+import numpy as np
+import pytest
+from linkage import FourBar
+from marching import INPUTS, March, deck, input_deck
+
+from mecano.prepare import prepare, remarks
+from mecano.summary import summary
+
+HINGES = {
+    "hinge_b": "hinge_b: {type: hinge, nodes: [crank_end, coupler], axis: [0, -1, 0]}",
+    "hinge_c": "hinge_c: {type: hinge, nodes: [coupler_end, rocker_end], axis: [0, -1, 0]}",
+}
+# joints that hold 3 constraints less than the two hinges: pins along y and across the coupler
+ISOSTATIC = {
+    "universal and spherical": (
+        "hinge_b: {type: universal, nodes: [crank_end, coupler], axis_a: [0, 1, 0], axis_b: [-0.766, 0, 0.642857]}",
+        "hinge_c: {type: spherical, nodes: [coupler_end, rocker_end]}",
+    ),
+    "cylindrical and spherical": (
+        "hinge_b: {type: spherical, nodes: [crank_end, coupler]}",
+        "hinge_c: {type: cylindrical, nodes: [coupler_end, rocker_end], axis: [0, -1, 0]}",
+    ),
+}
+
+
+def four_bar(*joints, end=1.0, step=2e-3):
+    """The deck of the four-bar, joints at b and c replaced, tightly solved."""
+    text = (INPUTS / "four_bar.yaml").read_text()
+    for old, new in zip(HINGES.values(), joints, strict=False):
+        assert old in text
+        text = text.replace(old, new)
+    head, _, _ = text.partition("time: {")
+    tolerances = "newton: {force_tolerance: 1.0e-12, constraint_tolerance: 1.0e-13}"
+    return deck(f"{head}\ntime: {{end: {end}, step: {step}, {tolerances}}}\n")
+
+
+def test_the_group_and_the_mechanism_are_named():
+    """Out of the plane: along y the offsets of the bars, about axes in the plane all hinges."""
+    analysis = prepare(input_deck("four_bar")).analysis
+    assert (analysis.mobility, [group.count for group in analysis.redundant]) == (1, [3])
+    named = {name.split(":")[0].split("'")[1] for name in analysis.redundant[0].names}
+    assert named == {"crank_bar", "coupler_bar", "rocker_bar", "hinge_a", "hinge_b", "hinge_c", "hinge_d"}
+    assert [group.count for group in analysis.mechanisms] == [1]
+    motions = analysis.mechanisms[0].names
+    assert any("rocker" in name and "rotation about material y" in name for name in motions)
+    assert not any("displacement y" in name for name in motions)
+
+
+def test_summary_and_remarks_say_so():
+    text = summary(input_deck("four_bar"))
+    assert "mobility         1" in text and "redundant        3 constraint(s)" in text
+    assert "hinge 'hinge_d'" in text
+    said = remarks(prepare(input_deck("four_bar")))
+    assert len(said) == 1 and said[0].startswith("3 redundant constraint(s) among: ") and "not unique" in said[0]
+
+
+@pytest.mark.parametrize("joints", ISOSTATIC.values(), ids=ISOSTATIC)
+def test_isostatic_version_has_no_redundancy(joints):
+    prepared = prepare(four_bar(*joints))
+    assert (prepared.analysis.mobility, prepared.analysis.redundant) == (1, ())
+    assert prepared.compliance is None and remarks(prepared) == []
+
+
+@pytest.mark.parametrize("joints", ISOSTATIC.values(), ids=ISOSTATIC)
+def test_motion_is_that_of_the_isostatic_version(joints):
+    """Every position to 1e-9 m at every step, angles and the force in the plane on the crank likewise."""
+    redundant, isostatic = March(four_bar()), March(four_bar(*joints))
+    for path in redundant.columns:
+        if path.endswith("/position"):
+            np.testing.assert_allclose(isostatic[path], redundant[path], rtol=0, atol=1e-9, err_msg=path)
+    force = redundant["joints/hinge_a/force"]
+    np.testing.assert_allclose(isostatic["joints/hinge_a/force"], force, rtol=0, atol=1e-9 * np.abs(force).max())
+    for path in ("joints/hinge_a/angle", "joints/hinge_d/angle"):
+        np.testing.assert_allclose(isostatic[path], redundant[path], rtol=0, atol=1e-9)
+
+
+def test_motion_is_planar_and_closes():
+    """Coupler and rocker angles are those of the closed form at every step."""
+    march, linkage = March(four_bar()), FourBar()
+    theta = march["joints/hinge_a/angle"]
+    coupler, rocker = linkage.angles(theta) - linkage.angles(0.0)[:, None]
+    np.testing.assert_allclose(theta + march["joints/hinge_b/angle"], coupler, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(march["joints/hinge_d/angle"], rocker, rtol=0, atol=1e-9)
+    assert max(np.abs(march[f"nodes/{name}/position"][:, 1]).max() for name in ("crank_end", "rocker_end")) < 1e-12
+
+
+def leaning(g_y, steps=1000, step=1e-3):
+    """The march of the linkage with gravity across its plane."""
+    across = four_bar(end=steps * step, step=step)
+    across.values["gravity"][1] = g_y
+    return March(across)
+
+
+def loads_along_the_hinges(march):
+    """Forces (n, 2) of crank and rocker on the ground, along y."""
+    return np.stack([march[f"joints/hinge_{name}/force"][:, 2] for name in "ad"], axis=1)
+
+
+WEIGHT = 2.0 * (0.3 + 0.9 + 0.7) * 3.0  # of the bars, across the plane [N]
+
+
+def test_load_across_the_plane():
+    """It does not change the motion; the ground hinges carry it together, each its part, smoothly."""
+    upright, lean = leaning(0.0), leaning(-3.0)
+    for path in ("joints/hinge_a/angle", "joints/hinge_d/angle", "nodes/coupler_end/position"):
+        np.testing.assert_allclose(lean[path], upright[path], rtol=0, atol=1e-9)
+    loads = loads_along_the_hinges(lean)
+    np.testing.assert_allclose(loads.sum(axis=1), -WEIGHT, rtol=1e-8)
+    assert np.all(np.abs(loads) > 0.4 * WEIGHT)
+    assert np.abs(np.diff(loads, 3, axis=0)).max() < 1e-4 * WEIGHT
+
+
+def test_its_share_does_not_depend_on_the_step():
+    """Down to steps at which the compliance vibrates with the bars: the shares of the start stay, within 1e-3."""
+    start = loads_along_the_hinges(leaning(-3.0, 1))[0]
+    for step in (1e-6, 1e-5, 1e-4):
+        loads = loads_along_the_hinges(leaning(-3.0, 20, step))
+        np.testing.assert_allclose(loads, np.tile(start, (21, 1)), rtol=0, atol=1e-3 * WEIGHT)
+
+
+def test_isostatic_joints_carry_what_they_can():
+    """With a ball and a pin sleeve at b and c the rocker carries itself alone across the plane."""
+    linkage = four_bar(*ISOSTATIC["cylindrical and spherical"], end=0.1)
+    linkage.values["gravity"][1] = -3.0
+    loads = loads_along_the_hinges(March(linkage))
+    np.testing.assert_allclose(loads, np.tile([-(0.6 + 1.8) * 3.0, -1.4 * 3.0], (len(loads), 1)), rtol=1e-8)
