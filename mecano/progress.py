@@ -1,5 +1,6 @@
 """What a run says while it goes on: a bar on a terminal, plain lines otherwise."""
 
+import os
 import sys
 import time
 
@@ -28,7 +29,7 @@ class Progress:
         """A line of its own."""
         if not self.quiet:
             self._clear()
-            print(f"mecano: {text}", file=sys.stderr, flush=True)
+            self._say(f"mecano: {text}\n")
 
     def __call__(self, accepted):
         """Show simulated time, step size and the time that is left."""
@@ -40,10 +41,10 @@ class Progress:
             self.drawn = now
             filled = int(BAR * share)
             bar = "#" * filled + "." * (BAR - filled)
-            print(f"\r[{bar}] {self._numbers(accepted, now, share)}\x1b[K", end="", file=sys.stderr, flush=True)
+            self._say(f"\r[{bar}] {self._numbers(accepted, now, share)}\x1b[K")
         elif not self.terminal and int(LINES * share) > self.tenths:
             self.tenths = int(LINES * share)
-            print(self._numbers(accepted, now, share), file=sys.stderr, flush=True)
+            self._say(f"{self._numbers(accepted, now, share)}\n")
 
     def done(self, run):
         """The last line: how it went and where the results are."""
@@ -62,4 +63,12 @@ class Progress:
 
     def _clear(self):
         if self.terminal:
-            print("\r\x1b[K", end="", file=sys.stderr)
+            self._say("\r\x1b[K")
+
+    def _say(self, text):
+        """Print; when nobody listens any more, the run goes on in silence."""
+        try:
+            print(text, end="", file=sys.stderr, flush=True)
+        except BrokenPipeError:
+            self.quiet = True
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())

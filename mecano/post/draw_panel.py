@@ -23,7 +23,7 @@ REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 LINE, WIDER = 1.3, 0.9  # points
 MOST_COVERING = 3
 ALIKE = 0.01  # of their range
-WIDTH = 4.0  # inches, of most axes
+WIDTH = 3.7  # inches, of most axes
 MANY = 500  # values from which on steps are drawn finer
 
 
@@ -40,6 +40,10 @@ class Look:
     def subjects(self, panel):
         """The elements that share colours with those of the panel."""
         return panel.subjects if self._subjects is None or self.runs else self._subjects
+
+    def owners(self, panel):
+        """The elements whose events are to be named: those of the sheet, or of a panel by itself."""
+        return panel.subjects if self._subjects is None else self._subjects
 
     def style(self, curve, panel):
         """Options of ``plot`` for a curve."""
@@ -78,7 +82,7 @@ class Look:
 
 
 def draw_panel(ax, panel, look, events, labelled):
-    """Draw the curves, their legend, the events; ``labelled`` says whether the events are named here."""
+    """Draw the curves, their legend, the events; ``labelled``: they are named here."""
     unit = panel.curves[0].y.unit
     x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
     y_factor, y_unit = (1.0, unit) if panel.logarithmic else shown_unit(unit, _all(panel, "y"))
@@ -96,7 +100,10 @@ def draw_panel(ax, panel, look, events, labelled):
     taken = legend_above(ax, look.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
-        _draw_events(ax, [(mark.time / x_factor, mark) for mark in events], look, taken if labelled else None)
+        _draw_events(ax, events, x_factor, look)
+    if panel.over_time and labelled:
+        own = [mark for mark in events if mark.element in look.owners(panel)]
+        _name_events(ax, own or events, x_factor, look, taken)
 
 
 def _all(panel, side):
@@ -146,17 +153,27 @@ def _note(ax, panel, factor, unit):
         note_below(ax, text)
 
 
-def _draw_events(ax, marks, look, height):
-    """Thin lines; their names so many points above the axes, unless None."""
+def _draw_events(ax, marks, factor, look):
+    """Thin lines at the times over ``factor``."""
     low, high = ax.get_xlim()
-    shown = sorted((t, mark.run, mark.label) for t, mark in marks if low <= t <= high)
+    for mark in marks:
+        if low <= mark.time / factor <= high:
+            colour = COLOURS[mark.run % len(COLOURS)] if look.runs else PALE
+            ax.axvline(mark.time / factor, color=colour, linewidth=0.7, alpha=0.4 if look.runs else 1.0, zorder=1)
+
+
+def _name_events(ax, marks, factor, look, height):
+    """Names so many points above the axes, as far as there is room."""
+    low, high = ax.get_xlim()
+    several = len({mark.element for mark in marks}) > 1
     last = -np.inf
-    for t, run, label in shown:
-        colour = COLOURS[run % len(COLOURS)] if look.runs else PALE
-        ax.axvline(t, color=colour, linewidth=0.7, alpha=0.4 if look.runs else 1.0, zorder=1)
-        if height is not None and t - last >= EVENT_ROOM * (high - low):
-            last = t
-            ax.annotate(
-                label, (t, 1.0), xycoords=ax.get_xaxis_transform(), xytext=(0, 3 + height), textcoords="offset points",
-                rotation=40, rotation_mode="anchor", fontsize=7, color=colour if look.runs else GREY,
-            )  # fmt: skip
+    for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
+        t = mark.time / factor
+        if not low <= t <= high or t - last < EVENT_ROOM * (high - low):
+            continue
+        last = t
+        ax.annotate(
+            f"{mark.element}: {mark.text}" if several else mark.text, (t, 1.0), xycoords=ax.get_xaxis_transform(),
+            xytext=(0, 3 + height), textcoords="offset points", rotation=40, rotation_mode="anchor", fontsize=7,
+            color=COLOURS[mark.run % len(COLOURS)] if look.runs else GREY,
+        )  # fmt: skip

@@ -10,13 +10,13 @@ LETTERS = "xyz"
 FAINTEST = 0.12  # opacity of the first instant where later ones lie on top
 COILS = 5
 MOST_NAMES = 8
-NARROW, WIDE = 4.0, 8.0  # inches, of axes
+NARROW, WIDE = 3.7, 8.0  # inches, of axes
 MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
 MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
-def draw_sketch(ax, sketch):
+def draw_sketch(ax, sketch, title=""):
     """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top."""
     right, up = sketch.axes
     colours = _colours(sketch)
@@ -35,7 +35,8 @@ def draw_sketch(ax, sketch):
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
     ax.set_ylabel(f"{LETTERS[up]} [m]")
-    _name(ax, colours, sketch)
+    taken = _name(ax, colours, sketch)
+    ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
         ax.set_xlabel(f"{LETTERS[right]} [m]")
         note_below(ax, f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g} s, later is darker" if count > 1 else "")
@@ -50,9 +51,11 @@ def _colours(sketch):
 
 
 def _name(ax, colours, sketch):
-    if 1 < len(colours) <= MOST_NAMES:
-        handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
-        legend_above(ax, handles, WIDE if not sketch.in_place else NARROW)
+    """The legend; returns its height in points."""
+    if not 1 < len(colours) <= MOST_NAMES:
+        return 0.0
+    handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
+    return legend_above(ax, handles, NARROW if sketch.in_place else WIDE)
 
 
 def _label_instants(ax, sketch):

@@ -11,7 +11,7 @@ from mecano.post.sheet import Panel
 from mecano.post.style import GREY, SETTINGS
 
 PANEL = (4.6, 2.35)  # inches
-SKETCH_WIDTH, LOWEST = 9.5, 2.0
+SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
 ROOM = 0.8  # for the headings
 PAD = 0.08
 COLUMNS = 3  # of the overview
@@ -48,21 +48,24 @@ def overview_figure(sheet, title, facts):
     return figure
 
 
+def save(figure, path):
+    """Write a figure; the same numbers give the same bytes. Raises OSError."""
+    with matplotlib.rc_context(SETTINGS):
+        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
 def _room(sheet):
     """Inches for the names of events above and the legend below."""
     return 0.45 * bool(sheet.events) + 0.25 * (bool(sheet.run_labels) or len(sheet.subjects) > 1)
 
 
 def _sketches(sheet, title):
-    heights = [min(max(SKETCH_WIDTH * sketch.aspect, LOWEST), SKETCH_WIDTH) for sketch in sheet.panels]
+    heights = [min(max(SKETCH_WIDTH * sketch.aspect, LOWEST), HIGHEST) for sketch in sheet.panels]
     with matplotlib.rc_context(SETTINGS):
         figure = _figure(SKETCH_WIDTH, sum(heights), title, sheet.heading)
         grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
         for i, sketch in enumerate(sheet.panels):
-            ax = figure.add_subplot(grid[i])
-            draw_sketch(ax, sketch)
-            if sheet.run_labels:
-                ax.set_title(sketch.label, loc="left")
+            draw_sketch(figure.add_subplot(grid[i]), sketch, sketch.label if sheet.run_labels else "")
     return figure
 
 
@@ -75,18 +78,19 @@ def _figure(width, height, title, heading):
     return figure
 
 
+def _over_time(panel):
+    return isinstance(panel, Panel) and panel.over_time
+
+
 def _fill(figure, sheet, places, look):
-    """Draw the panels; the topmost one over time in each column names the events."""
-    named = set()
+    """Draw the panels; the first row with panels over time names the events."""
+    rows = [place.rowspan.start for place, panel in zip(places, sheet.panels, strict=True) if _over_time(panel)]
     for place, panel in zip(places, sheet.panels, strict=True):
         ax = figure.add_subplot(place)
         if not isinstance(panel, Panel):
             draw_sketch(ax, panel)
             continue
-        column = place.colspan.start
-        draw_panel(ax, panel, look, sheet.events, column not in named)
-        if panel.over_time:
-            named.add(column)
+        draw_panel(ax, panel, look, sheet.events, place.rowspan.start == min(rows, default=None))
     handles = look.handles()
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))

@@ -70,17 +70,11 @@ def _most_active(things, view, runs):
 
 
 def _activity(view, thing, run):
-    """How much the first output of the view varies; from the extremes, as there may be thousands of elements."""
+    """How much the first output of the view varies."""
     if thing not in run.things:
         return 0.0
     names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
-    path = names[0].removesuffix(MAGNITUDE) if names else ""
-    ranges = [
-        extreme.maximum - extreme.minimum
-        for name, extreme in run.results.extremes.items()
-        if name == path or name.startswith(path + ".")
-    ]
-    return max(ranges, default=0.0)
+    return run.ranges.get(names[0].removesuffix(MAGNITUDE), 0.0) if names else 0.0
 
 
 def _panel(view, things, runs):

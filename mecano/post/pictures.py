@@ -5,7 +5,7 @@ from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import write_columns
-from mecano.post.figure import overview_figure, sheet_figure
+from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
@@ -95,10 +95,9 @@ def _stem(runs):
 
 
 def _save(figure, path):
-    kind = path.suffix[1:]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, format=kind, metadata={"Date": None} if kind == "svg" else None)
+        save(figure, path)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
     return path

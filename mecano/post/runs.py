@@ -33,6 +33,17 @@ class Run:
         return {f"{section}/{name}": d for section in SECTIONS for name, d in self.deck.get(section, {}).items()}
 
     @cached_property
+    def ranges(self):
+        """How much each number, and the component of each vector that varies most, varies over all accepted steps."""
+        ranges = {}
+        for name, extreme in self.results.extremes.items():
+            span = extreme.maximum - extreme.minimum
+            vector = name.rpartition(".")[0]
+            ranges[name] = span
+            ranges[vector] = max(ranges.get(vector, 0.0), span)
+        return ranges
+
+    @cached_property
     def scales(self):
         """Sizes of the whole motion by unit: what is smaller by many orders is numerical noise."""
         lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]

@@ -75,10 +75,11 @@ class Panel:
 
 @dataclass(frozen=True)
 class EventMark:
-    """Something that happened at a time [s] in run number ``run``."""
+    """Something that happened at a time [s] to an element in run number ``run``."""
 
     time: float
-    label: str
+    element: str
+    text: str
     run: int
 
 
@@ -119,13 +120,11 @@ class Sheet:
 
 
 def event_marks(runs):
-    """Marks of all events of all runs; elements are named where several have events."""
+    """Marks of all events of all runs."""
     marks = []
     for number, run in enumerate(runs):
-        events = run.results.events
-        several = len({event.element for event in events}) > 1
-        for event in events:
-            text, quoted = event.name.replace("_", " "), QUOTED.search(event.element)
-            name = quoted[1] if quoted else event.element
-            marks.append(EventMark(event.time, f"{name}: {text}" if several else text, number))
+        for event in run.results.events:
+            quoted = QUOTED.search(event.element)
+            element = quoted[1] if quoted else event.element
+            marks.append(EventMark(event.time, element, event.name.replace("_", " "), number))
     return tuple(marks)

@@ -78,7 +78,7 @@ def legend_above(ax, handles, inches):
     if not handles:
         return 0.0
     longest = max(len(handle.get_label()) for handle in handles)
-    columns = min(len(handles), max(1, int(inches / (0.065 * longest + 0.4))))
+    columns = min(len(handles), max(1, int(inches / (0.072 * longest + 0.44))))
     ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2,
               borderpad=0.2, handlelength=1.6, columnspacing=1.2, labelspacing=0.3)  # fmt: skip
     return LINE_OF_TEXT * -(-len(handles) // columns)

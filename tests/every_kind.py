@@ -1,0 +1,84 @@
+"""A results file in which every kind of the registry occurs, with smooth made-up numbers."""
+
+import numpy as np
+
+from mecano.elements import KINDS
+from mecano.model.sampler import ENERGIES, NODE_OUTPUTS
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+
+WAVE = 0.4
+DECK = {
+    "title": "One of each",
+    "gravity": [0.0, 0.0, -9.81],
+    "parameters": {"wave": WAVE},
+    "nodes": {
+        "base": {"position": [0.0, 0.0, 0.0], "fixed": True},
+        "tip": {"position": [1.0, 0.0, 0.3], "fixed": False},
+    },
+    "laws": {"wavy": {"sine": {"amplitude": WAVE, "frequency": 0.5, "phase": 0.0, "offset": 0.0}}},
+    "tire_laws": {"tyre": {"radius": 0.3}},
+    "grounds": {
+        "runway": {
+            "plane": {"point": [0.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]},
+            "profile": {"direction": [1.0, 0.0, 0.0], "height": "wavy"},
+        }
+    },
+}
+VALUES = {
+    "node": "tip",
+    "nodes": ["base", "tip"],
+    "attached": [],
+    "axis": [0.0, 1.0, 0.0],
+    "tire_law": "tyre",
+    "ground": "runway",
+}
+TIMES = np.linspace(0.0, 2.0, 41)
+
+
+def deck():
+    """The resolved deck: of each kind one, named "one_<kind>"."""
+    sections = {"elements": {}, "joints": {}, "loads": {}}
+    for kind in KINDS.values():
+        fields = {field.name for field in kind.fields}
+        given = {key: value for key, value in VALUES.items() if key in fields}
+        sections[kind.section][f"one_{kind.name}"] = {"type": kind.name, **given}
+    return DECK | sections
+
+
+def layout():
+    """The outputs as a run declares them."""
+    series = [Series(f"nodes/{node}/{n}", u, d, s) for node in DECK["nodes"] for n, u, d, s in NODE_OUTPUTS]
+    series += [
+        Series(f"{kind.section}/one_{kind.name}/{o.name}", o.unit, o.doc, o.shape)
+        for kind in KINDS.values()
+        for o in kind.outputs
+    ]
+    return Layout([*series, *(Series(f"energy/{name}", unit, doc) for name, unit, doc in ENERGIES)])
+
+
+def row(declared, t):
+    """The numbers at the time t: sine waves, the nodes apart and turning about y, loaded radii that are not zero."""
+    values = np.sin(3.0 * t + 0.1 * np.arange(declared.size)) + 0.2
+    for node, x in (("base", (0.0, 0.0, 0.0)), ("tip", (1.0 + 0.5 * t, 0.0, 0.3 + 0.1 * np.sin(3.0 * t)))):
+        values[declared.slices[f"nodes/{node}/position"]] = x
+        values[declared.slices[f"nodes/{node}/rotation"]] = (np.cos(0.5 * t), 0.0, np.sin(0.5 * t), 0.0)
+    values[declared.slices["elements/one_wheel/loaded_radius"]] = 0.3 - 0.02 * np.sin(t) ** 2
+    return values
+
+
+def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off"))):
+    """Write the file."""
+    declared = layout()
+    source = Source("mecano: 1\n", deck(), "each.yaml", "One of each", overrides)
+    with Writer.create(path, declared, source) as writer:
+        for i, t in enumerate(TIMES):
+            values = row(declared, t)
+            writer.extremes.take(t, values)
+            writer.append(t, values)
+            if i:
+                writer.append_step(t, np.array([0.05, 1.0 + i % 3, 0.1, i % 2, 0.1, 0.2, 0.3]))
+        for t, name in events:
+            writer.append_event(t, "wheel 'one_wheel'", name, "air", "contact")
+    return path

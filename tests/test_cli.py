@@ -1,0 +1,309 @@
+"""The command line: exit codes, messages, what is left on the disk, interruptions."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import mecano
+from mecano.cli import main
+from mecano.deck.sections import SECTIONS
+from mecano.elements import KINDS
+from mecano.laws import TERMS
+
+DECK = """\
+mecano: 1
+title: Bar on a hinge
+nodes:
+  pin: {position: [0, 0, 0]}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
+joints:
+  hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}
+time: {end: 0.1, step: 1.0e-3}
+output: {every: 0.01}
+"""
+NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
+HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "yaml")
+COMMAND = (sys.executable, "-m", "mecano")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty current folder with a deck in it."""
+    (tmp_path / "deck.yaml").write_text(DECK)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def call(monkeypatch, capsys):
+    """Function that calls the command line in this process: arguments -> (exit code, output, errors)."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["mecano", *map(str, arguments)])
+        try:
+            main()
+            code = 0
+        except SystemExit as ended:
+            code = ended.code
+        return code, *capsys.readouterr()
+
+    yield run
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+def started(folder, *arguments, **options):
+    """A process of its own that runs the deck in the folder."""
+    return subprocess.Popen([*COMMAND, "run", "deck.yaml", *arguments], cwd=folder, stderr=subprocess.PIPE, **options)
+
+
+class TestHelp:
+    def test_it_comes_at_once(self):
+        code = f"import sys, mecano.cli; print([name for name in {HEAVY!r} if name in sys.modules])"
+        loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert loaded.stdout.strip() == "[]"
+        times = []
+        for _ in range(3):
+            begun = time.monotonic()
+            subprocess.run([*COMMAND, "--help"], check=True, stdout=subprocess.DEVNULL)
+            times.append(time.monotonic() - begun)
+        assert min(times) < 0.3
+
+    def test_every_command_has_one(self, call):
+        code, out, _ = call("--help")
+        assert code == 0 and all(f"\n  {name} " in out for name in ("run", "check", "post", "info", "list", "explain"))
+        for name in ("run", "check", "post", "info", "list", "explain"):
+            code, out, _ = call(name, "--help")
+            assert code == 0 and out.startswith(f"Usage: mecano {name}")
+
+    def test_version(self, call):
+        assert call("--version") == (0, f"mecano, version {mecano.__version__}\n", "")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("runn",),
+        ("run",),
+        ("run", "deck.yaml", "--speed"),
+        ("post",),
+        ("post", "a.h5", "--format", "bmp"),
+        ("explain",),
+    ],
+)
+def test_usage_errors(call, arguments):
+    code, out, err = call(*arguments)
+    assert (code, out) == (2, "") and "Error:" in err and "Traceback" not in err
+
+
+class TestDeckErrors:
+    def test_all_are_shown_with_their_places(self, call, folder):
+        broken = DECK.replace("mass: 1.0", "mass: -1.0").replace("axis:", "axes:")
+        (folder / "deck.yaml").write_text(broken)
+        for command in ("run", "check"):
+            code, out, err = call(command, "deck.yaml")
+            assert (code, out) == (2, "") and err.endswith("3 errors\n")
+            lines = err.splitlines()
+            assert lines[0].startswith(
+                "deck.yaml:6:44: rigid_body 'bar': 'mass' must be greater than zero [kg], got -1.0"
+            )
+            assert lines[1][lines[2].index("^") :].startswith("-1.0,")
+            assert any(
+                line.startswith("deck.yaml:8:46: hinge 'hinge': unknown key 'axes'; did you mean 'axis'?")
+                for line in lines
+            )
+        assert not (folder / "deck.h5").exists()
+
+    def test_a_deck_that_is_not_there(self, call, folder):
+        code, _, err = call("run", "other.yaml")
+        assert code == 2 and "other.yaml:1:1: the deck cannot be read" in err and "No such file" in err
+
+    def test_overrides(self, call, folder):
+        code, _, err = call("run", "deck.yaml", "--set", "time.stop=1")
+        assert code == 2 and "time.stop" in err
+
+
+class TestRun:
+    def test_a_run_leaves_a_complete_file(self, call, folder):
+        code, out, err = call("run", "deck.yaml", "--set", "time.end=0.05")
+        assert (code, out) == (0, "") and "50 steps, 0 rejected" in err and "results in deck.h5" in err
+        with mecano.open_results("deck.h5") as results:
+            assert results.status == "complete" and len(results.time) == 6
+            assert results.metadata["overrides"] == ["time.end=0.05"]
+
+    def test_quiet(self, call, folder):
+        assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
+        assert (folder / "quiet.h5").exists()
+
+    def test_no_file_is_overwritten_unless_told(self, call, folder):
+        (folder / "deck.h5").write_text("precious")
+        code, _, err = call("run", "deck.yaml")
+        assert code == 5 and "deck.h5 exists already" in err and "--force" in err
+        assert (folder / "deck.h5").read_text() == "precious"
+        assert call("run", "deck.yaml", "--force", "-q")[0] == 0
+        assert mecano.open_results("deck.h5").status == "complete"
+
+    def test_a_folder_that_is_not_there(self, call, folder):
+        code, _, err = call("run", "deck.yaml", "-o", "nowhere/deck.h5")
+        assert code == 5 and "cannot write nowhere/deck.h5: No such file or directory" in err
+
+    def test_no_convergence(self, call, folder):
+        time = (
+            "time: {end: 1, step: 0.1, adaptive: {tolerance: 0.5, minimum_step: 0.1}, newton: {maximum_iterations: 1}}"
+        )
+        (folder / "deck.yaml").write_text(DECK.partition("time:")[0] + time)
+        code, _, err = call("run", "deck.yaml")
+        assert code == 3 and "no step could be taken" in err and "what to try" in err and "node pin" in err
+        with mecano.open_results("deck.h5") as results:
+            assert results.status == "failed" and "no step could be taken" in results.reason
+
+    def test_positions_that_cannot_be_assembled(self, call, folder):
+        away = "  away: {type: prescribed_position, node: tip, direction: [1, 0, 0], value: 5.0}\n"
+        deck = DECK.replace("elements:", "  tip: {position: [1, 0, 0]}\nelements:").replace(
+            "joints:\n", "joints:\n" + away
+        )
+        (folder / "deck.yaml").write_text(deck.replace("node: pin, mass", "node: pin, attached: [tip], mass"))
+        for command in ("check", "run"):
+            code, _, err = call(command, "deck.yaml")
+            assert code == 4 and "away" in err
+        assert not (folder / "deck.h5").exists()
+
+    def test_forces_that_become_infinite(self, call, folder):
+        value = f"{{polynomial: {{coefficients: {[0] * 60 + [1e100]}}}}}"  # infinite from 3000 s on
+        pull = f"loads:\n  pull: {{type: force, node: pin, direction: [1, 0, 0], value: {value}}}\n"
+        free = DECK.partition("joints:")[0] + pull + "time: {start: 5000, end: 6000, step: 10}\n"
+        (folder / "deck.yaml").write_text(free)
+        process = started(folder, "-q")  # numpy's warnings are no errors there
+        _, err = process.communicate(timeout=50)
+        assert process.returncode == 6 and b"not finite" in err and b"Traceback" not in err
+
+    def test_out_of_memory(self, call, folder, monkeypatch):
+        import mecano.run
+
+        def greedy(*arguments, **options):
+            raise MemoryError
+
+        monkeypatch.setattr(mecano.run, "run", greedy)
+        code, _, err = call("run", "deck.yaml", "-q")
+        assert (code, err) == (7, "out of memory\n")
+
+    def test_a_bug_is_not_hidden(self, folder):
+        code = "import mecano.run; mecano.run.run = lambda *a, **k: 1 / 0; from mecano.cli import main; main()"
+        ended = subprocess.run([sys.executable, "-c", code, "run", "deck.yaml", "-q"], capture_output=True, text=True)
+        assert ended.returncode == 1
+        assert ended.stderr.startswith("Traceback") and ended.stderr.endswith("ZeroDivisionError: division by zero\n")
+
+
+class TestInterruptions:
+    @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+    def test_a_stopped_run_leaves_a_valid_file(self, folder, number, code):
+        process = started(folder, "-q", *NEVER_ENDING)
+        path, deadline = folder / "deck.h5", time.monotonic() + 50
+        while not path.exists() or not len(mecano.open_results(path).time):
+            assert time.monotonic() < deadline and process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=20)
+        assert process.returncode == code and number.name in err.decode() and b"Traceback" not in err
+        with mecano.open_results(path) as results:
+            assert results.status == "stopped" and number.name in results.reason
+            assert len(results.time) > 1 and results.time[-1] == pytest.approx(
+                0.002 * (len(results.time) - 1), rel=1e-9
+            )
+        assert [p.name for p in folder.iterdir() if p.suffix == ".part"] == []
+
+    def test_a_full_disk(self, folder):
+        subprocess.run([*COMMAND, "run", "deck.yaml", "-q", "-o", "first.h5"], cwd=folder, check=True)  # compiles
+        limit = 2 * (folder / "first.h5").stat().st_size
+
+        def small_disk():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        process = started(folder, "-q", *NEVER_ENDING, preexec_fn=small_disk)
+        _, err = process.communicate(timeout=50)
+        assert process.returncode == 5 and b"Traceback" not in err
+        assert b"cannot write deck.h5: File too large" in err and b"saved times up to" in err
+        with mecano.open_results(folder / "deck.h5") as results:
+            assert results.status == "failed" and "File too large" in results.reason and len(results.time) > 100
+
+    def test_a_reader_that_has_seen_enough(self, folder):
+        reading, writing = os.pipe()
+        os.close(reading)
+        ended = subprocess.run([*COMMAND, "list"], stdout=writing, stderr=subprocess.PIPE)
+        assert (ended.returncode, ended.stderr) == (0, b"")
+        assert subprocess.run([*COMMAND, "run", "deck.yaml"], cwd=folder, stderr=writing).returncode == 0
+        os.close(writing)
+        assert mecano.open_results(folder / "deck.h5").status == "complete"
+
+
+def test_check_says_what_the_model_is(call, folder):
+    code, out, err = call("check", "deck.yaml")
+    assert (code, err) == (0, "") and "Bar on a hinge" in out and "mobility         1" in out
+    assert list(folder.iterdir()) == [folder / "deck.yaml"]
+
+
+class TestResults:
+    @pytest.fixture
+    def results(self, call, folder):
+        assert call("run", "deck.yaml", "-q")[0] == 0
+        return folder
+
+    def test_pictures(self, call, results):
+        code, out, err = call("post", "deck.h5", "-o", "pictures/")
+        assert (code, err) == (0, "")
+        names = out.splitlines()
+        assert {"pictures/deck_overview.png", "pictures/deck_mechanism.png", "pictures/deck_angles.png"} <= set(names)
+        assert all((results / name).stat().st_size > 5000 for name in names)
+
+    def test_a_plot_of_named_outputs(self, call, results):
+        plot = ("--plot", "hinge.angle:hinge.rate", "--csv", "--format", "svg", "--title", "Phase plane")
+        code, out, _ = call("post", "deck.h5", *plot)
+        assert (code, out.split()) == (0, ["deck_hinge.angle-hinge.rate.svg", "deck_hinge.angle-hinge.rate.csv"])
+        assert (results / out.split()[0]).read_text().count("<svg") == 1
+        assert (results / out.split()[1]).read_text().startswith("joints.hinge.rate [rad/s],joints.hinge.angle [rad]\n")
+
+    def test_unknown_names(self, call, results):
+        code, out, err = call("post", "deck.h5", "--plot", "hinge.angel")
+        assert (code, out) == (2, "") and "no output 'hinge.angel'" in err and "did you mean hinge.angle" in err
+        code, _, err = call("info", "deck.h5", "--names", "nothing.*")
+        assert code == 2 and "fits 'nothing.*'" in err
+        assert list(results.glob("*.png")) == []
+
+    def test_info(self, call, results):
+        code, out, err = call("info", "deck.h5")
+        assert (code, err) == (0, "") and "100 steps" in out and "joints.hinge.angle" in out
+        assert "joints.hinge.angle [rad]\n    rotation of b" in call("info", "deck.h5", "--names")[1]
+
+    @pytest.mark.parametrize("command", ["post", "info"])
+    def test_files_that_are_not_results(self, call, folder, command):
+        code, _, err = call(command, "other.h5")
+        assert code == 5 and "cannot read other.h5: No such file" in err
+        code, _, err = call(command, "deck.yaml")
+        assert code == 5 and "deck.yaml is not a results file" in err
+
+
+class TestCatalogue:
+    def test_list_names_everything(self, call):
+        code, out, _ = call("list")
+        listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
+        assert code == 0 and listed == {*KINDS, *TERMS, *(section.name for section in SECTIONS)}
+
+    @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
+    def test_explain_says_all_of_it(self, call, name):
+        code, out, _ = call("explain", name)
+        assert code == 0 and name in out and ":math:" not in out and ".. math::" not in out
+        if name in KINDS:
+            for item in (*KINDS[name].fields, *KINDS[name].outputs):
+                unit = "" if item.unit == "-" else f" [{item.unit}]"
+                assert f"\n  {item.name}{unit}" in out
+
+    def test_explain_unknown_names(self, call):
+        code, out, err = call("explain", "hnge")
+        assert (code, out) == (2, "") and "'hnge'; did you mean 'hinge'?" in err

@@ -1,0 +1,412 @@
+"""Pictures and tables of results files."""
+
+import csv
+import math
+from dataclasses import replace
+
+import every_kind
+import matplotlib.image
+import numpy as np
+import pytest
+
+import mecano
+from mecano.elements import KINDS
+from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.post import draw_panel, figure, plans, sheets, style
+from mecano.post.draw_sketch import hull, zigzag
+from mecano.post.info import info
+from mecano.post.panels import worth_showing
+from mecano.post.pictures import post
+from mecano.post.quantity import find
+from mecano.post.request import Request, requested_sheet
+from mecano.post.runs import labels, open_runs
+from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
+from mecano.post.sheet import Curve, Panel
+from mecano.post.sketch import _axes, _instants, _shift, sketch
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return every_kind.write(tmp_path_factory.mktemp("post") / "each.h5")
+
+
+@pytest.fixture(scope="module")
+def runs(path):
+    return open_runs([path])
+
+
+@pytest.fixture(scope="module")
+def shown(runs):
+    return {sheet.name: sheet for sheet in sheets.default_sheets(runs)}
+
+
+def values(run, name):
+    return run.results[name].values
+
+
+def test_every_kind_with_outputs_is_on_a_sheet(shown):
+    subjects = {subject for sheet in shown.values() for subject in sheet.subjects}
+    limit = plans.REACTIONS.kinds  # more joints than one sheet takes: the others are named as left out
+    for kind in KINDS.values():
+        if kind.outputs and kind.name not in limit:
+            assert f"one_{kind.name}" in subjects
+    assert f"6 of {len(limit)}, those that vary most" in shown["reactions"].heading
+    named = {name for plan in plans.plans(list(KINDS)) for name in plan.kinds}
+    assert named >= {kind.name for kind in KINDS.values() if kind.outputs}
+
+
+def test_a_kind_without_a_plan_shows_all_its_outputs(monkeypatch):
+    monkeypatch.setattr(plans, "_PLANS", ())
+    (own,) = plans.plans(["wheel"])
+    assert [view.outputs[0].partition(".")[0] for view in own.views] == [o.name for o in KINDS["wheel"].outputs]
+
+
+def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
+    by_label = {panel.label: panel for panel in shown["wheels"].panels}
+    expected = ["height of the centre", "radial force", "spin rate", "slip velocity", "radial deformation"]
+    assert list(by_label)[:5] == expected
+    spin, rolling = by_label["spin rate"].curves
+    assert rolling.reference and not spin.reference
+    radius, slip = values(runs[0], "one_wheel.loaded_radius"), values(runs[0], "one_wheel.longitudinal_slip")
+    assert np.array_equal(rolling.y.values, values(runs[0], "one_wheel.spin_rate") + slip / radius)
+
+
+def test_strut_force_is_shown_over_its_stroke(shown, runs):
+    panel = shown["struts"].panels[0]
+    assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_spring_damper.stroke"))
+    assert np.array_equal(panel.curves[0].y.values, values(runs[0], "one_spring_damper.force"))
+    assert not panel.over_time
+
+
+def test_energies_are_changes_since_the_start(shown, runs):
+    for curve in shown["energy"].panels[0].curves:
+        stored = values(runs[0], curve.y.path)
+        assert np.array_equal(curve.y.values, stored - stored[0])
+
+
+def test_a_peak_is_that_of_all_accepted_steps(shown, runs):
+    panel = next(panel for panel in shown["wheels"].panels if panel.label == "radial force")
+    extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
+    assert panel.peak == (extreme.maximum, extreme.maximum_time)
+
+
+def test_curves_of_very_different_size_do_not_share_a_panel(tmp_path, monkeypatch):
+    small = every_kind.layout().slices["joints/one_universal/angle_a"]
+    usual = every_kind.row
+
+    def row(declared, t):
+        numbers = usual(declared, t)
+        numbers[small.start : small.start + 3 : 2] *= 1e-3  # angle_a and angle_b
+        return numbers
+
+    monkeypatch.setattr(every_kind, "row", row)
+    (run,) = open_runs([every_kind.write(tmp_path / "small.h5")])
+    angles = next(sheet for sheet in sheets.default_sheets([run]) if sheet.name == "angles")
+    panels = [panel.subjects for panel in angles.panels if panel.label == "angle"]
+    assert panels == [("one_hinge", "one_cylindrical", "one_prescribed_angle"), ("one_universal",)]
+
+
+def test_noise_beside_a_signal_is_not_shown(runs):
+    (signal,), (other,) = find(runs[0].results, "one_wheel.normal_force"), find(runs[0].results, "one_hinge.force.x")
+    curves = [
+        Curve(signal, y, 0, name) for name, y in (("a", signal), ("b", replace(other, values=1e-12 * other.values)))
+    ]
+    (kept,) = worth_showing([Panel("force", tuple(curves))], runs)
+    assert [curve.subject for curve in kept.curves] == ["a"]
+    assert (
+        worth_showing([Panel("force", tuple(replace(c, y=replace(c.y, values=0 * c.y.values)) for c in curves))], runs)
+        == []
+    )
+
+
+def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
+    monkeypatch.setitem(style.SETTINGS, "savefig.dpi", 60)
+    written = list(post([path], output=f"{tmp_path}/pictures/", columns=True))
+    assert {p.name for p in written if p.suffix == ".png"} == {f"each_{name}.png" for name in ["overview", *shown]}
+    assert {p.name for p in written if p.suffix == ".csv"} == {f"each_{n}.csv" for n in shown if n != "mechanism"}
+    for picture in written:
+        if picture.suffix == ".png":
+            pixels = matplotlib.image.imread(picture)
+            assert min(pixels.shape[:2]) > 120 and 0.01 < np.mean(pixels[..., :3].min(axis=2) < 0.9) < 0.5
+
+
+def test_every_axis_says_what_it_shows_and_its_unit(shown):
+    for sheet in shown.values():
+        drawn = figure.sheet_figure(sheet, "title")
+        for ax, panel in zip(drawn.axes, sheet.panels, strict=True):
+            if isinstance(panel, Panel):
+                unitless = panel.curves[0].y.unit in ("", "-")
+                assert ax.get_ylabel() and ("[" in ax.get_ylabel()) != unitless
+                assert "[" in ax.get_xlabel()
+
+
+def test_events_are_lines_named_where_there_is_room(tmp_path):
+    events = ((0.5, "touch_down"), (0.501, "lift_off"), (1.0, "touch_down"))
+    runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    upright = [line.get_xdata()[0] for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    assert upright == [0.5, 0.501, 1.0]
+    texts = [[t.get_text() for t in ax.texts if t.get_rotation()] for ax in drawn.axes]
+    assert texts == [["touch down", "touch down"]] * 2 + [[]] * 4
+
+
+def test_overview_takes_the_first_panels_of_all_sheets(shown):
+    whole = sheets.overview(list(shown.values()))
+    panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
+    assert len(panels) == sheets.PLACES - 1  # the sketch stays in place and takes one
+    assert {"spring", "hinge", "wheel"} <= {word for panel in panels for s in panel.subjects for word in s.split("_")}
+    figure.overview_figure(whole, "title", "facts").canvas.draw()
+
+
+class TestRequests:
+    def sheet(self, text, runs):
+        return requested_sheet(Request.parse(text), runs)
+
+    def test_one_output_over_another(self, runs):
+        (panel,) = self.sheet("one_wheel.radial_force:one_wheel.deformation", runs).panels
+        assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_wheel.deformation"))
+        assert panel.label == "one_wheel radial force"
+
+    def test_time_is_what_is_meant_without_a_second_name(self, runs):
+        (panel,) = self.sheet("one_hinge.angle", runs).panels
+        assert np.array_equal(panel.curves[0].x.values, runs[0].results.time) and panel.over_time
+
+    def test_vectors_have_components_and_a_magnitude(self, runs):
+        force = values(runs[0], "one_hinge.force")
+        (panel,) = self.sheet("one_hinge.force", runs).panels
+        assert np.array_equal([curve.y.values for curve in panel.curves], force.T)
+        (panel,) = self.sheet("one_hinge.force.y,joints.one_hinge.force.magnitude", runs).panels
+        assert np.array_equal(panel.curves[0].y.values, force[:, 1])
+        assert np.allclose(panel.curves[1].y.values, np.linalg.norm(force, axis=1), rtol=1e-15, atol=0)
+
+    def test_each_unit_has_a_panel(self, runs):
+        panels = self.sheet("one_wheel.radial_force,one_wheel.height,one_hinge.force.x", runs).panels
+        assert [[curve.y.unit for curve in panel.curves] for panel in panels] == [["N", "N"], ["m"]]
+
+    def test_patterns(self, runs):
+        (panel,) = self.sheet("joints.*.angle", runs).panels
+        assert {c.subject for c in panel.curves} == {"one_hinge", "one_cylindrical", "one_prescribed_angle"}
+
+    def test_the_solver_history(self, runs):
+        (panel,) = self.sheet("solver.step_size", runs).panels
+        assert np.array_equal(panel.curves[0].y.values, runs[0].results.steps["step_size"])
+        with pytest.raises(UsageError, match="did you mean 'step_size'"):
+            self.sheet("solver.stepsize", runs)
+        with pytest.raises(UsageError, match="known at the accepted steps, 'one_hinge.angle' at the saved times"):
+            self.sheet("solver.step_size:one_hinge.angle", runs)
+
+    @pytest.mark.parametrize("text", ["", "a:", ":b", "a,,b", "a:b:c", "a,:time"])
+    def test_what_cannot_be_understood_is_refused(self, text):
+        with pytest.raises(UsageError, match="cannot be understood"):
+            Request.parse(text)
+
+    def test_unknown_names_are_answered_with_similar_ones(self, runs):
+        with pytest.raises(UnknownNameError, match="each.h5.*'one_wheel.radal_force'.*did you mean.*radial_force"):
+            self.sheet("one_wheel.radal_force", runs)
+        assert UnknownNameError.exit_code == UsageError.exit_code == 2
+        with pytest.raises(UsageError, match="fits 'nothing.*'"):
+            self.sheet("nothing.*", runs)
+        with pytest.raises(UsageError, match="several numbers .x, y, z., the horizontal axis needs one"):
+            self.sheet("one_hinge.angle:one_hinge.force", runs)
+
+    def test_names_of_files(self):
+        assert Request.parse("wheel.radial_force : wheel.deformation").name == "wheel.radial_force-wheel.deformation"
+        assert Request.parse("joints/*/angle,energy.total").name == "joints_angle_energy.total"
+
+
+def test_columns_are_the_numbers_of_the_file(path, tmp_path, runs):
+    plots = ["one_wheel.radial_force,one_wheel.height:one_wheel.deformation"]
+    picture, table = post([path], plots, output=tmp_path / "p.svg", columns=True)
+    assert (picture.name, table.name) == ("p.svg", "p.csv")
+    header, *rows = csv.reader(table.read_text().splitlines())
+    names = ["deformation", "radial_force", "height"]
+    assert header == [f"elements.one_wheel.{n} [{u}]" for n, u in zip(names, ("m", "N", "m"), strict=True)]
+    expected = np.stack([values(runs[0], f"one_wheel.{name}") for name in names], axis=1)
+    assert np.array_equal(np.array(rows, float), expected)
+
+
+def test_columns_of_several_files_of_different_length(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(every_kind, "TIMES", every_kind.TIMES[:11])
+    short = every_kind.write(tmp_path / "short.h5")
+    _, table = post([path, short], ["one_hinge.angle"], output=tmp_path / "both.png", columns=True)
+    header, *rows = csv.reader(table.read_text().splitlines())
+    assert header == [
+        f"{run}: {name}" for run in ("each", "short") for name in ("time [s]", "joints.one_hinge.angle [rad]")
+    ]
+    assert len(rows) == 41 and all(rows[10]) and rows[11][2:] == ["", ""] and all(rows[11][:2])
+
+
+def test_the_same_numbers_give_the_same_picture(path, tmp_path):
+    (first,) = post([path], ["one_hinge.angle"], output=tmp_path / "a.svg")
+    (second,) = post([path], ["one_hinge.angle"], output=tmp_path / "b.svg")
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
+    other = every_kind.write(tmp_path / "other.h5", overrides=("parameters.wave=0.7", "time.step=1e-3"))
+    runs = open_runs([path, other])
+    assert [run.label for run in runs] == ["as in the deck", "wave = 0.7, time.step = 1e-3"]
+    shown = sheets.default_sheets(runs)
+    wheels = next(sheet for sheet in shown if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    assert [text.get_text() for text in drawn.legends[0].get_texts()] == [run.label for run in runs]
+    look = draw_panel.Look(wheels)
+    colours = [look.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
+    assert colours == list(style.COLOURS[:2])
+    (mechanism,) = (sheet for sheet in shown if sheet.name == "mechanism")
+    assert len(mechanism.panels) == 2
+
+
+def test_labels_say_what_differs(path, tmp_path):
+    folders = [tmp_path / name for name in ("a", "b")]
+    same = []
+    for folder in folders:
+        folder.mkdir()
+        same.append(every_kind.write(folder / "run.h5"))
+    assert labels([mecano.open_results(p) for p in same]) == [str(p) for p in same]
+    assert labels([mecano.open_results(p) for p in (path, same[0])]) == ["each", "run"]
+    assert labels([mecano.open_results(path)]) == [""]
+
+
+def test_places_of_pictures(path, tmp_path):
+    plots = ["one_hinge.angle", "one_hinge.angle"]
+    assert [p.name for p in post([path], plots[:1])] == ["each_one_hinge.angle.png"]
+    assert next(post([path], plots[:1])).parent == path.parent
+    (named,) = post([path], plots[:1], output=tmp_path / "prefix", kind="svg")
+    assert named == tmp_path / "prefix_one_hinge.angle.svg"
+    inside = list(post([path], plots, output=tmp_path))
+    assert [p.name for p in inside] == ["each_one_hinge.angle.png", "each_one_hinge.angle_2.png"]
+    with pytest.raises(UsageError, match="names one picture"):
+        list(post([path], plots, output=tmp_path / "one.png"))
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    with pytest.raises(ResultsError, match="cannot write"):
+        list(post([path], plots, output=f"{blocked}/"))
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "factor", "shown"),
+    [
+        ("N", 1999.0, 1.0, "N"),
+        ("N", 2000.0, 1e3, "kN"),
+        ("N m", 5e6, 1e6, "MN m"),
+        ("m", 0.09, 1e-3, "mm"),
+        ("m", 0.11, 1.0, "m"),
+        ("rad/s", 3e5, 1e3, "$10^{3}$ rad/s"),
+        ("J", 3e-7, 1e-9, "$10^{-9}$ J"),
+        ("-", 0.5, 1.0, ""),
+        ("N", 0.0, 1.0, "N"),
+    ],
+)
+def test_units_suit_the_numbers(unit, largest, factor, shown):
+    found, text = style.shown_unit(unit, np.array([0.0, -largest, math.nan]))
+    assert (math.isclose(found, factor, rel_tol=1e-12), text) == (True, shown)
+
+
+def test_what_is_constant_but_for_rounding_looks_constant():
+    assert style.range_of(np.array([9.81, 9.81 + 1e-12])) == pytest.approx((8.829, 10.791), rel=1e-9)
+    assert style.range_of(np.zeros(3)) == (-1.0, 1.0)
+    assert style.range_of(np.array([1.0, 1.1])) is None
+
+
+class TestSketch:
+    def test_shapes_of_the_mechanism(self, runs):
+        found = sketch(runs[0])
+        assert found.axes == (0, 2) and found.in_place
+        styles = {shape.name: shape.style for shape in found.shapes if shape.style != SUPPORT}
+        assert styles["one_rigid_body"] == BODY and styles["one_spring_damper"] == SPRING
+        assert styles["one_wheel"] == WHEEL and styles["one_hinge"] == JOINT
+        assert not {"one_force", "one_torsion_spring_damper", "one_held_rotation"} & set(styles)
+        assert [shape.name for shape in found.shapes if shape.style == SUPPORT] == ["base"]
+
+    def test_the_rim_turns_with_its_node(self, runs):
+        found = sketch(runs[0])
+        wheel = next(shape for shape in found.shapes if shape.style == WHEEL)
+        spokes = (wheel.points[:, 0] - wheel.points[:, -1]) / 0.3
+        assert np.allclose(np.linalg.norm(spokes, axis=1), 1.0, atol=1e-12)
+        angle = found.times  # the node turns by t about y: x -> (cos t, 0, -sin t), z -> (sin t, 0, cos t)
+        x, z = spokes[0, 0], spokes[0, 2]
+        turned = np.stack([x * np.cos(angle) + z * np.sin(angle), 0 * angle, z * np.cos(angle) - x * np.sin(angle)], -1)
+        assert np.allclose(spokes, turned, atol=1e-12)
+
+    def test_the_ground_is_its_profile(self, runs):
+        (line,) = sketch(runs[0]).grounds
+        assert np.allclose(line[:, 1], every_kind.WAVE * np.sin(np.pi * line[:, 0]), atol=1e-12)
+        assert len(line) > 20
+
+    def test_a_tyre_is_flat_on_flat_ground(self, path):
+        (run,) = open_runs([path])
+        run.deck["grounds"]["runway"]["profile"] = None
+        wheel = next(shape for shape in sketch(run).shapes if shape.style == WHEEL)
+        assert wheel.points[..., 2].min() == 0.0  # the centre is at 0.2 m at times, the radius is 0.3 m
+
+    def test_plane_of_the_largest_extents_with_the_vertical_up(self):
+        box = np.array([[0.0, 0.0, 0.0], [3.0, 2.0, 1.0]])
+        assert _axes(box, [0, 0, -9.81]) == (0, 1)
+        assert _axes(box * (1, 0.1, 1), [0, 0, -9.81]) == (0, 2)
+        assert _axes(box, [-9.81, 0, 0]) == (1, 0)
+        assert _axes(box * (1, 1, 3), None) == (0, 2)
+
+    def test_what_travels_far_is_shown_side_by_side(self):
+        points = np.zeros((3, 2, 3))
+        points[:, 1, 0] = 2.0  # 2 m wide
+        points[:, :, 0] += np.array([[0.0], [50.0], [100.0]])
+        shape = Shape(BODY, "body", points)
+        left = points[:, 0, 0] + _shift([shape], 0)
+        assert np.allclose(np.diff(left), 1.25 * 2.0)
+        points[:, :, 0] = [[0.0, 2.0], [5.0, 7.0], [11.0, 13.0]]
+        assert not _shift([shape], 0).any()
+
+    def test_instants_follow_the_motion(self):
+        times = np.linspace(0.0, 10.0, 101)
+        cloud = np.zeros((101, 2, 3))
+        cloud[:, 1, 0] = 1.0 + np.clip(times - 8.0, 0.0, 1.0)  # moves from 8 to 9 s only
+        chosen = times[_instants(times, cloud)]
+        assert chosen[0] == 0.0 and chosen[-1] == 10.0 and np.sum((chosen >= 8.0) & (chosen <= 9.0)) >= 3
+
+    def test_outlines(self):
+        square = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5], [0.5, 0.0]])
+        assert {tuple(p) for p in hull(square)} == {(0, 0), (1, 0), (1, 1), (0, 1)}
+        spring = zigzag(np.array([[0.0, 0.0], [2.0, 0.0]]))
+        assert np.array_equal(spring[[0, -1]], [[0, 0], [2, 0]]) and spring[:, 1].max() == pytest.approx(0.2)
+
+
+class TestInfo:
+    def test_how_the_run_went(self, path):
+        text = info(path)
+        assert "One of each" in text and "complete" in text
+        assert "40 steps, 20 rejected, 80 Newton iterations (2.00 per step), of 0.05 s" in text
+        assert "41 times from 0 to 2 s, every 0.05 s" in text
+        assert "Events: 2" in text and "0.5 s  wheel 'one_wheel'  touch down  (air -> contact)" in text
+        assert f"mecano {mecano.__version__}" in text and "joints, hinge: one_hinge: angle, rate, force, moment" in text
+
+    def test_only_the_first_events(self, tmp_path):
+        events = tuple((0.01 * i, f"event_{i}") for i in range(30))
+        text = info(every_kind.write(tmp_path / "many.h5", events=events))
+        assert "Events: 30, the first 20" in text and "event 19" in text and "event 20" not in text
+
+    def test_extremes(self, path, runs):
+        extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
+        (line,) = (x for x in info(path, "one_wheel.radial_force").splitlines() if x.endswith("N"))
+        name, *numbers, unit = line.split()
+        assert (name, unit) == ("elements.one_wheel.radial_force", "N")
+        expected = [extreme.minimum, extreme.minimum_time, extreme.maximum, extreme.maximum_time]
+        assert [float(x) for x in numbers] == pytest.approx(expected, rel=1e-4)
+
+    def test_names(self, path):
+        text = info(path, "*")
+        for kind in KINDS.values():
+            for output in kind.outputs:
+                unit = f" [{output.unit}]" if output.unit != "-" else ""
+                assert f"{kind.section}.one_{kind.name}.{output.name}{unit}" in text
+        with pytest.raises(UnknownNameError, match="fits 'nothing'"):
+            info(path, "nothing")
+
+
+def test_a_file_without_saved_times(tmp_path, monkeypatch):
+    monkeypatch.setattr(every_kind, "TIMES", ())
+    path = every_kind.write(tmp_path / "empty.h5", events=())
+    with pytest.raises(ResultsError, match="no saved times"):
+        list(post([path]))
+    assert "nothing yet" in info(path) and "no step" in info(path)
