@@ -46,3 +46,18 @@ def test_what_cannot_be(old, new, caret, words):
     changed = {line + i for i in range(2)} if caret else set(range(7, 14))
     assert problem.mark.line in changed
     assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
+
+
+BAR = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0], orientation: [0, 0.5, 0]}, b: {position: [1, 0, 0], orientation: [0, 0.5, 0]}}
+elements: {bar: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2], attached: [b]}}
+time: {end: 1, step: 0.1}
+"""
+
+
+def test_attached_nodes_are_oriented_as_the_body():
+    """Otherwise one of two orientations of one rotation would silently be dropped."""
+    assert problems(BAR) == []
+    (problem,) = problems(BAR.replace("1, 0, 0], orientation: [0, 0.5, 0]", "1, 0, 0]"))
+    assert "must be oriented as the node of the body; these are not: b" in problem.message

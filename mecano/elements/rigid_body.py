@@ -13,6 +13,7 @@ by three constraints each.
 import numpy as np
 from numba import njit
 
+from mecano.constraints.joint_frame import not_parallel
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import (
@@ -109,8 +110,18 @@ def parts(d, nodes, context):
 
 
 def check(d, nodes):
-    """Principal moments must be positive and fulfil the triangle inequality."""
-    J = inertia_matrix(d["inertia"])
+    """Principal moments must be positive and fulfil the triangle inequality; attached nodes start with one rotation."""
+    return _check_inertia(inertia_matrix(d["inertia"])) + _check_attached(d, nodes)
+
+
+def _check_attached(d, nodes):
+    turned = [name for name, node in zip(d["attached"], nodes[1:], strict=True) if not_parallel([nodes[0], node])]
+    if not turned:
+        return []
+    return [f"'attached' nodes must be oriented as the node of the body; these are not: {', '.join(turned)}"]
+
+
+def _check_inertia(J):
     if not np.allclose(J, J.T, rtol=1e-9, atol=0):
         return ["'inertia' must be a symmetric matrix"]
     moments = np.linalg.eigvalsh(J)

@@ -4,6 +4,7 @@ See docs/theory.md, section 3.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +23,7 @@ class Compliance:
     matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)]
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent
 
-    @property
+    @cached_property
     def largest_penalty(self):
         """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way."""
         return SHARE_OF_PENALTY / self.matrix.data.max()
