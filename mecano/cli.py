@@ -58,7 +58,8 @@ def run(deck, output, force, quiet, overrides):
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     progress = Progress(checked.values["time"], quiet, path)
-    progress.compiling()
+    kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
+    progress.compiling(kinds)
     from mecano.run import run as solve
 
     for number in STOPPED:
