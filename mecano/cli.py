@@ -152,7 +152,7 @@ def _stop(number, frame):
 def main():
     """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
     try:
-        commands(standalone_mode=False)
+        commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
         number = getattr(error.__cause__, "number", signal.SIGINT)
         _end(STOPPED[number], f"mecano: {error.__cause__ or 'interrupted'}")

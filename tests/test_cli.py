@@ -147,6 +147,11 @@ class TestRun:
         code, _, err = call("run", "deck.yaml")
         assert code == 5 and "deck.h5 exists already" in err and "--force" in err
         assert (folder / "deck.h5").read_text() == "precious"
+        code, _, err = call("run", "deck.yaml", "--force", "-q")
+        assert code == 5 and "no results file" in err
+        assert (folder / "deck.h5").read_text() == "precious"
+        assert call("run", "deck.yaml", "-q", "-o", "own.h5")[0] == 0
+        (folder / "own.h5").replace(folder / "deck.h5")
         assert call("run", "deck.yaml", "--force", "-q")[0] == 0
         assert mecano.open_results("deck.h5").status == "complete"
 
