@@ -50,7 +50,8 @@ class Progress:
         """The last line: how it went and where the results are."""
         elapsed = time.monotonic() - self.begun
         self.note(
-            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected steps, in {elapsed:.2f} s; "
+            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
+            f"steps, in {elapsed:.2f} s; results in {self.path}"
             f"results in {self.path}"
         )
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from marching import March, deck, input_deck
+
 from mecano.errors import AssemblyError
 from mecano.prepare import prepare, remarks
 from mecano.solve.interpolate import interpolate

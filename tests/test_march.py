@@ -1,4 +1,4 @@
-"""The march where it is easily wrong: jumps of loads, corners of motions, many turns in few steps, redundancy at rest."""
+"""The march where it is easily wrong: jumps of loads, corners of motions, many turns in few steps, redundancy."""
 
 import numpy as np
 import pytest
