@@ -52,7 +52,6 @@ class Progress:
         self.note(
             f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
             f"steps, in {elapsed:.2f} s; results in {self.path}"
-            f"results in {self.path}"
         )
 
     def _share(self, run):
