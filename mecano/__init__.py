@@ -34,9 +34,10 @@ def _cache_folder():
 os.environ["NUMBA_CACHE_DIR"] = _cache_folder()
 
 
-def compiled_before():
-    """True when compiled code of this state of the sources is found on disk."""
-    return any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi"))
+def compiled_before(kinds):
+    """True when compiled code of the elements of all ``kinds``, by name, is found on disk for these sources."""
+    names = [path.name for path in Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi")]
+    return all(any(f".observe_{kind}-" in name for name in names) for kind in kinds)
 
 
 def __getattr__(name):

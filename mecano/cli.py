@@ -58,7 +58,8 @@ def run(deck, output, force, quiet, overrides):
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     progress = Progress(checked.values["time"], quiet, path)
-    progress.compiling()
+    kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
+    progress.compiling(kinds)
     from mecano.run import run as solve
 
     for number in STOPPED:
@@ -151,7 +152,7 @@ def _stop(number, frame):
 def main():
     """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
     try:
-        commands(standalone_mode=False)
+        commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
         number = getattr(error.__cause__, "number", signal.SIGINT)
         _end(STOPPED[number], f"mecano: {error.__cause__ or 'interrupted'}")

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.system import System
@@ -84,9 +86,11 @@ def _given(value, otherwise):
     return otherwise if value == AUTOMATIC else value
 
 
-def remarks(prepared):
-    """What a user should know of a model before it runs, one text each."""
+def remarks(prepared, start=None):
+    """What a user should know of a model before it runs, one text each; ``start`` is the RunState at the start."""
     texts, analysis = [], prepared.analysis
+    if start is not None:
+        texts += _changed_velocities(prepared, start.motion)
     if prepared.displacement > 1e-6 * prepared.length:
         texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
     for group in analysis.redundant:
@@ -97,6 +101,24 @@ def remarks(prepared):
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
     return texts
+
+
+def _changed_velocities(prepared, motion):
+    """The node whose velocity the constraints changed most from what the deck asks, as a text."""
+    system, of, asked = prepared.system, prepared.system.numbering, prepared.state.v
+    entries = prepared.deck.values["initial"]["velocities"]
+    named = {name for entry in entries if entry["nodes"] != "all" for name in entry["nodes"]}
+    rows = [i for i, node in enumerate(system.nodes) if node.name in named]
+    change = [np.linalg.norm((motion.v - asked)[of.x[i] : of.x[i] + 3]) for i in rows]
+    fastest = max((np.linalg.norm(v[of.x[i] : of.x[i] + 3]) for v in (motion.v, asked) for i in rows), default=0.0)
+    if not rows or max(change) <= 1e-6 * fastest:
+        return []
+    i = rows[int(np.argmax(change))]
+    was, is_ = (", ".join(f"{c:.4g}" for c in v[of.x[i] : of.x[i] + 3]) for v in (asked, motion.v))
+    return [
+        f"the initial velocities do not fit the constraints and were changed to the nearest that do (momenta kept): "
+        f"node '{system.nodes[i].name}' from [{was}] to [{is_}] m/s"
+    ]
 
 
 def chosen(prepared, march, start):

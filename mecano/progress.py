@@ -4,6 +4,8 @@ import os
 import sys
 import time
 
+from mecano import compiled_before
+
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
@@ -18,12 +20,10 @@ class Progress:
         self.begun = self.drawn = time.monotonic()
         self.tenths, self.marching = 0, None
 
-    def compiling(self):
-        """Say that the first run compiles; nothing is said when the compiled code is there already."""
-        from mecano import compiled_before
-
-        if not compiled_before():
-            self.note("compiling, once for this version of mecano: this takes up to 40 s")
+    def compiling(self, kinds):
+        """Say that kinds of elements are compiled when they are used first; nothing when they all were."""
+        if not compiled_before(kinds):
+            self.note("compiling what this deck is the first to use: this takes up to a minute, once")
 
     def note(self, text):
         """A line of its own."""
@@ -50,8 +50,8 @@ class Progress:
         """The last line: how it went and where the results are."""
         elapsed = time.monotonic() - self.begun
         self.note(
-            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations in {elapsed:.2f} s; "
-            f"results in {self.path}"
+            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
+            f"steps, in {elapsed:.2f} s; results in {self.path}"
         )
 
     def _share(self, run):

@@ -74,7 +74,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     values, prepared = deck.values["time"], prepare(deck)
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
-    notes = remarks(prepared)
+    notes = remarks(prepared, start)
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
         automatic=chosen(prepared, march, start), remarks=notes,

@@ -147,6 +147,11 @@ class TestRun:
         code, _, err = call("run", "deck.yaml")
         assert code == 5 and "deck.h5 exists already" in err and "--force" in err
         assert (folder / "deck.h5").read_text() == "precious"
+        code, _, err = call("run", "deck.yaml", "--force", "-q")
+        assert code == 5 and "no results file" in err
+        assert (folder / "deck.h5").read_text() == "precious"
+        assert call("run", "deck.yaml", "-q", "-o", "own.h5")[0] == 0
+        (folder / "own.h5").replace(folder / "deck.h5")
         assert call("run", "deck.yaml", "--force", "-q")[0] == 0
         assert mecano.open_results("deck.h5").status == "complete"
 
@@ -181,7 +186,7 @@ class TestRun:
         free = DECK.partition("joints:")[0] + pull + "time: {start: 5000, end: 6000, step: 10}\n"
         (folder / "deck.yaml").write_text(free)
         process = started(folder, "-q")  # numpy's warnings are no errors there
-        _, err = process.communicate(timeout=50)
+        _, err = process.communicate(timeout=150)
         assert process.returncode == 6 and b"not finite" in err and b"Traceback" not in err
 
     def test_out_of_memory(self, call, folder, monkeypatch):
@@ -205,7 +210,7 @@ class TestInterruptions:
     @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
     def test_a_stopped_run_leaves_a_valid_file(self, folder, number, code):
         process = started(folder, "-q", *NEVER_ENDING)
-        path, deadline = folder / "deck.h5", time.monotonic() + 50
+        path, deadline = folder / "deck.h5", time.monotonic() + 150  # more than compiling takes
         while not path.exists() or not len(mecano.open_results(path).time):
             assert time.monotonic() < deadline and process.poll() is None
             time.sleep(0.05)
@@ -227,7 +232,7 @@ class TestInterruptions:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
         process = started(folder, "-q", *NEVER_ENDING, preexec_fn=small_disk)
-        _, err = process.communicate(timeout=50)
+        _, err = process.communicate(timeout=150)
         assert process.returncode == 5 and b"Traceback" not in err
         assert b"cannot write deck.h5: File too large" in err and b"saved times up to" in err
         with mecano.open_results(folder / "deck.h5") as results:

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from mecano.deck.physics import poses
+from mecano.deck.physics import element_nodes, poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
 from mecano.schema import CURVE
 
-NODE_KEYS = ("node", "nodes", "attached")
 SECTIONS = ("elements", "joints", "loads")
 
 
@@ -18,18 +17,11 @@ def build(deck):
     at = poses(values["nodes"])
     nodes = [Node(name, *at[name], d["fixed"]) for name, d in values["nodes"].items()]
     elements = [
-        Element(name, KINDS[d["type"]], node_names(d), d) for section in SECTIONS for name, d in values[section].items()
+        Element(name, KINDS[d["type"]], tuple(element_nodes(KINDS[d["type"]], d)), d)
+        for section in SECTIONS
+        for name, d in values[section].items()
     ]
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
-
-
-def node_names(values):
-    """Names of the nodes of an element, in the order in which its kind counts them."""
-    names = []
-    for key in NODE_KEYS:
-        given = values.get(key) or ()
-        names += [given] if isinstance(given, str) else list(given)
-    return tuple(names)
 
 
 def set_velocities(deck, system, s):

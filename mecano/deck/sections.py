@@ -42,6 +42,11 @@ def below_one(value):
     return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
 
 
+def above_rounding(value):
+    """Check: a relative tolerance that rounding lets one meet."""
+    return None if 1e-14 <= value < 1.0 else "must lie between 1e-14 and 1"
+
+
 def at_least_one(value):
     """Check: >= 1."""
     return None if value >= 1 else "must be at least 1"
@@ -119,8 +124,10 @@ ADAPTIVE_FIELDS = (
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
 )
 NEWTON_FIELDS = (
-    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-7, below_one),
-    Field("constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, below_one),
+    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-7, above_rounding),
+    Field(
+        "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, above_rounding
+    ),
     Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 15, at_least_one),
 )
 SCALE_FIELDS = (

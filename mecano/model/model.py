@@ -20,7 +20,7 @@ class Element:
     """A named element: its kind, the names of its nodes, its checked deck values."""
 
     name: str
-    kind: object  # elements.contract.Kind
+    kind: object  # contract.Kind
     nodes: tuple
     values: dict = field(default_factory=dict)
 

@@ -42,7 +42,10 @@ def _run(results):
         ("title", data["title"] or "none"),
         ("run", _count(results)),
         ("saved", _saved(results)),
-        ("time spent", f"{data['processor_time']:.2f} s of the processor in {data['wall_time']:.2f} s"),
+        (
+            "time spent",
+            f"{data['processor_time']:.2f} s of the processor with compiling, {data['wall_time']:.2f} s for the march",
+        ),
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),

@@ -27,6 +27,9 @@ _EXISTS = "{} exists already; give another name, or --force to replace it"
 _TEXT_LENGTHS = {"status": 16, "reason": 8000}
 
 
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
 class Writer:
     """A results file being written; made by ``Writer.create``, usable as a context manager.
 
@@ -269,9 +272,14 @@ class Writer:
 
 
 def refuse_existing(path, force):
-    """Raise ResultsError when ``path`` exists and may not be replaced."""
-    if Path(path).exists() and not force:
+    """Raise ResultsError when ``path`` exists and may not be replaced: never anything but an HDF5 file."""
+    if not Path(path).exists():
+        return
+    if not force:
         raise ResultsError(f"{path} exists already; give another name, or --force to replace it")
+    with open(path, "rb") as file:
+        if file.read(len(SIGNATURE)) != SIGNATURE:
+            raise ResultsError(f"{path} exists already and is no results file; give another name")
 
 
 def _new_file(disk, layout):

@@ -10,6 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
+from mecano.model.numbering import ROTATION
+
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
 DENSE_ROWS = 3000  # beyond this many constraints in closed loops no singular values are computed
@@ -66,7 +68,7 @@ def gradient(system, s, length):
     system.add_constraints(bare, 1.0, 0.0, data)
     full = sp.csr_matrix((-data[:-1], (system.rows, system.cols)), shape=(system.n, system.n))
     B = full[system.n_q :, : system.n_q]
-    B = B @ sp.diags(np.where(system.numbering.kind[: system.n_q] == 1, 1.0 / length, 1.0))
+    B = B @ sp.diags(np.where(system.numbering.kind[: system.n_q] == ROTATION, 1.0 / length, 1.0))
     size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     size = np.where(size > 0, size, 1.0)
     B = sp.csr_matrix(sp.diags(1.0 / size) @ B)

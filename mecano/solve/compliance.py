@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
@@ -41,14 +41,17 @@ def compliance(system, s, length, dependent):
     """Compliance of a model, or None when no constraint is redundant.
 
     Reactions in the directions that the projector ``dependent`` (n_l, n_l) holds meet a compliance under which the
-    forces at work in ``s`` move them by SOFTNESS of the length scale, or rad; all others are exact.
+    forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or rad; all
+    others are exact.
     """
     if not dependent.nnz:
         return None
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     of = system.numbering
-    masses = system.data[system.diagonal[: system.n_q]][of.kind[: system.n_q] == TRANSLATION]
-    force = max(system.size[of.kind == TRANSLATION].max(initial=0.0), 9.81 * masses.max(initial=0.0), TINY)
+    sizes = np.where(of.kind == ROTATION, system.size / length, system.size)
+    inertias = system.data[system.diagonal[: system.n_q]]
+    masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
+    force = max(sizes.max(), 9.81 * masses.max(initial=0.0), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
     matrix = sp.csr_matrix(root @ dependent @ root)

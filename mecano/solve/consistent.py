@@ -11,8 +11,9 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.model.numbering import SCALAR
 from mecano.solve.increments import displaced, moved
+
+DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
 
 
 class Consistent:
@@ -82,21 +83,15 @@ class Consistent:
         gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
         return displaced(s, self.change(-gap), self.system.numbering)
 
-    def jerk_rate(self, s):
+    def jerk_rate(self, s, h):
         """-B d3q/dt3 (n_l,): how the second rates would change along the motion if the accelerations stayed.
 
-        Central difference; only geometry enters, no force, so stiff laws do no harm.
+        Forward difference of second order over a small part of the step h: what happened before ``s`` does not count
+        (a law of time may have a corner there). Only geometry enters, no force, so stiff laws do no harm.
         """
-        of = self.system.numbering
-        dt = 1e-4 / max(_fastest(s.v, of) + np.sqrt(_fastest(s.a, of)), 1e-4)
-        ahead, back = (self.system.levels(moved(s, d, of))[:, 2] for d in (dt, -dt))
-        return (ahead - back) / (2.0 * dt)
-
-
-def _fastest(v, of):
-    """Largest length of the vectors in v (n_all,) of the free nodes; the same in any axes."""
-    nodes = v[: of.n_q][of.kind[: of.n_q] != SCALAR].reshape(-1, 3)
-    return np.sqrt(np.max(np.sum(nodes * nodes, axis=1), initial=0.0))
+        dt, of = DIFFERENCE * h, self.system.numbering
+        now, next_, last = (self.system.levels(moved(s, i * dt, of))[:, 2] for i in range(3))
+        return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
 
 
 def _with(s, v, a):

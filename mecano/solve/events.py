@@ -74,6 +74,8 @@ def locate(watch, step, s0, g0, trial, h):
     falsi on the step size, for the largest of the event functions that crossed.
     """
     g1 = watch.values(trial[0])
+    if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
+        return 0.0, None, (g0 > 0) & (g1 > 0)
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     if not crossed.any():
         return None
@@ -87,7 +89,10 @@ def locate(watch, step, s0, g0, trial, h):
         middle = min(max(middle, lo + 0.01 * (hi - lo)), hi - 0.1 * TIME_TOLERANCE * h)
         new = step(middle)
         if not new[2].ok:
-            break
+            middle = 0.5 * (lo + middle)
+            new = step(middle)
+            if not new[2].ok:
+                break
         g = watch.values(new[0])[crossed].max()
         if g >= 0:
             hi, G_hi, best = middle, g, new

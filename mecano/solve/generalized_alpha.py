@@ -14,11 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.model.numbering import ROTATION
 from mecano.model.state import History
 from mecano.solve.consistent import Consistent
 from mecano.solve.increments import correct, finish, predict
 from mecano.solve.newton import newton
 from mecano.solve.scales import Tolerances, balance, norms
+
+MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,7 @@ class GeneralizedAlpha:
         self.k, self.penalty, self.compliance = k, penalty, compliance
         self.limits = (self.tolerances.force, self.tolerances.constraint)
         self._increment = np.zeros(system.n)
+        self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
         self._no_shift = np.zeros(system.numbering.n_all)
 
     def start(self, s, h):
@@ -106,7 +111,7 @@ class GeneralizedAlpha:
         c, n_q = self.coefficients, self.system.n_q
         v_shift = np.zeros_like(a)
         if self.system.n_l:
-            rate = consistent.jerk_rate(s)
+            rate = consistent.jerk_rate(s, h)
             consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
             shifted = s.copy()
             consistent.project_velocity(shifted, c.error * h * h * rate)
@@ -162,6 +167,8 @@ class GeneralizedAlpha:
         result = newton(evaluate, solve, move, max_iterations=self.tolerances.max_iterations)
         if not result.ok:
             return s, history, StepInfo(False, result.iterations, result.norms, np.nan, result.message)
+        if np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
+            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, TURNS_TOO_FAR)
         a, rate = np.zeros_like(s.a), np.empty(system.n_l)
         change = finish(h, c.am, c.af, history.a, s0.a, s.a, s0.z, s.z, of.kind, n_q, n, length, a, rate)
         error = c.error * h * h * change

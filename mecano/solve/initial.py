@@ -3,6 +3,7 @@
 import numpy as np
 
 from mecano.errors import AssemblyError
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 from mecano.solve.increments import displaced
 
 MAX_ITERATIONS = 50
@@ -18,8 +19,8 @@ def assemble_positions(system, linear, s, length):
     constraints that cannot be met together, or a joint that closed the wrong way round.
     """
     start, of = s, system.numbering
-    scale = np.where(of.kind[system.n_q : system.n] == 3, length, 1.0)
-    weight = np.where(of.kind[: system.n_q] == 1, length**2, 1.0)
+    scale = np.where(of.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
+    weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
     for _ in range(MAX_ITERATIONS):
         phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
         error = np.abs(phi) / scale
@@ -55,7 +56,7 @@ def _refusal(system, phi, error):
     worst = np.argsort(-error)[:NAMED]
     lines = [
         f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
-        f"{'m' if system.numbering.kind[system.n_q + i] == 3 else 'rad'}"
+        f"{'m' if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT else 'rad'}"
         for i in worst
         if error[i] > 100 * TOLERANCE
     ]

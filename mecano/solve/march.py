@@ -106,16 +106,22 @@ class March:
     def _clip(self, run, stop):
         """The step to try: the planned one, or what is left to ``stop``."""
         left = stop - run.motion.t
-        return left if SLIVER * run.h < abs(left - run.h) and left < STRETCH * run.h else run.h
+        if left >= STRETCH * run.h:
+            return run.h
+        if stop not in self.breakpoints:
+            return left if SLIVER * run.h < abs(left - run.h) else run.h
+        while run.motion.t + left >= stop:  # the law of before a jump holds to the end of the step
+            left = np.nextafter(left * (1.0 - 4e-16), 0.0)
+        return left
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
-        if abs(s.t - stop) <= SLIVER * h:
-            s.t = stop
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
         new = self._stepped(run, s, history, planned, h)
+        if abs(s.t - stop) <= SLIVER * h:
+            s.t = stop
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work))
         return new
 

@@ -1,6 +1,7 @@
 """The cases in Exudyn (pip install exudyn), as its users write and tune them: the same bodies, joints and steps.
 
-Exudyn wants to be told how to solve a model. ``CANDIDATES`` are the settings that its manual offers; ``run.py tune CASE``
+Exudyn wants to be told how to solve a model. ``CANDIDATES`` are the settings that its manual offers;
+``run.py tune CASE``
 tries them all; ``BEST`` names the fastest that keeps the accuracy.
 """
 
@@ -74,7 +75,7 @@ def candidates(case):
 
 
 def precise(case):
-    """Settings of the reference: full Newton, tight tolerances; isostatic hinges, which Exudyn solves as a matter of course."""
+    """Settings of the reference: full Newton, tight tolerances; isostatic hinges, which Exudyn solves anyway."""
     solver = "sparse" if case.model == "four_bar" else BEST[case.name].solver
     tight = replace(BEST[case.name], solver=solver, modified=False, relative=1e-10, absolute=1e-12)
     return replace(tight, redundant=False, planar=True)

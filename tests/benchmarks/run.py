@@ -89,7 +89,8 @@ def tune(case, repetitions, other):
 
 def table(found):
     """One case as a line of text."""
-    text = f"{found['case']:12s} mecano {found['mecano']['us_per_step']:8.1f} us/step, error {found['mecano']['error']:.1e}"
+    own = found["mecano"]
+    text = f"{found['case']:12s} mecano {own['us_per_step']:8.1f} us/step, error {own['error']:.1e}"
     if "ratio" in found:
         other = found["exudyn"]
         text += f"; Exudyn {other['us_per_step']:8.1f} us/step, error {other['error']:.1e}"

@@ -1,1 +1,2 @@
-def startup(): pass
+def startup():
+    pass

@@ -1,0 +1,85 @@
+"""Initial positions: brought onto the constraints, or refused by name; motions between steps."""
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+
+from mecano.errors import AssemblyError
+from mecano.prepare import prepare, remarks
+from mecano.solve.interpolate import interpolate
+
+ROD = """
+    mecano: 1
+    nodes:
+      a: {position: [0, 0, 0], fixed: true}
+      m: {position: [1.02, 0, 0.01]}
+      b: {position: [%s, 0, 0], fixed: true}
+    elements: {mass: {type: point_mass, node: m, mass: 1}}
+    joints:
+      left: {type: rigid_rod, nodes: [a, m], length: 1.0}
+      right: {type: rigid_rod, nodes: [m, b], length: 1.0}
+    time: {end: 0.1, step: 0.001}
+"""
+
+
+def test_positions_are_brought_to_the_nearest_that_fit():
+    prepared = prepare(deck(ROD % 1.6))
+    system, state = prepared.system, prepared.state
+    x = state.z[system.numbering.x[1] :][:3]
+    assert np.linalg.norm(x) == pytest.approx(1.0, abs=1e-11)
+    assert np.linalg.norm(x - [1.6, 0, 0]) == pytest.approx(1.0, abs=1e-11)
+    assert x[0] == pytest.approx(0.8, abs=1e-11) and x[2] > 0  # of the two solutions the one on the deck's side
+    assert prepared.displacement == pytest.approx(np.abs(x - [1.02, 0, 0.01]).max(), abs=1e-9)
+    assert any("moved the initial positions" in text for text in remarks(prepared))
+
+
+def test_what_cannot_be_met_is_refused_by_name():
+    with pytest.raises(AssemblyError, match="cannot be assembled") as refusal:
+        prepare(deck(ROD % 2.5))  # two rods of 1 m between supports 2.5 m apart
+    assert "rigid_rod 'left'" in str(refusal.value) and "rigid_rod 'right'" in str(refusal.value)
+    assert refusal.value.exit_code == 4
+
+
+def test_a_hinge_closed_the_wrong_way_round_is_refused():
+    flipped = """
+        mecano: 1
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1], axis_b: [0, 0, -1]}}
+        time: {end: 1.0, step: 0.01}
+    """
+    with pytest.raises(AssemblyError, match="hinge 'pin'.*flipped"):
+        prepare(deck(flipped))
+
+
+def test_mechanisms_and_redundant_constraints_are_named():
+    analysis = prepare(input_deck("four_bar")).analysis
+    assert analysis.mobility == 1 and len(analysis.mechanisms) == 1 and analysis.mechanisms[0].count == 1
+    assert sum(group.count for group in analysis.redundant) == 3
+    named = " ".join(name for group in analysis.redundant for name in group.names)
+    assert all(f"hinge 'hinge_{letter}'" in named for letter in "abcd")
+    assert any("not unique" in text for text in remarks(prepare(input_deck("four_bar"))))
+
+
+@pytest.mark.parametrize("what, order", [("position", 4), ("velocity", 3)])
+def test_motion_between_steps_is_as_good_as_the_steps(what, order):
+    """Errors of a step's interpolation against a march that ends there: h^4 and h^3, beyond the method's h^2."""
+    errors = []
+    for h in (0.02, 0.01):
+        kept = []
+
+        def keep(march, run, kept=kept):
+            march.observers = (*march.observers, kept.append)
+            return run
+
+        # nearly exact states at the ends of long steps and a quarter into them, from a fine march
+        m = March(input_deck("double_pendulum", "time.end=0.4", f"time.step={h / 40}"), change=keep)
+        of, x = m.system.numbering, m.system.numbering.x[m.system.numbering.x < m.system.numbering.n_q]
+        worst = 0.0
+        for i in range(19, len(kept) - 40, 40):
+            left, middle, right = (kept[i + n].run.motion for n in (0, 10, 40))
+            between = interpolate(left, right, middle.t, of)
+            array, exact = (between.z, middle.z) if what == "position" else (between.v, middle.v)
+            worst = max(worst, max(np.abs(array[i : i + 3] - exact[i : i + 3]).max() for i in x))
+        errors.append(worst)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.4)
