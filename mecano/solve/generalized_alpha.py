@@ -142,6 +142,7 @@ class GeneralizedAlpha:
             history.a, s0.a, history.previous, history.v_shift, history.multiplier_rate, s0.R,
             of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
         )  # fmt: skip
+        reach *= max(history.k / k, 1.0)  # rounding is that of the stiffness, whatever k a deck gives
 
         def evaluate(tangent):
             system.assemble(s, k, penalty, *((1.0, cC, cM) if tangent else (0.0, 0.0, 0.0)))
