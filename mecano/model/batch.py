@@ -23,6 +23,7 @@ class Batch:
     columns: np.ndarray  # (n_rotations,) local columns of the rotations
     multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
     entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
+    events: np.ndarray = None  # (n, n_events of the kind) the event values of the system, those of this batch
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
@@ -32,13 +33,16 @@ class Batch:
         self.matrices = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.y = np.zeros((len(self.p), self.n_outputs))
+        self.n_events = len(self.p) * len(kind.events)
         self.e = np.zeros((len(self.p), 4))
         self.F = np.zeros(self.watched_slots.shape[1])
 
     def loop(self, template, name):
         """The compiled loop for one of the kind's functions, or None when the kind has none."""
         function = getattr(self.kind, name)
-        return None if function is None else loops.loop_over(template, function, f"{name}_{self.kind.name}")
+        if function is None:
+            return None
+        return loops.loop_over(template, function, f"{template.__name__.strip('_')}_{name}_{self.kind.name}")
 
 
 def batches(instances, of, n_slots, sides):

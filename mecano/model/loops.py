@@ -4,10 +4,13 @@ A loop made by a closure over the element is never found in numba's cache again;
 the element among its globals and a name of its own is (see docs/architecture.md).
 """
 
+import math
 import types
-from functools import cache
+from functools import cache, partial
 
-from numba import njit
+from numba import njit, typeof
+
+from mecano.maths.nowhere import NOWHERE
 
 
 @njit
@@ -25,18 +28,20 @@ def gather(dofs, rots, z_in, v_in, a_in, R_in, q_out, v_out, a_out, R_out):
 
 
 def _assemble(
-    # element
-    p, memory, mode, dofs, rots, slots, columns, entries,
-    t, k, penalty, laws,
+    # elements, for good
+    p, laws, dofs, rots, slots, columns, entries,
+    # work
+    q, v, a, R, f, K, C, M,
+    # elements, now
+    memory, mode,
+    # coefficients
+    t, k, penalty, cK, cC, cM,
     # state in
     z_in, v_in, a_in, R_in, T_in,
     # out, added to
-    force_out, size_out, data_out, cK, cC, cM,
-    # work
-    q, v, a, R, f, K, C, M,
+    force_out, size_out, mass_out, data_out,
 ):  # fmt: skip
     n = dofs.shape[1]
-    residual_only = cK == 0.0 and cC == 0.0 and cM == 0.0
     for e in range(dofs.shape[0]):
         for i in range(n):
             f[i] = 0.0
@@ -47,13 +52,10 @@ def _assemble(
         gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
         for i in range(n):
-            size = abs(f[i])
-            for j in range(n):
-                size += abs(M[i, j] * a[j])
-            force_out[slots[e, i]] += f[i]
-            size_out[slots[e, i]] += size
-        if residual_only:
-            continue
+            s = slots[e, i]
+            force_out[s] += f[i]
+            size_out[s] += abs(f[i])
+            mass_out[s] += abs(M[i, i])
         # K is the derivative by the material variation; T turns it into one by the rotation increment
         for r in range(rots.shape[1]):
             c, s = columns[r], rots[e, r]
@@ -66,7 +68,26 @@ def _assemble(
                 data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
-def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
+def _residual(
+    p, laws, dofs, rots, slots, q, v, a, R, f, memory, mode, t, k, penalty, z_in, v_in, a_in, R_in,
+    force_out, size_out,
+):  # fmt: skip
+    n = dofs.shape[1]
+    for e in range(dofs.shape[0]):
+        f[:] = 0.0
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
+        function(  # noqa: F821
+            p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, NOWHERE, NOWHERE, NOWHERE
+        )
+        for i in range(n):
+            s = slots[e, i]
+            force_out[s] += f[i]
+            size_out[s] += abs(f[i])
+
+
+def _levels(
+    p, laws, dofs, rots, multipliers, q, v, a, R, g, memory, mode, t, z_in, v_in, a_in, R_in, g_out,
+):  # fmt: skip
     for e in range(dofs.shape[0]):
         gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g)  # noqa: F821
@@ -75,15 +96,24 @@ def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in,
                 g_out[multipliers[e, i], j] = g[i, j]
 
 
-def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, q, v, a, R):
+def _write(p, laws, dofs, rots, q, v, a, R, memory, mode, t, z_in, v_in, a_in, R_in, y_out):
     for e in range(dofs.shape[0]):
         gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
         function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
 
 
+def _watch(p, laws, dofs, rots, q, v, a, R, before, g_out, memory, mode, t, z_in, v_in, a_in, R_in):
+    for e in range(dofs.shape[0]):
+        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
+        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g_out[e])  # noqa: F821
+        for i in range(before.shape[0]):
+            if mode[e] != before[i]:
+                g_out[e, i] = -math.inf
+
+
 def _observe(
-    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, total_out,
-    y_out, e_out, q, v, a, R, F,
+    p, laws, dofs, rots, slots, q, v, a, R, F, force_in, y_out, e_out, total_out, memory, mode, t,
+    z_in, v_in, a_in, R_in,
 ):  # fmt: skip
     for e in range(dofs.shape[0]):
         gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
@@ -97,23 +127,24 @@ def _observe(
 
 
 @njit(cache=True)
-def clear(force_out, size_out, data_out, residual_only):
-    """Zero the arrays that the loops add to; the values of the tangent only if they are wanted."""
+def clear(force_out, size_out, mass_out, data_out, residual_only):
+    """Zero the arrays that the loops add to; masses and the values of the tangent only if they are wanted."""
     force_out[:] = 0.0
     size_out[:] = 0.0
     if not residual_only:
+        mass_out[:] = 0.0
         data_out[:] = 0.0
 
 
 @njit(cache=True)
-def collect(force_in, size_in, slot_dof, r_out, size_out):
-    """Sum the forces (and their sizes) of all slots that are one unknown."""
+def collect(force_in, size_in, mass_in, slot_dof, r_out, size_out, a_in):
+    """Sum the forces of all slots that are one unknown, and their sizes, those of the forces of inertia included."""
     r_out[:] = 0.0
     size_out[:] = 0.0
     for s in range(slot_dof.shape[0]):
         d = slot_dof[s]
         r_out[d] += force_in[s]
-        size_out[d] += size_in[s]
+        size_out[d] += size_in[s] + mass_in[s] * abs(a_in[d])
 
 
 @njit(cache=True)
@@ -139,3 +170,14 @@ def loop_over(template, function, name):
     bound = types.FunctionType(template.__code__, {**template.__globals__, "function": function}, name)
     bound.__qualname__ = name
     return njit(cache=True)(bound)
+
+
+def direct(function, first, others):
+    """``function`` with its first arguments given, and called without numba's dispatch.
+
+    ``others`` are examples of the arguments that are left; those of every call must have their types, dimensions and
+    order in memory. The dispatch looks at every array again, which takes longer than the work of many a kernel.
+    """
+    if hasattr(function, "compile"):
+        function = function.compile(tuple(typeof(argument) for argument in (*first, *others)))
+    return partial(function, *first)

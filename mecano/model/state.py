@@ -35,8 +35,12 @@ class History:
     """What generalized-alpha keeps besides the motion."""
 
     a: np.ndarray  # (n_all,) algorithmic acceleration
-    h: float  # step size it belongs to [s]; 0 at a start
-    previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
-    multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
+    h: float  # size of the steps it is for [s]
+    slope: np.ndarray  # (n,) last change of accelerations and multipliers over a step: their backward difference
+    bend: np.ndarray  # (n,) second backward difference
+    known: int  # how many of the two differences are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step
     k: float  # mean stiffness of the effective tangent for steps of this size [N/m]
+    tangent: object = None  # State whose tangent the next step may use, or None when it must evaluate a new one
+    age: int = 0  # accepted steps since that state
+    drift: float = 0.0  # share of the residual that an iteration with an old tangent leaves, per step of its age

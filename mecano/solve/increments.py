@@ -33,23 +33,25 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out, T_out):
 
 @njit(cache=True)
 def predict(
-    # step
-    h, am, af, beta, gamma,
-    # state and history at its beginning
-    a0, acceleration0, previous, v_shift, rate, R0,
+    # method
+    am, af, beta, gamma,
     # model
     kind, rotation_dof, n_q, n,
+    # step
+    h,
+    # state and history at its beginning
+    a0, acceleration0, slope, bend, v_shift, R0,
     # out: the state at its beginning, moved to its end
     z_out, v_out, acceleration_out, R_out, T_out,
 ):  # fmt: skip
-    """Move a state to the end of a step with accelerations extrapolated from the last step.
+    """Move a state to the end of a step: accelerations and multipliers extrapolated by a parabola.
 
-    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step, previous (n_all,) at
-    the beginning of the last step of the same size; rate (n_l,) of the multipliers. Returns the largest coordinate [m].
+    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step; slope, bend (n,)
+    differences of the true ones and of the multipliers. Returns the largest coordinate [m].
     """
     reach = 0.0
     for i in range(n_q):
-        guess = 2.0 * acceleration0[i] - previous[i]
+        guess = acceleration0[i] + slope[i] + bend[i]
         a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
         v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
@@ -58,23 +60,23 @@ def predict(
         v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         acceleration_out[i] = guess
     for i in range(n_q, n):
-        z_out[i] += h * rate[i - n_q]
+        z_out[i] += slope[i] + bend[i]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
     return reach
 
 
 @njit(cache=True)
-def correct(dz, k, cC, cM, length, R0, kind, rotation_dof, n_q, n, z_out, v_out, a_out, R_out, T_out):
-    """Add a Newton correction dz (n,), velocities and accelerations by cC and cM, multipliers scaled by k.
+def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out, T_out):
+    """Take off dz (n,), the solution for the residual; velocities and accelerations by cC and cM, multipliers by k.
 
     Returns the largest displacement over ``length``, or rotation [rad]; inf when it is not finite.
     """
     for i in range(n_q):
-        z_out[i] += dz[i]
-        v_out[i] += cC * dz[i]
-        a_out[i] += cM * dz[i]
+        z_out[i] -= dz[i]
+        v_out[i] -= cC * dz[i]
+        a_out[i] -= cM * dz[i]
     for i in range(n_q, n):
-        z_out[i] += k * dz[i]
+        z_out[i] -= k * dz[i]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out, T_out)
     return largest(dz, kind, n_q, length)
 
@@ -92,8 +94,19 @@ def largest(dz, kind, n_q, length):
 
 
 @njit(cache=True)
-def finish(h, am, af, a0, acceleration0, acceleration, z0, z, kind, n_q, n, length, a_out, rate_out):
-    """Algorithmic acceleration (n_all,) and rate of the multipliers (n_l,) after a step.
+def finish(
+    # method
+    am, af, length,
+    # model
+    kind, n_q, n,
+    # history
+    a0, slope, known,
+    # both ends of the step
+    acceleration0, z0, acceleration, z,
+    # out
+    a_out, slope_out, bend_out,
+):  # fmt: skip
+    """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
     displacements, or of a scalar.
@@ -105,8 +118,11 @@ def finish(h, am, af, a0, acceleration0, acceleration, z0, z, kind, n_q, n, leng
         begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
         square = change * change + (0.0 if begins else square)
         worst = max(worst, square)
+        slope_out[i] = acceleration[i] - acceleration0[i]
     for i in range(n_q, n):
-        rate_out[i - n_q] = (z[i] - z0[i]) / h
+        slope_out[i] = z[i] - z0[i]
+    for i in range(n):
+        bend_out[i] = slope_out[i] - slope[i] if known else 0.0
     return math.sqrt(worst)
 
 

@@ -67,14 +67,15 @@ class LinearSolver:
         )  # fmt: skip
         self._substitute_arguments = (*self._tables, self._factors, self._exchanges, self._vectors)
         self._other = None  # the factorization by SuperLU, if the last matrix needed it
+        self.label = None  # what the caller of the last ``solve`` called its matrix
 
-    def solve(self, data, b, x_out):
+    def solve(self, data, b, x_out, label=None):
         """Factor the matrix and solve A x = b; returns a LinearStatus.
 
         data (>= nnz,): values of the entries, in the order of the pattern. b (n,), x_out (n,): different arrays.
         All are contiguous arrays of floats. x_out holds the best attempt, which may be useless if not ok.
         """
-        self._other = None
+        self._other, self.label = None, label
         null, refined, error = multifrontal.solve(data, b, *self._solve_arguments, x_out)
         if error <= ACCEPT_BELOW:
             return LinearStatus(True, error, null > 0, True, null, refined)

@@ -14,31 +14,40 @@ class NewtonResult:
     ok: bool
     iterations: int
     norms: tuple
+    first: float  # largest residual norm before the first iteration
+    second: float  # and after it
     message: str = ""
 
 
-def newton(evaluate, solve, correct, *, max_iterations):
+def newton(evaluate, solve, correct, *, kept, max_iterations):
     """Solve r(z) = 0 at least once, until residual and increment meet their tolerances.
 
     evaluate(tangent) -> tuple of residual norms over their tolerances, at the current z, with its tangent if asked for;
     solve(fresh) -> increment, with the last tangent evaluated or, not fresh, with the factor kept from before, None if
-    singular; correct(dz) -> norm of the increment over its tolerance; moves z. Never raises for non-convergence.
+    singular; correct(dz) -> norm of the increment over its tolerance; moves z. ``kept``: there is a factor, of an
+    earlier solution, that is expected to do for two iterations. Never raises for non-convergence.
     """
-    increment, last = np.inf, np.inf
+    increment = last = first = second = np.inf
+    fresh = not kept
+    norms = evaluate(fresh)
     for iteration in range(max_iterations + 1):
-        norms = evaluate(iteration == 0)
         worst = max(norms)
+        if iteration < 2:
+            first, second = (first, worst) if iteration else (worst, np.inf)
         if not np.isfinite(worst):
-            return NewtonResult(False, iteration, (*norms, increment), "a residual is not finite")
+            return NewtonResult(False, iteration, (*norms, increment), first, second, "a residual is not finite")
         if iteration and worst <= 1.0 and increment <= 1.0:
-            return NewtonResult(True, iteration, (*norms, increment))
+            return NewtonResult(True, iteration, (*norms, increment), first, second)
         if iteration == max_iterations:
             break
-        fresh = not iteration or worst > SLOW * last
-        if fresh and iteration:
-            evaluate(True)
+        if iteration:
+            fresh = worst * worst > last if kept and iteration == 1 else worst > SLOW * last
+            if fresh:
+                worst = max(evaluate(True))
         dz = solve(fresh)
         if dz is None:
-            return NewtonResult(False, iteration, (*norms, increment), "the tangent is singular")
+            return NewtonResult(False, iteration, (*norms, increment), first, second, "the tangent is singular")
         increment, last = correct(dz), worst
-    return NewtonResult(False, max_iterations, (*norms, increment), f"no convergence in {max_iterations} iterations")
+        norms = evaluate(False)
+    message = f"no convergence in {max_iterations} iterations"
+    return NewtonResult(False, max_iterations, (*norms, increment), first, second, message)
