@@ -231,3 +231,27 @@ def test_dissipation_of_the_method_falls_as_the_step_squared(name):
     coarse, fine = pair(name, lambda m: m["energy/total"] - m["energy/total"][0], [1.0], 2e-3, "time.rho_inf=0.95")
     assert coarse[0] < 0
     check_second_order(coarse, fine, 0.0, abs(fine[0]) / 100)
+
+
+def test_a_start_in_full_motion_fits_the_constraints_whatever_the_last_step_turned():
+    found = March(
+        deck("""
+            mecano: 1
+            nodes:
+              a: {position: [0, 0, 0]}
+              b: {position: [1, 0, 0]}
+              c: {position: [1, 0, 0]}
+            elements:
+              upper: {type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1], attached: [b]}
+              lower: {type: rigid_body, node: c, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+            joints:
+              shoulder: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+              elbow: {type: hinge, nodes: [b, c], axis: [0, 1, 0.2]}
+            time: {end: 0.6, step: 0.02}
+        """)
+    )
+    s, _ = found.march.method.start(found.run.motion, 0.02)
+    turned = found.run.motion.z[found.system.numbering.rotation_dof[1]]
+    assert abs(turned) > 0.01 and np.linalg.norm(s.v) > 1.0
+    level, rate, second = np.abs(found.system.levels(s)).max(axis=0)
+    assert level < 1e-10 and rate < 1e-13 and second < 1e-11

@@ -12,22 +12,19 @@ import numpy as np
 
 @dataclass
 class State:
-    """Motion, modes and memories at time ``t`` [s]; nothing here is shared with the model."""
+    """Motion, modes and memory at time ``t`` [s]; nothing here is shared with the model."""
 
     t: float
     z: np.ndarray  # (n_all,) positions, rotation increments of the last step, scalars, multipliers
     v: np.ndarray  # (n_all,)
     a: np.ndarray  # (n_all,)
     R: np.ndarray  # (n_rotations, 3, 3) material to inertial
-    T: np.ndarray  # (n_rotations, 3, 3) tangent operators of the rotation increments
-    modes: tuple  # one (n,) int64 array per batch, replaced and never changed in place
-    memories: tuple  # one (n, n_memory) array per batch, replaced and never changed in place
+    modes: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
+    memory: np.ndarray  # (n_memory,) of all elements, batch by batch; replaced, never changed in place
 
     def copy(self):
         """A copy whose motion may be changed."""
-        return State(
-            self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.T.copy(), self.modes, self.memories
-        )  # fmt: skip
+        return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.modes, self.memory)
 
 
 @dataclass

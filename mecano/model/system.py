@@ -5,9 +5,11 @@ from functools import cached_property
 import numpy as np
 
 from mecano.contract import Context
-from mecano.model import loops
+from mecano.model import conduct, loops
 from mecano.model.batch import batches
+from mecano.model.conduct import direct
 from mecano.model.instances import expand
+from mecano.model.loops import SYSTEM, loop_of, record
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
@@ -34,16 +36,14 @@ class System:
         self._pattern()
         self.laws = model.laws.array()
         self.side_starts, self.side_members = sides.tables()
-        self.force = np.zeros(self.n_slots)
-        self._slot_size = np.zeros(self.n_slots)
-        self._slot_mass = np.zeros(self.n_slots)  # diagonal of the mass matrices at the last tangent
+        self.force, self._size = np.zeros(self.n_slots), np.zeros(self.n_slots)
+        self._mass = np.zeros(self.n_slots)  # diagonals of the mass matrices at the last tangent
         self.transmitted = np.zeros(self.n_slots + len(self.side_starts) - 1)
         self.energy = np.zeros(4)  # kinetic, potential [J], dissipated, given power [W] of the last ``observe``
-        self.events = np.zeros(sum(b.n_events for b in self.batches))
-        for b, end in zip(self.batches, np.cumsum([b.n_events for b in self.batches]), strict=True):
-            b.events = self.events[end - b.n_events : end].reshape(len(b.p), -1)
+        self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
         self.residual = np.zeros(self.numbering.n_all)
         self.size = np.zeros(self.numbering.n_all)
+        self._record()
 
     def _slots(self, n_nodes):
         """One force slot for each unknown of each node, shared or not; then scalars, then multipliers."""
@@ -72,82 +72,63 @@ class System:
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
         self.data = np.zeros(self.nnz + 1)  # the last entry takes what belongs to fixed unknowns
 
-    def _bound(self, template, name, arguments):
-        """[(batch index, compiled loop)] of the kinds that have the function ``name``.
+    def _record(self):
+        """The record SYSTEM of the loops, and those of the batches."""
+        sizes = [len(b.p) * b.n_events for b in self.batches]
+        self._event_values = np.zeros(sum(sizes))
+        for b, size, end in zip(self.batches, sizes, np.cumsum(sizes), strict=True):
+            b.event_values = self._event_values[end - size : end].reshape(len(b.p), b.n_events)
+        self._batch_records = np.concatenate([b.record() for b in self.batches])
+        arrays = {
+            "laws": self.laws, "force": self.force, "size": self._size, "mass": self._mass, "slot_dof": self.slot_dof,
+            "residual": self.residual, "scale": self.size, "data": self.data, "side_starts": self.side_starts,
+            "side_members": self.side_members, "transmitted": self.transmitted, "energy": self.energy,
+        }  # fmt: skip
+        self.record = record(
+            SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
+            n_slots=self.n_slots, n_data=len(self.data), n_sides=len(self.transmitted), n_levels=self.n_l,
+            **{name: array.ctypes.data for name, array in arrays.items()},
+        )  # fmt: skip
 
-        arguments(batch) -> (tables and arrays that are the same in every call, examples of the others that come after
-        those every loop takes: memories, modes, time).
-        """
-        loops_of, s = [], self.initial_state()
-        for i, b in enumerate(self.batches):
-            if loop := b.loop(template, name):
-                first, others = arguments(b, s)
-                item = (i, loops.direct(loop, (b.p, self.laws, *first), (s.memories[i], s.modes[i], s.t, *others)))
-                loops_of.append(item)
-        return loops_of
+    def loops(self, template, chosen=lambda kind: True):
+        """Addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
+        found = [loop_of(b.kind, template) if chosen(b.kind) else None for b in self.batches]
+        own = np.array([loop is not None for loop in found], bool)
+        return np.array([loop.address for loop in found if loop], np.int64), self._batch_records[own]
 
-    @cached_property
-    def _assembly(self):
-        def arguments(b, s):
-            tables = (b.dofs, b.rots, b.slots, b.columns, b.entries)
-            out = (self.force, self._slot_size, self._slot_mass, self.data)
-            return (*tables, *b.work, *b.matrices), (1.0,) * 5 + (*_motion(s), s.T, *out)
-
-        return self._bound(loops._assemble, "force", arguments)
-
-    @cached_property
-    def _residuals(self):
-        def arguments(b, s):
-            first = (b.dofs, b.rots, b.slots, *b.work, b.matrices[0])
-            return first, (1.0, 1.0, *_motion(s), self.force, self._slot_size)
-
-        return self._bound(loops._residual, "force", arguments)
+    def _conductor(self, conduct, template, *others, chosen=lambda kind: True):
+        """The compiled function ``conduct`` for all loops of one purpose; ``others``: examples of its last arguments."""
+        s = self.initial_state()
+        return direct(conduct, (*self.loops(template, chosen), self.record), (*_motion(s), *others))
 
     @cached_property
-    def _constraints(self):
-        def arguments(b, s):
-            g = np.zeros((len(b.kind.multipliers), 3))
-            return (b.dofs, b.rots, b.multipliers, *b.work, g), (*_motion(s), np.zeros((self.n_l, 3)))
-
-        return self._bound(loops._levels, "levels", arguments)
+    def _assemble(self):
+        return self._conductor(conduct.assemble, loops.tangent, self._no_turn, 1.0, 1.0, 1.0, 1.0, 1.0)
 
     @cached_property
-    def _observers(self):
-        def arguments(b, s):
-            out = (self.transmitted, b.y, b.e, self.energy)
-            return (b.watched, b.rots, b.watched_slots, *b.work, b.F, *out), _motion(s)
-
-        return self._bound(loops._observe, "observe", arguments)
+    def _assemble_residual(self):
+        return self._conductor(conduct.assemble_residual, loops.residual, 1.0, 1.0)
 
     @cached_property
-    def _events(self):
-        def arguments(b, s):
-            kind = b.kind
-            before = np.array([kind.modes.index(event.before) for event in kind.events], np.int64)
-            return (b.watched, b.rots, *b.work, before, b.events), _motion(s)
-
-        return self._bound(loops._watch, "event_values", arguments)
+    def _add_constraints(self):
+        constraints = lambda kind: kind.multipliers  # noqa: E731
+        return self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=constraints)
 
     @cached_property
-    def _commits(self):
-        def arguments(b, s):
-            return (b.watched, b.rots, *b.work), (*_motion(s), np.zeros((len(b.p), len(b.kind.memory))))
-
-        return self._bound(loops._write, "commit", arguments)
+    def _levels(self):
+        return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
 
     @cached_property
-    def _clear(self):
-        return loops.direct(loops.clear, (self.force, self._slot_size, self._slot_mass), (self.data, True))
+    def _observe(self):
+        return self._conductor(conduct.observe, loops.observe)
 
     @cached_property
-    def _collect(self):
-        slots = (self.force, self._slot_size, self._slot_mass, self.slot_dof)
-        return loops.direct(loops.collect, (*slots, self.residual, self.size), (self.residual,))
+    def _write_event_values(self):
+        return self._conductor(conduct.event_values, loops.event_values)
 
     @cached_property
-    def _transmit(self):
-        sides = (self.side_starts, self.side_members, self.transmitted, self.energy)
-        return loops.direct(loops.transmitted, (self.force, self.n_slots, *sides), ())
+    def _commit(self):
+        return self._conductor(conduct.commit, loops.commit, np.zeros(0))
 
     def initial_state(self, t=0.0):
         """State at rest in the configuration of the deck; every element in the mode its event values tell."""
@@ -158,71 +139,56 @@ class System:
         for node, x, r in zip(self.nodes, of.x, of.rotation, strict=True):
             z[x : x + 3] = node.x
             R[r] = node.R
-        modes = tuple(np.zeros(len(b.p), np.int64) for b in self.batches)
-        memories = tuple(np.zeros((len(b.p), len(b.kind.memory))) for b in self.batches)
-        T = np.tile(np.eye(3), (n_rotations, 1, 1))
-        return State(t, z, np.zeros(n), np.zeros(n), R, T, modes, memories)
+        modes = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
+        memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
+        return State(t, z, np.zeros(n), np.zeros(n), R, modes, memory)
 
-    def assemble(self, s, k, penalty, cK, cC, cM):
+    def assemble(self, s, k, penalty, cK, cC, cM, T=None):
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
-        data = cK K T + cC C + cM M, untouched where all three are zero; ``k`` and ``penalty`` scale the constraints
-        (contract.py). ``size`` sums the absolute contributions of the elements and of their inertia (with the masses of
+        data = cK K T + cC C + cM M, untouched where all three are zero. T (n_rotations, 3, 3) turns derivatives by
+        material variations of the rotations into those by other increments; without it they stay what they are. ``k``
+        and ``penalty`` scale the constraints (contract.py). ``size`` sums the absolute contributions of the elements and of their inertia (with the masses of
         the last tangent): the scale on which a residual is small.
         """
-        memories, modes, motion = s.memories, s.modes, (s.z, s.v, s.a, s.R)
-        force, size = self.force, self._slot_size
         if cK == cC == cM == 0.0:
-            self._clear(self.data, True)
-            rest = (s.t, k, penalty, *motion, force, size)
-            for i, loop in self._residuals:
-                loop(memories[i], modes[i], *rest)
+            self._assemble_residual(*_motion(s), k, penalty)
         else:
-            self._clear(self.data, False)
-            rest = (s.t, k, penalty, cK, cC, cM, *motion, s.T, force, size, self._slot_mass, self.data)
-            for i, loop in self._assembly:
-                loop(memories[i], modes[i], *rest)
-        self._collect(s.a)
+            self._assemble(*_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
 
     def add_constraints(self, s, k, penalty, data):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``."""
-        unused = np.zeros(self.n_slots)
-        rest = (s.t, k, penalty, 1.0, 0.0, 0.0, *_motion(s), s.T, unused, unused, unused, data)
-        for i, loop in self._assembly:
-            if self.batches[i].kind.multipliers:
-                loop(s.memories[i], s.modes[i], *rest)
+        self._add_constraints(*_motion(s), self._no_turn, k, penalty, data)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        for i, loop in self._constraints:
-            loop(s.memories[i], s.modes[i], s.t, *_motion(s), g)
+        self._levels(*_motion(s), g)
         return g
 
     def observe(self, s):
         """Outputs (batch.y) and energies (batch.e, energy) at ``s``; ``assemble`` must have been called at s before."""
-        self._transmit()
-        rest = (s.t, s.z, s.v, s.a, s.R)
-        for i, loop in self._observers:
-            loop(s.memories[i], s.modes[i], *rest)
+        self._observe(*_motion(s))
+
+    @property
+    def has_events(self):
+        """True when some element has events."""
+        return len(self._event_values) > 0
 
     def event_values(self, s):
         """One number for each event of each element, (n_events,), batch by batch; -inf where it is not watched."""
-        rest = (s.t, s.z, s.v, s.a, s.R)
-        for i, loop in self._events:
-            loop(s.memories[i], s.modes[i], *rest)
-        return self.events.copy()
+        if not self.has_events:
+            return self._event_values
+        self._write_event_values(*_motion(s))
+        return self._event_values.copy()
 
     def commit(self, s):
-        """The memories after an accepted step at ``s``."""
-        if not self._commits:
-            return s.memories
-        memories = list(s.memories)
-        for i, loop in self._commits:
-            new = s.memories[i].copy()
-            loop(s.memories[i], s.modes[i], s.t, s.z, s.v, s.a, s.R, new)
-            memories[i] = new
-        return tuple(memories)
+        """The memory after an accepted step at ``s``."""
+        if not len(s.memory):
+            return s.memory
+        memory = s.memory.copy()
+        self._commit(*_motion(s), memory)
+        return memory
 
     def inadmissible(self, s):
         """What the kinds object to in an assembled configuration although it satisfies the equations: texts."""
@@ -237,4 +203,4 @@ class System:
 
 def _motion(s):
     """What every loop reads of a state."""
-    return s.z, s.v, s.a, s.R
+    return s.t, s.z, s.v, s.a, s.R, s.modes, s.memory

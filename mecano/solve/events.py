@@ -36,16 +36,16 @@ class Watch:
 
     def apply(self, s, hit):
         """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""
-        modes, happenings, first = list(s.modes), [], 0
-        for i, batch in enumerate(self.system.batches):
-            of_batch = hit[first : first + batch.n_events].reshape(batch.events.shape)
+        modes, happenings, first = s.modes.copy(), [], 0
+        for batch in self.system.batches:
+            n = batch.event_values.size
+            of_batch, own = hit[first : first + n].reshape(batch.event_values.shape), modes[batch.modes]
             for e, k in zip(*np.nonzero(of_batch), strict=True):
-                modes[i] = modes[i].copy()
                 event = batch.kind.events[k]
-                modes[i][e] = batch.kind.modes.index(event.after)
+                own[e] = batch.kind.modes.index(event.after)
                 happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
-            first += batch.n_events
-        return replace(s, modes=tuple(modes)), happenings
+            first += n
+        return replace(s, modes=modes), happenings
 
     def settle(self, s):
         """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
@@ -58,10 +58,10 @@ class Watch:
 
 
 @njit(cache=True)
-def _some_crossed(g0, g1):
-    """True when an event has happened between values g0 and g1 (n_events,)."""
+def _some_happened(g0, g1):
+    """True when an event has happened between values g0 and g1 (n_events,), or had already before."""
     for i in range(g0.shape[0]):
-        if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] == 0.0 and g1[i] > 0.0):
+        if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
             return True
     return False
 
@@ -73,10 +73,10 @@ def locate(watch, step, s0, g0, trial, h):
     falsi on the step size, for the largest of the event functions that crossed.
     """
     g1 = watch.values(trial[0])
+    if not _some_happened(g0, g1):
+        return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
         return 0.0, None, (g0 > 0) & (g1 > 0)
-    if not _some_crossed(g0, g1):
-        return None
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     lo, hi, best = 0.0, h, trial
     G_lo, G_hi = g0[crossed].max(), g1[crossed].max()

@@ -14,19 +14,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.model.loops import direct
-from mecano.model.numbering import ROTATION
+from mecano.model.conduct import direct
+from mecano.model.loops import residual
 from mecano.model.state import History
+from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import correct, finish, predict
-from mecano.solve.newton import newton
+from mecano.solve.increments import finish, predict, tangents
+from mecano.solve.kept_tangent import SHARE, keep
+from mecano.solve.newton import (
+    CONVERGED,
+    FIRST,
+    ITERATIONS,
+    MESSAGES,
+    NOT_FINITE,
+    REPORT,
+    SINGULAR,
+    STALE,
+    WORST,
+    iterate,
+)
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
-KEPT = 0.001  # tolerances are that much smaller with an old tangent: what it leaves is not squared by the last iteration
-TRUST = 0.5  # an old tangent is used where two iterations are expected to leave less than this of the residual norm
-FORGET = 0.9  # the experience with old tangents, at every step that does without
 
 
 @dataclass(frozen=True)
@@ -82,25 +92,28 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.compliance = k, penalty, compliance
+        self._rows = NO_ROWS if compliance is None else compliance.rows
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
-        self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
+        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
         self._bind()
 
     def _bind(self):
-        """The kernels of a step with the arguments that never change."""
-        system, of, c, length = self.system, self.system.numbering, self.coefficients, self.length
-        s, a, increment = system.initial_state(), self._no_shift, self._increment
-        moving, motion = (of.kind, of.rotation_dof, of.n_q, of.n), (s.z, s.v, s.a, s.R, s.T)
-        self._predict = direct(
-            predict, (c.am, c.af, c.beta, c.gamma, *moving), (1.0, a, a, increment, increment, a, s.R, *motion)
-        )
-        self._correct = direct(correct, (length, *moving), (increment, 1.0, 1.0, 1.0, s.R, *motion))
-        self._finish = direct(
-            finish, (c.am, c.af, length, of.kind, of.n_q, of.n), (a, increment, 0, *(a,) * 4, a, increment, increment)
-        )
-        limits = self.tolerances.force, self.tolerances.constraint
-        self._norms = direct(norms, (system.residual, system.size, of.kind, of.n, length, *limits), (1.0,) * 4)
+        """The compiled functions of a step with the arguments that never change."""
+        system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
+        s, a, x = system.initial_state(), self._no_shift, self._increment
+        moving, motion = (of.kind, of.rotation_dof, of.n_q, of.n), (s.z, s.v, s.a, s.R)
+        self._predict = direct(predict, (c.am, c.af, c.beta, c.gamma, *moving), (1.0, a, a, x, x, a, s.R, *motion))
+        self._tangents = direct(tangents, (of.rotation_dof, of.n_q), (s.z, s.R))
+        self._finish = direct(finish, (c.am, c.af, length, of.kind, of.n_q, of.n), (a, x, 0, *(a,) * 5, x, x))
+        judged = (system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
+        self._norms = direct(norms, judged, (1.0,) * 4)
+        equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
+        limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
+        self._iterate = direct(
+            iterate, (*equations, *self.linear.factor, *moving, *limits, x),
+            (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
+        )  # fmt: skip
 
     def start(self, s, h):
         """Consistent state and history for steps of size h: from rest, after an event.
@@ -148,89 +161,74 @@ class GeneralizedAlpha:
         c = self.coefficients
         return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
 
-    def step(self, s0, history, h):
-        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure.
-
-        k and penalty are those of the deck, or the mean stiffness in the history.
-        """
-        system = self.system
-        cC, cM = self._weights(h)
+    def _scales(self, history, h):
+        """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
         k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty)
-        scales = (k, penalty, 1.0, cC, cM)
-        tangent = history.tangent
+        return k, penalty, *self._weights(h)
+
+    def step(self, s0, history, h):
+        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
+        scales, tangent = self._scales(history, h), history.tangent
         if tangent is not None and self.linear.label is not tangent:
             self._factor(tangent, scales)
         s = s0.copy()
         s.t = s0.t + h
         reach = self._predict(
-            h, history.a, s0.a, history.slope, history.bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R, s.T
+            h, history.a, s0.a, history.slope, history.bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R
         )
+        report = np.zeros(len(REPORT))
+        code = self._solve(s, s0.R, scales, history.k, reach, tangent is not None, report)
+        iterations, *reached = report[:4].tolist()
+        iterations, message = int(iterations), MESSAGES.get(code, "").format(int(iterations))
+        if code != CONVERGED:
+            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, message)
+        a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
+        change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
+        if turn > MOST_TURN:
+            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, TURNS_TOO_FAR)
+        known = min(history.known + 1, 2)
+        kept = keep(history, self.linear.label, report)
+        new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
+        return s, new, StepInfo(True, iterations, tuple(reached), self.coefficients.error * h * h * change)
 
-        share = KEPT if tangent else 1.0
+    def _solve(self, s, R0, scales, stiffness, reach, kept, report):
+        """Newton's iterations from the predicted state ``s``, moved in place; a code of newton.py."""
+        usable = self.linear.kept
+        motion = (s.t, R0, s.z, s.v, s.a, s.R, s.modes, s.memory, report)
+        code = STALE
+        if kept and usable:
+            code = self._iterate(*scales, stiffness, reach, SHARE, True, True, False, *motion)
+        while code == STALE:
+            code = self._renew(s, scales, stiffness, reach, report)
+            if code == STALE:
+                usable = self.linear.kept
+                code = self._iterate(*scales, stiffness, reach, 1.0, kept, usable, True, *motion)
+        return code
 
-        def evaluate(fresh):
-            nonlocal share
-            if fresh:
-                share = 1.0
-                self._assemble(s, scales)
-            else:
-                self._assemble(s, (k, penalty, 0.0, 0.0, 0.0))
-            return self._norms(share, k, history.k, reach)
-
-        def solve(fresh):
-            r, x = self._equations, self._increment
-            if not fresh:
-                self.linear.resolve(r, x)
-                return x
-            return x if self.linear.solve(system.data, r, x, s.copy()).ok else None
-
-        def move(dz):
-            largest = self._correct(dz, k, cC, cM, s0.R, s.z, s.v, s.a, s.R, s.T)
-            return largest / self.tolerances.increment
-
-        result = newton(
-            evaluate, solve, move, kept=tangent is not None, max_iterations=self.tolerances.max_iterations
-        )
-        if not result.ok:
-            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, result.message)
-        if np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
-            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, TURNS_TOO_FAR)
-        new, error = self._after(s0, s, history, h, result)
-        return s, new, StepInfo(True, result.iterations, result.norms, error)
+    def _renew(self, s, scales, stiffness, reach, report):
+        """Factor the tangent at ``s`` and solve for the residual there: STALE, for the iterations to go on, or a code."""
+        self._assemble(s, scales)
+        report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
+        if not report[ITERATIONS]:
+            report[FIRST] = report[WORST]
+        if not np.isfinite(report[WORST]):
+            return NOT_FINITE
+        solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
+        return STALE if solved.ok else SINGULAR
 
     def _assemble(self, s, scales):
-        """Residual and, where the scales of the tangent are not zero, tangent; with the compliance."""
-        system = self.system
-        system.assemble(s, *scales)
+        """Residual and tangent at ``s``, with the compliance."""
+        k, penalty, cC, cM = scales
+        self._tangents(s.z, self._T)
+        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T)
         if self.compliance is not None:
-            n_q, n, k = system.n_q, system.n, scales[0]
-            self.compliance.soften(k, s.z[n_q:n], self._equations[n_q:])
-            if scales[2]:
-                self.compliance.soften_tangent(k, system.data)
+            n_q, n = self.system.n_q, self.system.n
+            soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
+            self.compliance.soften_tangent(k, self.system.data)
 
     def _factor(self, tangent, scales):
         """Factor the tangent of an earlier state again, as it was."""
         self._assemble(tangent, scales)
         self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)
-
-    def _after(self, s0, s, history, h, result):
-        """History after a step from ``s0`` to ``s``, and the local error."""
-        a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
-        change = self._finish(
-            history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend
-        )  # fmt: skip
-        tangent, age, drift, first = history.tangent, history.age + 1, history.drift * FORGET, result.first
-        if tangent is None:
-            first /= KEPT
-        elif first > 0.0:
-            drift = result.second / first / history.age
-        if tangent is not self.linear.label:  # a new one was evaluated in this step; is it worth keeping?
-            tangent, age = (self.linear.label, 1) if result.iterations <= (1 if tangent is None else 2) else (None, 0)
-        if not first * (drift * age) ** 2 <= TRUST:
-            tangent = None
-        new = History(
-            a, h, slope, bend, min(history.known + 1, 2), self._no_shift, history.k, tangent, age, drift
-        )  # fmt: skip
-        return new, self.coefficients.error * h * h * change

@@ -81,6 +81,16 @@ class LinearSolver:
             return LinearStatus(True, error, null > 0, True, null, refined)
         return self._solve_otherwise(data, b, x_out, null)
 
+    @property
+    def factor(self):
+        """What ``multifrontal.substitute`` takes between b and x."""
+        return self._substitute_arguments
+
+    @property
+    def kept(self):
+        """True when the last ``solve`` left a factor there."""
+        return self._other is None
+
     def resolve(self, b, x_out):
         """Solve with the matrix of the last ``solve``, unguarded; b and x_out may be the same array."""
         if self._other is None:

@@ -34,36 +34,21 @@ class RunState:
 
 def to_plain(run):
     """Nested dict of arrays and numbers that ``from_plain`` turns into the same run, bit for bit."""
-    plain = _values(run)
-    history = _values(run.history)
-    history["tangent"] = history["tangent"] and _motion_to_plain(history["tangent"])
+    plain, history = _values(run), _values(run.history)
+    history["tangent"] = history["tangent"] and _values(history["tangent"])
     dissipated, given = run.powers
-    motion = _motion_to_plain(run.motion)
-    return plain | {"motion": motion, "history": history, "powers": {"dissipated": dissipated, "given": given}}
+    powers = {"dissipated": dissipated, "given": given}
+    return plain | {"motion": _values(run.motion), "history": history, "powers": powers}
 
 
 def from_plain(plain):
     """The RunState of ``to_plain``."""
     history = dict(plain["history"])
-    history["tangent"] = history["tangent"] and _motion_from_plain(history["tangent"])
+    history["tangent"] = history["tangent"] and State(**history["tangent"])
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
-    motion = _motion_from_plain(plain["motion"])
+    motion = State(**plain["motion"])
     return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
 
 
 def _values(record):
     return {field.name: getattr(record, field.name) for field in fields(record)}
-
-
-def _motion_to_plain(state):
-    motion = _values(state)
-    for name in ("modes", "memories"):
-        motion[name] = {f"{i:06d}": array for i, array in enumerate(motion[name])}
-    return motion
-
-
-def _motion_from_plain(plain):
-    motion = dict(plain)
-    for name in ("modes", "memories"):
-        motion[name] = tuple(motion[name][key] for key in sorted(motion[name]))
-    return State(**motion)
