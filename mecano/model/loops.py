@@ -1,7 +1,7 @@
 """Compiled loops over all elements of one kind: gather, call the element's function, scatter.
 
-One loop for each kind and purpose, a C function of two addresses: that of the record of the batch (BATCH) and that of the
-record of the system (SYSTEM), in which everything else is found. conduct.py calls them, one after the other.
+One loop for each kind and purpose, a C function of two addresses: those of the record of the batch (BATCH) and of the
+system (SYSTEM), in which everything else is found. conduct.py calls them, one after the other.
 
 A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with the
 element among its globals and a name of its own is (see docs/architecture.md).

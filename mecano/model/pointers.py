@@ -10,7 +10,6 @@ from numba import carray, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-
 LOOP = types.void(types.int64, types.int64)  # the signature of every loop: addresses of two records
 
 

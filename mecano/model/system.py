@@ -97,7 +97,7 @@ class System:
         return np.array([loop.address for loop in found if loop], np.int64), self._batch_records[own]
 
     def _conductor(self, conduct, template, *others, chosen=lambda kind: True):
-        """The compiled function ``conduct`` for all loops of one purpose; ``others``: examples of its last arguments."""
+        """The compiled ``conduct`` for all loops of one purpose; ``others``: examples of its last arguments."""
         s = self.initial_state()
         return direct(conduct, (*self.loops(template, chosen), self.record), (*_motion(s), *others))
 
@@ -148,8 +148,8 @@ class System:
 
         data = cK K T + cC C + cM M, untouched where all three are zero. T (n_rotations, 3, 3) turns derivatives by
         material variations of the rotations into those by other increments; without it they stay what they are. ``k``
-        and ``penalty`` scale the constraints (contract.py). ``size`` sums the absolute contributions of the elements and of their inertia (with the masses of
-        the last tangent): the scale on which a residual is small.
+        and ``penalty`` scale the constraints (contract.py). ``size`` sums the absolute contributions of the elements
+        and of their inertia (with the masses of the last tangent): the scale on which a residual is small.
         """
         if cK == cC == cM == 0.0:
             self._assemble_residual(*_motion(s), k, penalty)

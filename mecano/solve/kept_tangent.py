@@ -1,7 +1,7 @@
 """Whether the tangent of an earlier step will do for the next one.
 
-An iteration with a tangent of ``age`` steps leaves about the share drift * age of the residual. Two such iterations cost
-less than a factorization, so a tangent is kept as long as two are expected to do.
+An iteration with a tangent of ``age`` steps leaves about the share drift * age of the residual. Two such iterations
+cost less than a factorization, so a tangent is kept as long as two are expected to do.
 """
 
 from mecano.solve.newton import FIRST, ITERATIONS, SECOND
