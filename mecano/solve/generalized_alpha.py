@@ -208,7 +208,7 @@ class GeneralizedAlpha:
         return code
 
     def _renew(self, s, scales, stiffness, reach, report):
-        """Factor the tangent at ``s`` and solve for the residual there: STALE if the iterations may go on, or a code."""
+        """Factor the tangent at ``s`` and solve for the residual there: STALE if iterations may go on, or a code."""
         self._assemble(s, scales)
         report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
         if not report[ITERATIONS]:
