@@ -39,7 +39,11 @@ ENERGIES = (
     ("dissipated", "J", "energy dissipated since the start"),
     ("given", "J", "work done by loads and prescribed motions since the start"),
     ("total", "J", "kinetic + potential"),
-    ("balance", "J", "kinetic + potential + dissipated - given: constant for an exact integration"),
+    (
+        "balance",
+        "J",
+        "kinetic + potential + dissipated - given; keeps its value of the start, up to integration errors",
+    ),
 )
 
 

@@ -72,9 +72,16 @@ def _energies(runs):
         for name in ("kinetic", "potential", "dissipated", "given", "balance")
         for quantity in (find(run.results, f"energy/{name}") if f"energy/{name}" in run.paths else ())
     ]
-    curves = [(name, Curve(time_of(y), y, number, "energy")) for number, name, y in changes]
-    main = Panel("change of energy", tuple(curve for name, curve in curves if name != "balance"))
-    error = Panel("error of the energy balance", tuple(curve for name, curve in curves if name == "balance"))
+    shown = [(number, name, y) for number, name, y in changes if name != "balance"]
+    main = Panel("change of energy", tuple(Curve(time_of(y), y, number, "energy") for number, _, y in shown))
+    exchanged = {}
+    for number, _, y in shown:
+        exchanged[number] = max(exchanged.get(number, 0.0), float(np.abs(y.values).max(initial=0.0)))
+    errors = [(number, _relative(y, exchanged.get(number, 0.0))) for number, name, y in changes if name == "balance"]
+    error = Panel(
+        "error of the energy balance", tuple(Curve(time_of(y), y, number, "energy") for number, y in errors),
+        note="over the largest change",
+    )  # fmt: skip
     panels = (*worth_showing([main], runs), *worth_showing([error], runs))
     return Sheet("energy", "Energy: changes since the start", panels)
 
@@ -84,12 +91,18 @@ def _changed(quantity):
     return replace(quantity, values=quantity.values - quantity.values[:1])
 
 
+def _relative(quantity, size):
+    """The quantity over a size of the same unit; where that is zero, nothing is left of it."""
+    return replace(quantity, unit="-", values=quantity.values / size if size else 0.0 * quantity.values)
+
+
 def _solver(runs):
     panels = (
         _history(runs, "step size", ("step_size",)),
         _history(runs, "Newton iterations", ("iterations",)),
         _history(runs, "residuals over their tolerances", ("force_residual", "constraint_residual", "increment")),
         _history(runs, "estimated error of a step", ("error_estimate",)),
+        _history(runs, "error of a step over what is allowed", ("error_over_tolerance",)),
         _history(runs, "rejected trials", ("rejected",)),
     )
     return Sheet("solver", "Solver", tuple(panel for panel in panels if panel is not None))
