@@ -14,6 +14,7 @@ MOST_SKETCHES = 4  # on one sheet, of several runs
 PLACES = 9  # of the overview; a sketch of a mechanism that stays in place takes one
 WIDE_RANGE = 3.0  # a quantity that varies by more than this factor gets a logarithmic axis
 SMALLEST = 1e-16  # shown on logarithmic axes
+EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 REMARKS = {
     "step size": lambda values: f"{len(values)} steps",
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
@@ -66,24 +67,21 @@ def _mechanism(runs):
 
 
 def _energies(runs):
-    changes = [
-        (number, name, _changed(quantity))
-        for number, run in enumerate(runs)
-        for name in ("kinetic", "potential", "dissipated", "given", "balance")
-        for quantity in (find(run.results, f"energy/{name}") if f"energy/{name}" in run.paths else ())
-    ]
-    shown = [(number, name, y) for number, name, y in changes if name != "balance"]
-    main = Panel("change of energy", tuple(Curve(time_of(y), y, number, "energy") for number, _, y in shown))
-    exchanged = {}
-    for number, _, y in shown:
-        exchanged[number] = max(exchanged.get(number, 0.0), float(np.abs(y.values).max(initial=0.0)))
-    errors = [(number, _relative(y, exchanged.get(number, 0.0))) for number, name, y in changes if name == "balance"]
-    error = Panel(
-        "error of the energy balance", tuple(Curve(time_of(y), y, number, "energy") for number, y in errors),
-        note="over the largest change",
-    )  # fmt: skip
+    changes, errors = [], []
+    for number, run in enumerate(runs):
+        exchanged = [_changed(y) for name in EXCHANGED for y in _found(run, f"energy/{name}")]
+        size = max((float(np.abs(y.values).max(initial=0.0)) for y in exchanged), default=0.0)
+        off = [_relative(_changed(y), size) for y in _found(run, "energy/balance")]
+        changes += [Curve(time_of(y), y, number, "energy") for y in exchanged]
+        errors += [Curve(time_of(y), y, number, "energy") for y in off]
+    main = Panel("change of energy", tuple(changes))
+    error = Panel("error of the energy balance", tuple(errors), note="over the largest change")
     panels = (*worth_showing([main], runs), *worth_showing([error], runs))
     return Sheet("energy", "Energy: changes since the start", panels)
+
+
+def _found(run, path):
+    return find(run.results, path) if path in run.paths else []
 
 
 def _changed(quantity):
