@@ -52,13 +52,14 @@ overrides = click.option(
 @overrides
 def run(deck, output, force, quiet, overrides):
     """Solve a deck into a results file."""
+    from mecano.contract import SECTIONS
     from mecano.deck.read import read_deck
     from mecano.progress import Progress
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     progress = Progress(checked.values["time"], quiet, path)
-    kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
+    kinds = {d["type"] for section in SECTIONS for d in checked.values[section].values()}
     progress.compiling(kinds)
     from mecano.run import run as solve
 

@@ -2,6 +2,7 @@
 
 from textwrap import wrap
 
+from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, prepare, some
 
@@ -43,7 +44,7 @@ def summary(deck):
 
 
 def _counts(values):
-    for section in ("elements", "joints", "loads"):
+    for section in SECTIONS:
         kinds = [d["type"] for d in values[section].values()]
         counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"

@@ -8,8 +8,6 @@ from numba import njit
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
 
-SECTIONS = ("elements", "joints", "loads")
-
 
 @dataclass(frozen=True)
 class Column:
@@ -53,7 +51,7 @@ class Sampler:
     def __init__(self, system):
         self.system, self.columns = system, []
         of = system.numbering
-        shown = [i for i, node in enumerate(system.nodes) if " " not in node.name]
+        shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)
