@@ -31,6 +31,7 @@ output: {every: 0.01}
 """
 NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
 TRIES = 8  # of a limit on the processor time, which other processes lengthen
+LIBRARIES = ("numpy", "numba", "scipy.sparse", "h5py", "yaml", "click")
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "yaml")
 
 
@@ -138,7 +139,14 @@ class TestRun:
     def test_a_warm_one_takes_little_time(self, folder):
         deck = INPUTS / "pendulum.yaml"
         processor_time("run", deck, "-q", "-o", "cold.h5", cwd=folder)  # compiles, if need be
-        assert any(processor_time("run", deck, "-q", "-o", f"{i}.h5", cwd=folder) < 1.5 for i in range(TRIES))
+        times = []
+        for i in range(TRIES):
+            libraries = processor_time("-c", f"import {', '.join(LIBRARIES)}", command=[sys.executable])
+            times.append((processor_time("run", deck, "-q", "-o", f"{i}.h5", cwd=folder), libraries))
+            if times[-1][0] < max(1.5, 2.7 * libraries):  # the latter on a busy machine: there all takes longer
+                break
+        else:
+            raise AssertionError(times)
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
