@@ -53,15 +53,17 @@ overrides = click.option(
 def run(deck, output, force, quiet, overrides):
     """Solve a deck into a results file."""
     from mecano.deck.read import read_deck
-    from mecano.progress import Progress
+    from mecano.progress import Progress, StaticProgress
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
-    progress = Progress(checked.values["time"], quiet, path)
+    static = checked.values["static"]
+    progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
     progress.compiling(kinds)
-    from mecano.run import run as solve
+    from importlib import import_module
 
+    solve = import_module("mecano.static_run" if static else "mecano.run").run
     for number in STOPPED:
         signal.signal(number, _stop)
     final = solve(checked, path, force=force, observers=(progress,), announce=progress.note)

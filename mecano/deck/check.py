@@ -1,7 +1,7 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
 from mecano.deck import values
-from mecano.deck.containers import either, filled, kind, list_, mapping, named
+from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.physics import check_model
 from mecano.deck.resolve import resolve
@@ -44,6 +44,7 @@ CHECKS = {
     "named": named,
     "list": list_,
     "either": either,
+    "shorthand": shorthand,
     "kind": kind,
 }
 
@@ -57,6 +58,8 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     scope = Scope(CHECKS, kinds, terms, folder, problems)
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _stop_at(problems)
+    _check_process(result, root, sections, scope)
+    _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
     check_model(result, root, scope)
@@ -67,6 +70,22 @@ def checked_values(root, sections, kinds, terms, folder, problems):
 def _stop_at(problems):
     if problems:
         raise DeckError(problems)
+
+
+def _check_process(values, root, sections, scope):
+    """A deck says either how time goes on or how an equilibrium is reached."""
+    fields = {section.name: section for section in sections}
+    if "static" not in fields:
+        return
+    if values["time"] is None and values["static"] is None:
+        time = fields["time"]
+        scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
+    elif values["time"] is not None and values["static"] is not None:
+        text = "'static' and 'time' exclude one another"
+        hint = "for a march that starts from an equilibrium write 'initial: static'"
+        scope.refuse(root.value["static"][0], text, hint)
+    elif values["static"] is not None and values["initial"]["static"] is not None:
+        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
 
 
 def _check_version(root, problems):

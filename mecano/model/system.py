@@ -127,6 +127,19 @@ class System:
             if self.batches[i].kind.multipliers:
                 loop(p, s.memories[i], s.modes[i], *tables, s.t, k, penalty, self.laws, *state, *work)
 
+    def scale_loads(self, s, factor, cK, cC, cM):
+        """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
+        force, size, data = np.zeros(self.n_slots), np.zeros(self.n_slots), np.zeros(self.nnz + 1)
+        state = (s.z, s.v, s.a, s.R, s.T, force, size, data, cK, cC, cM)
+        for i, loop, p, tables, work in self._assembly:
+            if self.batches[i].kind.section == "loads":
+                loop(p, s.memories[i], s.modes[i], *tables, s.t, 1.0, 0.0, self.laws, *state, *work)
+        self.force += (factor - 1.0) * force
+        self._slot_size += abs(factor - 1.0) * size
+        if not cK == cC == cM == 0.0:
+            self.data += (factor - 1.0) * data
+        loops.collect(self.force, self._slot_size, self.slot_dof, self.residual, self.size)
+
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
