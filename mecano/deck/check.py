@@ -57,8 +57,10 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     _check_version(root, problems)
     scope = Scope(CHECKS, kinds, terms, folder, problems)
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
+    _check_process(root, sections, scope)
     _stop_at(problems)
-    _check_process(result, root, sections, scope)
+    if result.get("static") and result["initial"]["static"]:
+        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
     _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
@@ -72,20 +74,17 @@ def _stop_at(problems):
         raise DeckError(problems)
 
 
-def _check_process(values, root, sections, scope):
+def _check_process(root, sections, scope):
     """A deck says either how time goes on or how an equilibrium is reached."""
     fields = {section.name: section for section in sections}
     if "static" not in fields:
         return
-    if values["time"] is None and values["static"] is None:
+    if "time" not in root.value and "static" not in root.value:
         time = fields["time"]
         scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
-    elif values["time"] is not None and values["static"] is not None:
-        text = "'static' and 'time' exclude one another"
+    elif "time" in root.value and "static" in root.value:
         hint = "for a march that starts from an equilibrium write 'initial: static'"
-        scope.refuse(root.value["static"][0], text, hint)
-    elif values["static"] is not None and values["initial"]["static"] is not None:
-        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
+        scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
 
 def _check_version(root, problems):
