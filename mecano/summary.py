@@ -22,7 +22,10 @@ def summary(deck):
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
-    for group in analysis.mechanisms:
+    alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
+    if alone:
+        lines.append(f"  {len(alone)} unknown(s) that no constraint ties: {_some(alone)}")
+    for group in (group for group in analysis.mechanisms if len(group.names) > 1):
         lines.append(f"  mechanism of {group.count} degree(s) of freedom: {_some(group.names)}")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")

@@ -9,6 +9,7 @@ from mecano.deck.limits import (
     spectral_radius,
 )  # fmt: skip
 from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
+from mecano.elements.cross_section import check_section
 from mecano.elements.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
     BOOLEAN,
@@ -150,6 +151,7 @@ SECTIONS = (
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
     Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
+    Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
         "the start: velocities, static equilibrium ('initial: static')", {},
