@@ -16,7 +16,7 @@ from mecano.solve.stability import Judge, Stability, freedom, words
 from mecano.solve.static import Found
 
 GROWTH, SHRINK = 2.0, 0.25
-EASY = 6  # iterations up to which the next step grows
+EASY = 12  # iterations up to which the next step grows
 LEAP, NOTICEABLE = 4.0, 0.02  # farther off than so many predictions, and than so much of the length, is a leap
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # of the length scale, or rad: displacement in the first and in any step of creep
 MOST_CREEPS = 400
