@@ -25,6 +25,16 @@ class Result:
     point: Point
     reason: str
     remarks: tuple
+    loading: object
+
+    @property
+    def where(self):
+        """The parameter at the end in words."""
+        return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
+
+    def assemble(self, s, k, penalty, *weights):
+        """``system.assemble`` under the loads at the end."""
+        self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
 
 
 def follow(prepared, observers=()):
@@ -35,9 +45,9 @@ def follow(prepared, observers=()):
     values, system = prepared.deck.values["static"], prepared.system
     path = {"arc_length": _arc, "relaxation": _relaxation, "steps": _steps}[values["method"]]
     if values["over"] == "load_factor":
-        return _followed(prepared, _loaded(prepared, values), path(prepared, values), 0.0, observers)
+        return _followed(prepared, loaded(prepared, values), path(prepared, values), 0.0, observers)
     first = Relaxation(1.0) if values["method"] == "relaxation" else Steps(1.0, FIRST_STEPS, SMALLEST, grow=True)
-    start = _followed(prepared, _loaded(prepared, values), first, 0.0, ())
+    start = _followed(prepared, loaded(prepared, values), first, 0.0, ())
     statics = _statics(prepared, values, Clock(system))
     return _followed(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
 
@@ -49,7 +59,7 @@ def equilibrium(prepared):
     ``follow`` does.
     """
     values = prepared.deck.values["initial"]["static"]
-    statics = _loaded(prepared, values)
+    statics = loaded(prepared, values)
     relaxed = values["method"] == "relaxation"
     path = Relaxation(1.0) if relaxed else _steps(prepared, {**values, "end": 1.0, "minimum_step": SMALLEST})
     result = _followed(prepared, statics, path, 0.0, ())
@@ -64,7 +74,7 @@ def _followed(prepared, statics, path, start, observers, state=None):
     follower = Follower(statics, tuple(observers))
     first = follower.start(_settled(prepared) if state is None else state, start)
     point, reason = path.follow(follower, first)
-    return Result(point, reason, tuple(_remarks(prepared, follower, point)))
+    return Result(point, reason, tuple(_remarks(prepared, follower, point)), statics.loading)
 
 
 def _remarks(prepared, follower, point):
@@ -77,7 +87,7 @@ def _remarks(prepared, follower, point):
         yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
 
 
-def _loaded(prepared, values):
+def loaded(prepared, values):
     """Statics under a growing share of the loads."""
     return _statics(prepared, values, LoadFactor(prepared.system, _settled(prepared)))
 

@@ -16,8 +16,11 @@ MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
-def draw_sketch(ax, sketch, title=""):
-    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top."""
+def draw_sketch(ax, sketch, title="", named=True):
+    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top.
+
+    ``named``: with a legend and the span of the instants.
+    """
     right, up = sketch.axes
     colours = _colours(sketch)
     for line in sketch.grounds:
@@ -35,14 +38,14 @@ def draw_sketch(ax, sketch, title=""):
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
     ax.set_ylabel(f"{LETTERS[up]} [m]")
-    taken = _name(ax, colours, sketch)
+    taken = _name(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
         ax.set_xlabel(f"{LETTERS[right]} [m]")
         name, unit = sketch.axis
         span = f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g}"
         text = f"{span} {unit}, later is darker" if unit else f"{name} {span}, larger is darker"
-        note_below(ax, text if count > 1 else "")
+        note_below(ax, text if count > 1 and named else "")
     else:
         _label_instants(ax, sketch)
 

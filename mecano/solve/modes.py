@@ -31,6 +31,7 @@ FREE = 1e-9  # of the sizes of its terms, that K y may leave for a motion withou
 REAL = 1e-9  # of an eigenvalue, that its imaginary part is rounding
 GROWS = 1e-7  # of an eigenvalue, above which a positive real part counts
 INFINITE = 1e-13
+ROUNDED = 1e-8  # of the largest stiffness: terms smaller than this are judged against it
 CANCELLED = 1e-12  # a pivot cancelled to less than this asks for a shift
 EXTRA = 6  # eigenvalues asked of ARPACK beyond those wanted
 
@@ -134,6 +135,7 @@ class _Scaled:
             mu = self.least(r)
             r = r + self.D @ mu
             size += np.linalg.norm(abs(self.D) @ abs(mu))
+        size = max(size, ROUNDED * self.size[2] * np.linalg.norm(y))
         gaps = [_relative(self.B, y), _relative(value * self.E + self.F, y)]
         return float(max([np.linalg.norm(r) / max(size, 1e-300), *gaps]))
 
@@ -159,9 +161,15 @@ def _with_free(scaled, values, shapes):
         return values, shapes
     basis = np.array([part for y in shapes[still] for part in (y.real, y.imag)]).T
     U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300), full_matrices=False)
-    free = U[:, sigma > 1e-3 * sigma[0]].T
+    free = _plain(U[:, sigma > 1e-3 * sigma[0]].T)
     moving = ~still
     return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
+
+
+def _plain(basis):
+    """The same space (f, n_q) by motions of which each has a place of its own where the others vanish."""
+    _, _, order = la.qr(basis, pivoting=True, mode="economic")
+    return np.linalg.solve(basis[:, order[: len(basis)]], basis)
 
 
 def _is_free(scaled, value, y, largest):
@@ -238,7 +246,7 @@ def _finite(A, E):
     """Finite eigenvalues of A x = value E x and their vectors, by QZ."""
     (alpha, beta), vectors = la.eig(A, E, homogeneous_eigvals=True)
     size = np.hypot(np.abs(alpha), np.abs(beta))
-    finite = np.abs(beta) > INFINITE ** 0.5 * size
+    finite = np.abs(beta) > INFINITE**0.5 * size
     return alpha[finite] / beta[finite], vectors[:, finite]
 
 
@@ -307,8 +315,9 @@ def _lanczos(scaled, inverse, shift, wanted):
     squares, vectors = spla.eigsh(
         scaled.K, wanted, M=scaled.M, sigma=-(shift**2), OPinv=operator, v0=start, ncv=min(n_q, 3 * wanted + 20)
     )
-    order = np.argsort(np.abs(squares))
-    squares, vectors = squares[order], vectors[:, order]
+    K, M = (vectors.T @ (A @ vectors) for A in (scaled.K, scaled.M))  # vectors that Lanczos mixed are told apart
+    squares, mixed = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+    vectors = vectors @ mixed
     values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
     return values, vectors.T.astype(complex), f"sparse (Lanczos), undamped, about -({shift:.3g}/s)^2"
 

@@ -158,8 +158,11 @@ def freedom(system, s, stability, length):
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
-def words(system, s, shape, length):
-    """A motion (n_q,) of the free unknowns at ``s`` in words: which nodes move how, the most mobile first."""
+def words(system, s, shape, length, inertial=False, most=NAMED):
+    """A motion (n_q,) of the free unknowns at ``s`` in words: which nodes move how, the most mobile first.
+
+    Its rotations are in the axes of the nodes, or ``inertial``.
+    """
     moves = []
     seen = set()
     of = system.numbering
@@ -168,14 +171,14 @@ def words(system, s, shape, length):
             if first >= system.n_q or first in seen:
                 continue
             seen.add(first)
-            vector = R @ shape[first : first + 3]
+            vector = (np.eye(3) if inertial else R) @ shape[first : first + 3]
             moves.append((unit * float(np.linalg.norm(vector)), f"node '{node.name}' {verb} {_direction(vector)}"))
     first_scalar = next((i for i in range(system.n_q) if of.kind[i] > ROTATION), system.n_q)
     moves += [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
     moves.sort(key=lambda move: -move[0])
     named = [text for size, text in moves if size > SMALL * moves[0][0]]
-    rest = f"; and {len(named) - NAMED} more" if len(named) > NAMED else ""
-    return "; ".join(named[:NAMED]) + rest
+    rest = f"; and {len(named) - most} more" if len(named) > most else ""
+    return "; ".join(named[:most]) + rest
 
 
 def _direction(vector):
