@@ -28,7 +28,7 @@ import scipy.sparse as sp
 from mecano.model.numbering import ROTATION
 from mecano.solve.increments import displaced, moved
 
-PROBE = 1e-4  # rad, by which the state is moved on to see whether the matrices are constant
+PROBE = 1e-6  # rad, by which the state is moved on to see whether the matrices are constant
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ GROWS = 1e-7  # of an eigenvalue, above which a positive real part counts
 INFINITE = 1e-13
 ROUNDED = 1e-8  # of the largest stiffness: terms smaller than this are judged against it
 CANCELLED = 1e-12  # a pivot cancelled to less than this asks for a shift
+FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved dense
 EXTRA = 6  # eigenvalues asked of ARPACK beyond those wanted
 
 
@@ -262,8 +263,11 @@ def _on_velocities(scaled, Z, M, C, K):
 
 def _sparse(scaled, number):
     """The eigenvalues nearest to a small shift: (values, shapes (m, n_q), text)."""
+    mobility = scaled.n_q - scaled.B.shape[0]  # at least
+    if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
+        return _dense(scaled, number)
     inverse, shift = _shifted(scaled)
-    wanted = min(number + EXTRA, scaled.n_q - 2)
+    wanted = max(min(number + EXTRA, mobility - 2), 1)
     try:
         if scaled.undamped:
             return _lanczos(scaled, inverse, shift, wanted)
