@@ -52,6 +52,16 @@ def follow(prepared, observers=()):
     return _followed(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
 
 
+def start_in_words(prepared):
+    """Whether the start, held in place, is stable without loads and with all of them: texts for `mecano check`."""
+    values = prepared.deck.values["static"] or prepared.deck.values["initial"]["static"]
+    statics = loaded(prepared, values)
+    follower, s = Follower(statics), statics.begin(_settled(prepared))
+    for factor, words in ((0.0, "without loads"), (1.0, "under all loads, held in place")):
+        stability = follower.stability(s, factor)
+        yield f"the start {words}: {freedom(prepared.system, s, stability, prepared.length)}"
+
+
 def equilibrium(prepared):
     """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck; returns remarks.
 

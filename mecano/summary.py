@@ -1,6 +1,7 @@
 """What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
 from mecano.prepare import prepare
+from mecano.statics import start_in_words
 
 MOST_NAMES = 12  # names printed of one mechanism
 
@@ -19,6 +20,7 @@ def summary(deck):
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
     ]
+    lines += _process(prepared)
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
@@ -35,6 +37,20 @@ def summary(deck):
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
     return "\n".join(lines)
+
+
+def _process(prepared):
+    """What a run of the deck does, and for statics how stable the start is."""
+    static, time = prepared.deck.values["static"], prepared.deck.values["time"]
+    first = prepared.deck.values["initial"]["static"]
+    if static:
+        what = "load factor" if static["over"] == "load_factor" else "time"
+        yield f"process          static equilibrium, {what} to {static['end']:g} by {static['method']}"
+    else:
+        begun = f", from the static equilibrium found by {first['method']}" if first else ""
+        yield f"process          march from {time['start']:g} to {time['end']:g} s{begun}"
+    if static or first:
+        yield from (f"  {text}" for text in start_in_words(prepared))
 
 
 def _counts(values):

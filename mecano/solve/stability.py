@@ -19,12 +19,12 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.linear import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
-NEUTRAL = 1e-10  # of the largest stiffness: what is softer counts as free (dense)
+NEUTRAL = 1e-13  # of the largest stiffness: what is softer counts as free (dense)
 NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (sparse)
 SYMMETRIC = 1e-7  # of the largest entry
 RANK = 1e-9
 UNKNOWN = -1
-NAMED = 4  # nodes named of a motion
+NAMED = 2  # nodes named of a motion
 SMALL = 0.2  # of the largest displacement: what moves less is not named
 
 
