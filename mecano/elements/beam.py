@@ -24,7 +24,7 @@ from numba import njit
 from mecano.contract import Kind, Output, record
 from mecano.elements.beam_elastic import add_elastic, end_loads, strain_rates, strains, stresses
 from mecano.elements.beam_flexibility import element_stiffness
-from mecano.elements.beam_inertia import add_inertia, inertia_record, kinetic_energy, weight_energy
+from mecano.elements.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.beam_line import check_line, stations
 from mecano.elements.cross_section import MOST_POINTS, constants, is_round
 from mecano.maths.rotation_vector import first_derivative
@@ -34,8 +34,7 @@ from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION,
 
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), u0=3, phi0=3, damping=(), gravity=3,
-    mass=(), cross_mass=(), tangent_mass=(), J1=(3, 3), J2=(3, 3), J12=(3, 3),
-    c1=3, t1=3, s1=3, q1=3, r1=3, g1=3, c2=3, t2=3, s2=3, q2=3, r2=3, g2=3,
+    mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
     axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3), E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
 )  # fmt: skip
 
@@ -46,7 +45,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     R1, R2 = mat(R[0]), mat(R[1])
     W = matmul(transpose(R1), R2)
     add_elastic(p, q, v, W, R2, f, K, C)
-    add_inertia(p, v, a, R1, R2, W, f, K, C, M)
+    add_inertia(p, v, a, R1, R2, f, K, C, M)
 
 
 @njit
@@ -115,11 +114,11 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
-    kinetic = kinetic_energy(p, v, R1, R2)
+    kinetic, weight = energies(p, q, v, R1, R2)
     y[18], y[19], y[20] = normal, shear, equivalent
     y[21], y[22] = elastic, kinetic
     e[0] = kinetic
-    e[1] = elastic + weight_energy(p, q, R1, R2)
+    e[1] = elastic + weight
     e[2] = dissipated
 
 

@@ -31,6 +31,7 @@ from mecano.maths.vec import (
     add_mat,
     add_vec,
     cross,
+    cross_columns,
     dot,
     madd,
     mat,
@@ -46,7 +47,7 @@ from mecano.maths.vec import (
 )  # fmt: skip
 
 
-@njit
+@njit(inline="always")
 def strains(p, q, W, R2):
     """phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
     phi = log(matmul(transpose(mat(p.S)), W))
@@ -73,19 +74,13 @@ def strain_rates(p, v, y, R2, H, E):
     return add(mul(H, y_rate), mul(E, phi_rate)), phi_rate, y_rate
 
 
-@njit
+@njit(inline="always")
 def end_loads(p, y, H, E, p_u, p_phi):
     """P, Q and the material moments m_1, m_2 on the nodes."""
     P = tmul(H, p_u)
     Q = add(p_phi, tmul(E, p_u))
     m_2 = add(cross(P, y), tmul(H, Q))
     return P, Q, scale(-1.0, mul(mat(p.S), mul(H, Q))), m_2
-
-
-@njit
-def cross_columns(A, y):
-    """A hat(y): rows of A crossed with y."""
-    return (cross(A[0], y), cross(A[1], y), cross(A[2], y))
 
 
 @njit
@@ -107,7 +102,7 @@ def add_elastic(p, q, v, W, R2, f, K, C):
     _add_stiffness(p, phi, y, H, E, c, c1, c2, p_u, P, Q, R2, K)
 
 
-@njit
+@njit(inline="always")
 def _add_stiffness(p, phi, y, H, E, c, c1, c2, p_u, P, Q, R2, K):
     """Material and geometric stiffness; the blocks of different unknowns are symmetric, those of one rotation not."""
     S, HT, K_up = mat(p.S), transpose(H), mat(p.K_up)
@@ -148,8 +143,9 @@ def _add_viscous(p, v, phi, y, H, E, c, c1, c2, u_rate, phi_rate, y_rate, R2, K,
     F_1, F_2 = mscale(-1.0, transpose(matmul(S, H))), H
     U_d, U_1, U_2 = matmul(H, RT), matmul(E, F_1), madd(cross_columns(H, y), matmul(E, F_2))
     zero = mscale(0.0, H)
-    for columns, U, F in ((0, U_d, zero), (1, U_1, F_1), (2, U_2, F_2)):
-        _add_block(p, U_d, U_1, U_2, F_1, F_2, U, F, columns, C)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_d, zero, 0, C)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_1, F_1, 1, C)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_2, F_2, 2, C)
     slope = madd(
         first_derivative(phi, omega_2, -0.5, c, c1), mscale(-1.0, first_derivative(phi, omega_1, 0.5, c, c1))
     )  # of the rate of phi by phi
@@ -158,9 +154,9 @@ def _add_viscous(p, v, phi, y, H, E, c, c1, c2, u_rate, phi_rate, y_rate, R2, K,
     by_y = madd(inverse_tangent_rate(phi, phi_rate, c, c1), mscale(-1.0, matmul(H, skew(omega_2))))
     carried = sub(y_rate, cross(y, omega_2))
     D_2 = madd(madd(cross_columns(by_y, y), cross_columns(H, carried)), matmul(N, F_2))
-    parts = ((0, matmul(by_y, RT), zero), (1, matmul(N, F_1), matmul(slope, F_1)), (2, D_2, matmul(slope, F_2)))
-    for columns, U, F in parts:
-        _add_block(p, U_d, U_1, U_2, F_1, F_2, U, F, columns, K)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, matmul(by_y, RT), zero, 0, K)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, matmul(N, F_1), matmul(slope, F_1), 1, K)
+    _add_block(p, U_d, U_1, U_2, F_1, F_2, D_2, matmul(slope, F_2), 2, K)
 
 
 @njit
