@@ -62,7 +62,7 @@ def _placed(prepared, results, row):
         for i, name in nodes:
             _place_node(system, state, i, *(values[r] for values in traces[name]))
         state = watch.settle(state)
-        state.memories = system.commit(state)
+        state.memory = system.commit(state)
     return state
 
 

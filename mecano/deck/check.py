@@ -82,10 +82,11 @@ def _check_process(root, sections, scope):
     fields = {section.name: section for section in sections}
     if "static" not in fields:
         return
-    if "time" not in root.value and "static" not in root.value:
+    time, static = (key in root.value and root.value[key][1].value is not None for key in ("time", "static"))
+    if not time and not static:
         time = fields["time"]
         scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
-    elif "time" in root.value and "static" in root.value:
+    elif time and static:
         hint = "for a march that starts from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 

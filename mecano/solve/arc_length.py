@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.solve.continuation import SHRINK
-from mecano.solve.newton import NewtonResult, newton
+from mecano.solve.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.static import CLOSED, MODE_CHANGES
 
 WANTED = 5  # iterations of a step
@@ -133,7 +133,7 @@ class Arc:
         self.metric = statics.weight / statics.length**2
         s = statics.begin(point.state)
         self.rate = self._rate(s, point.parameter)
-        self.singular = statics.judged(NewtonResult(False, 0, (), "the tangent is singular"), s, s)
+        self.singular = statics.judged(Iterated(False, 0, (), SINGULAR), s, s)
         if self.rate is None:
             return
         q = self.rate[: statics.system.n_q]
@@ -183,7 +183,7 @@ class Arc:
         """The trial with tangent and rate at its end; refused where the path has turned too sharply."""
         trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
         if trial.rate is None:
-            trial.found.ok, trial.found.message = False, "the tangent is singular"
+            trial.found.ok, trial.found.message = False, SINGULAR
             return trial
         trial.tangent = self._direction(trial.rate)
         if self._product(trial.tangent, self.tangent) < SHARPEST:
@@ -191,7 +191,7 @@ class Arc:
         return trial
 
     def _correct(self, point, s, mu, ds, k, penalty):
-        """Newton in the plane of the step, which moves ``s``: (load factor, NewtonResult)."""
+        """Newton in the plane of the step, which moves ``s``: (load factor, Iterated)."""
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
@@ -219,5 +219,5 @@ class Arc:
             mu += change
             return max(statics.move(s, point.state, dz, k), abs(change) / statics.tolerances.increment)
 
-        result = newton(evaluate, solve, move, max_iterations=statics.tolerances.max_iterations)
+        result = iterate(evaluate, solve, move, most=statics.tolerances.max_iterations)
         return mu, result

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.solve.failure import worst_equations
+from mecano.solve.iteration import SINGULAR
 from mecano.solve.stability import Judge, Stability, freedom, words
 from mecano.solve.static import Found
 
@@ -85,7 +87,7 @@ class Follower:
     def find(self, s0, p):
         """Equilibrium at the parameter p near ``s0``: (state, Found), where the tangent is singular too."""
         s, found = self.statics.correct(s0, p)
-        return self.statics.lean(s0, p) if found.message == "the tangent is singular" else (s, found)
+        return self.statics.lean(s0, p) if found.message == SINGULAR else (s, found)
 
     def start(self, s, p):
         """The first Point, at the parameter p: ``s`` or the equilibrium next to it. Raises ConvergenceError."""
@@ -105,20 +107,11 @@ class Follower:
         of = statics.loading
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
         statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
-        equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst(system)}"
+        equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst_equations(system)}"
         if "not finite" in found.message:
             return NonFiniteError(head + equations)
         free = freedom(system, last, self.stability(last, last_p), statics.length)
         return ConvergenceError(f"{head}at {of.name} {last_p:.6g}{of.unit}: {free}\n{equations}\nwhat to try: {hint}")
-
-
-def worst(system, most=5):
-    """Names and residuals of the worst equations of the last assembly, one a line."""
-    of, n = system.numbering, system.n
-    r, size = np.abs(system.residual[:n]), system.size[:n]
-    scale = np.array([max(size[of.kind[:n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
-    order = np.argsort(-np.nan_to_num(r / scale[of.kind[:n]], nan=np.inf))[:most]
-    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}" for i in order if not r[i] == 0.0)
 
 
 @dataclass

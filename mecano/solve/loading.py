@@ -30,13 +30,13 @@ class LoadFactor:
         self.assemble(s, 0.0, 1.0, 0.0)
         self.imbalance = system.residual[: system.n_q].copy()
 
-    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0):
+    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
         """``system.assemble`` at the load factor mu; sets the accelerations of ``s``, which stand for gravity."""
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
-        system.assemble(s, k, penalty, cK, cC, cM)
+        system.assemble(s, k, penalty, cK, cC, cM, T)
         if mu != 1.0:
-            system.scale_loads(s, mu, cK, cC, cM)
+            system.scale_loads(s, mu, cK, cC, cM, T)
             system.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
 
     def slope(self, s, mu):
@@ -57,8 +57,8 @@ class Clock:
     def __init__(self, system):
         self.system = system
 
-    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0):
+    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
         """``system.assemble`` at rest at the time t [s], which becomes that of ``s``."""
         s.t = t
         s.a[:] = 0.0
-        self.system.assemble(s, k, penalty, cK, cC, cM)
+        self.system.assemble(s, k, penalty, cK, cC, cM, T)

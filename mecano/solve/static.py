@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.model.numbering import ROTATION
+from mecano.solve.compliance import soften
 from mecano.solve.events import Watch
-from mecano.solve.increments import correct
-from mecano.solve.newton import newton
+from mecano.solve.increments import correct, tangents
+from mecano.solve.iteration import iterate
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
@@ -45,6 +46,7 @@ class Statics:
         self.watch = Watch(system)
         self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
         self._increment = np.zeros(system.n)
+        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
 
     def scales(self, s):
@@ -59,15 +61,17 @@ class Statics:
         s = s0.copy()
         s.z[self._rotations] = 0.0
         s.v[:] = 0.0
-        s.T[:] = np.eye(3)
         return s
 
     def evaluate(self, s, p, k, penalty, tangent):
         """Assemble residual (and tangent) at the parameter p; the norms over their tolerances."""
-        system = self.system
-        self.loading.assemble(s, p, k, penalty, float(tangent))
+        system, of = self.system, self.system.numbering
+        if tangent:
+            tangents(of.rotation_dof, of.n_q, s.z, self._T)
+        self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T)
         if self.compliance is not None:
-            self.compliance.soften(k, s.z[system.n_q : system.n], system.residual[system.n_q : system.n])
+            n_q, n = system.n_q, system.n
+            soften(k, *self.compliance.rows, s.z[n_q:n], system.residual[n_q:n])
             if tangent:
                 self.compliance.soften_tangent(k, system.data)
         return self.norms(s, k)
@@ -77,15 +81,24 @@ class Statics:
         system, of, limits = self.system, self.system.numbering, self.tolerances
         reach = np.abs(s.z[: system.n_q]).max(initial=0.0)
         return norms(
-            system.residual, system.size, of.kind, system.n, k, self.length, reach, limits.force, limits.constraint
+            system.residual,
+            system.size,
+            of.kind,
+            system.n,
+            self.length,
+            limits.force,
+            limits.constraint,
+            1.0,
+            k,
+            k,
+            reach,
         )
 
     def move(self, s, s0, dz, k):
         """Add the correction dz (n,) to ``s``, whose rotations count from ``s0``; its size over the tolerance."""
         of = self.system.numbering
         largest = correct(
-            dz, k, 0.0, 0.0, self.length, s0.R, of.kind, of.rotation_dof, self.system.n_q, self.system.n,
-            s.z, s.v, s.a, s.R, s.T,
+            self.length, of.kind, of.rotation_dof, of.n_q, of.n, -dz, k, 0.0, 0.0, s0.R, s.z, s.v, s.a, s.R
         )  # fmt: skip
         return largest / self.tolerances.increment
 
@@ -159,7 +172,7 @@ class Statics:
             steps.append(self.move(s, s0, dz, k))
             return steps[-1]
 
-        result = newton(evaluate, solve, move, max_iterations=self.tolerances.max_iterations)
+        result = iterate(evaluate, solve, move, most=self.tolerances.max_iterations)
         first = steps[0] * self.tolerances.increment if steps else np.inf
         return s, self.judged(result, s, s0, first)
 
@@ -196,5 +209,5 @@ class Statics:
 
     def settled(self, s):
         """``s`` as an accepted point: memories committed."""
-        s.memories = self.system.commit(s)
+        s.memory = self.system.commit(s)
         return s
