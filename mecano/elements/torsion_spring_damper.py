@@ -23,8 +23,8 @@ from numba import njit
 
 from mecano.constraints.carried import follow, relative_rotation
 from mecano.constraints.joint_frame import triad
+from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output, record
-from mecano.elements.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.laws.table import evaluate_force, potential
 from mecano.maths.vec import (
     add,
