@@ -1,16 +1,19 @@
 """Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
 
+import types
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import field as value_of
+from functools import cache
 
 import numpy as np
+from numba import njit
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.model.loops import loop_over
 from mecano.schema import DIRECTION, GROUND, VECTOR
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
@@ -20,6 +23,14 @@ SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
 def _call(p, *arguments):
     function(p[0], *arguments)  # noqa: F821
+
+
+@cache
+def _compiled(function, name):
+    """``_call`` for one function, with a name of its own in numba's cache."""
+    bound = types.FunctionType(_call.__code__, {**_call.__globals__, "function": function}, name)
+    bound.__qualname__ = name
+    return njit(cache=True)(bound)
 
 
 @dataclass
@@ -59,7 +70,7 @@ class Instance:
     laws: np.ndarray
     scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
     multipliers: np.ndarray  # k lambda
-    lenders: list = field(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
+    lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
     def local(self, motion):
         """(q, v, a, R) as contract.py has them."""
@@ -81,8 +92,8 @@ class Instance:
 
     def run(self, name, t, *arguments):
         """Call the compiled function ``name`` of the kind."""
-        loop = loop_over(_call, getattr(self.kind, name), f"test_{name}_{self.kind.name}")
-        loop(self.p, self.memory, self.mode, t, *arguments)
+        call = _compiled(getattr(self.kind, name), f"test_{name}_{self.kind.name}")
+        call(self.p, self.memory, self.mode, t, *arguments)
 
     def force(self, t, state, k=1.0, penalty=0.0):
         """f, K, C, M at the local ``state`` (q, v, a, R)."""

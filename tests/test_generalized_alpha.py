@@ -12,7 +12,7 @@ from convergence import check_second_order, pair
 from marching import March, deck, input_deck, with_history
 from scipy.integrate import solve_ivp
 
-from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 G = np.array([0.0, 0.0, -9.81])
 X0, V0 = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 2.0])
@@ -231,3 +231,30 @@ def test_dissipation_of_the_method_falls_as_the_step_squared(name):
     coarse, fine = pair(name, lambda m: m["energy/total"] - m["energy/total"][0], [1.0], 2e-3, "time.rho_inf=0.95")
     assert coarse[0] < 0
     check_second_order(coarse, fine, 0.0, abs(fine[0]) / 100)
+
+
+def test_a_start_in_full_motion_fits_the_constraints_whatever_the_last_step_turned():
+    found = March(
+        deck("""
+            mecano: 1
+            nodes:
+              a: {position: [0, 0, 0]}
+              b: {position: [1, 0, 0]}
+              c: {position: [1, 0, 0]}
+            elements:
+              upper:
+                {type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1],
+                 attached: [b]}
+              lower: {type: rigid_body, node: c, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+            joints:
+              shoulder: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+              elbow: {type: hinge, nodes: [b, c], axis: [0, 1, 0.2]}
+            time: {end: 0.6, step: 0.02}
+        """)
+    )
+    s, _ = found.march.method.start(found.run.motion, 0.02)
+    of = found.system.numbering
+    turned = np.abs(found.run.motion.z[: of.n_q][of.kind[: of.n_q] == ROTATION]).max()
+    assert turned > 0.01 and np.linalg.norm(s.v) > 1.0
+    level, rate, second = np.abs(found.system.levels(s)).max(axis=0)
+    assert level < 1e-10 and rate < 1e-13 and second < 1e-11

@@ -279,7 +279,7 @@ def test_angle_goes_on_over_many_turns(kind, values, name, axis):
             found = outputs(system)[title]
             close(found[name], angle)
             close(found[name.replace("angle", "rate")], 7.0)
-        s.memories = system.commit(s)
+        s.memory = system.commit(s)
     assert abs(angle) > 6 * math.pi
 
 

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.model import loops
+from mecano.model.loops import BATCH, record
 from mecano.model.numbering import SCALAR
 
 
 @dataclass
 class Batch:
-    """All elements of one kind: records, tables, compiled loops and work arrays."""
+    """All elements of one kind: records, tables and work arrays, and their addresses for the compiled loops."""
 
     kind: object
     names: list  # (n,) names of the owners, from the deck
@@ -23,23 +23,40 @@ class Batch:
     watched_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
     columns: np.ndarray  # (n_rotations,) local columns of the rotations
     multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
+    first_mode: int  # of the modes of a state
+    first_memory: int  # of the memory of a state
     entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
+    event_values: np.ndarray = None  # (n, n_events) part of those of the system
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
-        w = max(n, self.watched.shape[1])
-        n_rotations = len(self.columns)
-        self.work = tuple(np.zeros(w) for _ in "qva") + (np.zeros((n_rotations, 3, 3)),)
-        self.matrices = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
+        n_work, n_rotations = max(n, self.watched.shape[1]), len(self.columns)
+        self.q, self.v, self.a = (np.zeros(n_work) for _ in range(3))
+        self.R = np.zeros((n_rotations, 3, 3))
+        self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+        self.F, self.g = np.zeros(self.watched_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.y = np.zeros((len(self.p), self.n_outputs))
         self.e = np.zeros((len(self.p), 4))
-        self.F = np.zeros(self.watched_slots.shape[1])
+        self.n_events = len(kind.events)
+        self.before = np.array([kind.modes.index(event.before) for event in kind.events], np.int64)
 
-    def loop(self, template, name):
-        """The compiled loop for one of the kind's functions, or None when the kind has none."""
-        function = getattr(self.kind, name)
-        return None if function is None else loops.loop_over(template, function, f"{name}_{self.kind.name}")
+    @property
+    def modes(self):
+        """Where the modes of these elements stand in those of a state."""
+        return slice(self.first_mode, self.first_mode + len(self.p))
+
+    def record(self):
+        """The record BATCH of the loops; ``entries`` and ``event_values`` must be set."""
+        n, n_local = self.dofs.shape
+        sizes = {
+            "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
+            "n_watched": self.watched.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
+            "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_mode": self.first_mode,
+            "first_memory": self.first_memory,
+        }  # fmt: skip
+        names = [name for name in BATCH.names if name not in sizes]
+        return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
 
 
 def batches(instances, of, n_slots, sides):
@@ -52,7 +69,12 @@ def batches(instances, of, n_slots, sides):
         lent = [row for lender in item.borrows for row in taken[lender][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
         groups.setdefault(id(item.kind), []).append((number, item, scalars, rows, lent, of_parts))
-    return [_batch(members, of, places, sides) for members in groups.values()]
+    found, n_modes, n_memory = [], 0, 0
+    for members in groups.values():
+        found.append(_batch(members, of, places, sides, n_modes, n_memory))
+        n_modes += len(members)
+        n_memory += len(members) * len(found[-1].kind.memory)
+    return found
 
 
 class _Places:
@@ -73,7 +95,7 @@ class _Places:
         return scalars, rows
 
 
-def _batch(members, of, places, sides):
+def _batch(members, of, places, sides, first_mode, first_memory):
     kind = members[0][1].kind
     p = np.zeros(len(members), kind.dtype)
     dofs, rots, slots, watched, watched_slots, multipliers = [], [], [], [], [], []
@@ -97,4 +119,4 @@ def _batch(members, of, places, sides):
     ]
     names = [item.owner for _, item, *_ in members]
     paths = [(item.path, item.label) for _, item, *_ in members]
-    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5])
+    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], first_mode, first_memory)

@@ -1,141 +1,237 @@
 """Compiled loops over all elements of one kind: gather, call the element's function, scatter.
 
-A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with
-the element among its globals and a name of its own is (see docs/architecture.md).
+One loop for each kind and purpose, a C function of two addresses: those of the record of the batch (BATCH) and of the
+system (SYSTEM), in which everything else is found. conduct.py calls them, one after the other.
+
+A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with the
+element among its globals and a name of its own is (see docs/architecture.md).
 """
 
+import math
 import types
 from functools import cache
 
-from numba import njit
+import numpy as np
+from numba import carray, cfunc, njit
+
+from mecano.maths.nowhere import NOWHERE
+from mecano.model.pointers import LOOP, floats, integers, pointer
+
+
+def _fields(floats="", words=""):
+    return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
+
+
+# Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
+BATCH = _fields(
+    words="n n_local n_rotations n_multipliers n_watched n_forces n_outputs n_events n_memory "
+    "p dofs rots slots columns entries multipliers watched watched_slots "
+    "q v a R f K C M F g y e event_values before first_mode first_memory"
+)
+# Addresses of the arrays of the system and of the state on which the loops work.
+SYSTEM = _fields(
+    floats="t k penalty cK cC cM",
+    words="n_all n_rotations z v a R T modes memory memory_out "
+    "n_laws laws n_slots force size mass slot_dof residual scale n_data data "
+    "n_sides side_starts side_members transmitted energy n_levels levels",
+)
+
+
+def record(dtype, **values):
+    """An array (1,) of one record."""
+    out = np.zeros(1, dtype)
+    for name, value in values.items():
+        out[name] = value
+    return out
 
 
 @njit
-def gather(dofs, rots, z_in, v_in, a_in, R_in, q_out, v_out, a_out, R_out):
+def batch_at(address):
+    """The record of a batch."""
+    return carray(pointer(address), 1, BATCH)[0]
+
+
+@njit
+def system_at(address):
+    """The record of the system."""
+    return carray(pointer(address), 1, SYSTEM)[0]
+
+
+@njit
+def given(b, s):
+    """Memories (n, n_memory) and modes (n,) of a batch; the table of laws."""
+    memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
+    return memory, integers(s.modes + 8 * b.first_mode, b.n), floats(s.laws, s.n_laws)
+
+
+@njit
+def work(b):
+    """Work arrays for the local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3)."""
+    n = max(b.n_local, b.n_watched)
+    return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
+
+
+@njit
+def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
     """Local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
+    z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
+    R = floats(s.R, (s.n_rotations, 3, 3))
     for i in range(dofs.shape[0]):
         d = dofs[i]
-        q_out[i] = z_in[d]
-        v_out[i] = v_in[d]
-        a_out[i] = a_in[d]
+        q_out[i] = z[d]
+        v_out[i] = v[d]
+        a_out[i] = a[d]
     for r in range(rots.shape[0]):
         for i in range(3):
             for j in range(3):
-                R_out[r, i, j] = R_in[rots[r], i, j]
+                R_out[r, i, j] = R[rots[r], i, j]
 
 
-def _assemble(
-    # element
-    p, memory, mode, dofs, rots, slots, columns, entries,
-    t, k, penalty, laws,
-    # state in
-    z_in, v_in, a_in, R_in, T_in,
-    # out, added to
-    force_out, size_out, data_out, cK, cC, cM,
-    # work
-    q, v, a, R, f, K, C, M,
-):  # fmt: skip
-    n = dofs.shape[1]
-    residual_only = cK == 0.0 and cC == 0.0 and cM == 0.0
-    for e in range(dofs.shape[0]):
+def tangent(batch, system):
+    """Forces, their sizes, masses, and the tangent cK K + cC C + cM M."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots, columns = (
+        integers(b.dofs, (b.n, n)),
+        integers(b.rots, (b.n, b.n_rotations)),
+        integers(b.columns, b.n_rotations),
+    )
+    slots, entries = integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
+    q, v, a, R = work(b)
+    f, K, C, M = floats(b.f, n), floats(b.K, (n, n)), floats(b.C, (n, n)), floats(b.M, (n, n))
+    T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
+    for e in range(b.n):
+        f[:] = 0.0
+        K[:] = 0.0
+        C[:] = 0.0
+        M[:] = 0.0
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(p[e], memory[e], mode[e], s.t, s.k, s.penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
         for i in range(n):
-            f[i] = 0.0
-            for j in range(n):
-                K[i, j] = 0.0
-                C[i, j] = 0.0
-                M[i, j] = 0.0
-        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
-        function(p[e], memory[e], mode[e], t, k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
-        for i in range(n):
-            size = abs(f[i])
-            for j in range(n):
-                size += abs(M[i, j] * a[j])
-            force_out[slots[e, i]] += f[i]
-            size_out[slots[e, i]] += size
-        if residual_only:
-            continue
+            slot = slots[e, i]
+            force_out[slot] += f[i]
+            size_out[slot] += abs(f[i])
+            mass_out[slot] += abs(M[i, i])
         # K is the derivative by the material variation; T turns it into one by the rotation increment
-        for r in range(rots.shape[1]):
-            c, s = columns[r], rots[e, r]
+        for r in range(b.n_rotations):
+            c, turn = columns[r], T[rots[e, r]]
             for i in range(n):
                 k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
                 for j in range(3):
-                    K[i, c + j] = k0 * T_in[s, 0, j] + k1 * T_in[s, 1, j] + k2 * T_in[s, 2, j]
+                    K[i, c + j] = k0 * turn[0, j] + k1 * turn[1, j] + k2 * turn[2, j]
+        cK, cC, cM = s.cK, s.cC, s.cM
         for i in range(n):
             for j in range(n):
                 data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
-def _levels(p, memory, mode, dofs, rots, multipliers, t, laws, z_in, v_in, a_in, R_in, g_out, q, v, a, R, g):
-    for e in range(dofs.shape[0]):
-        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, g)  # noqa: F821
-        for i in range(multipliers.shape[1]):
+def residual(batch, system):
+    """Forces and their sizes."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
+    q, v, a, R = work(b)
+    f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    for e in range(b.n):
+        f[:] = 0.0
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(  # noqa: F821
+            p[e], memory[e], mode[e], s.t, s.k, s.penalty, laws, q, v, a, R, f, NOWHERE, NOWHERE, NOWHERE
+        )
+        for i in range(n):
+            slot = slots[e, i]
+            force_out[slot] += f[i]
+            size_out[slot] += abs(f[i])
+
+
+def levels(batch, system):
+    """Values, rates and second rates of the constraints."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
+    multipliers = integers(b.multipliers, (b.n, b.n_multipliers))
+    q, v, a, R = work(b)
+    g, g_out = floats(b.g, (b.n_multipliers, 3)), floats(s.levels, (s.n_levels, 3))
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, g)  # noqa: F821
+        for i in range(b.n_multipliers):
             for j in range(3):
                 g_out[multipliers[e, i], j] = g[i, j]
 
 
-def _write(p, memory, mode, dofs, rots, t, laws, z_in, v_in, a_in, R_in, y_out, q, v, a, R):
-    for e in range(dofs.shape[0]):
-        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, y_out[e])  # noqa: F821
-
-
-def _observe(
-    p, memory, mode, dofs, rots, slots, t, laws, z_in, v_in, a_in, R_in, force_in, total_out,
-    y_out, e_out, q, v, a, R, F,
-):  # fmt: skip
-    for e in range(dofs.shape[0]):
-        gather(dofs[e], rots[e], z_in, v_in, a_in, R_in, q, v, a, R)
-        for i in range(slots.shape[1]):
-            F[i] = force_in[slots[e, i]]
+def observe(batch, system):
+    """Outputs and energies of the elements; sums of the energies."""
+    b, s = batch_at(batch), system_at(system)
+    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    slots, force, F = (
+        integers(b.watched_slots, (b.n, b.n_forces)),
+        floats(s.transmitted, s.n_sides),
+        floats(b.F, b.n_forces),
+    )
+    q, v, a, R = work(b)
+    y_out, e_out, total_out = floats(b.y, (b.n, b.n_outputs)), floats(b.e, (b.n, 4)), floats(s.energy, 4)
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        for i in range(b.n_forces):
+            F[i] = force[slots[e, i]]
         y_out[e] = 0.0
         e_out[e] = 0.0
-        function(p[e], memory[e], mode[e], t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
+        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
         for i in range(4):
             total_out[i] += e_out[e, i]
 
 
-@njit(cache=True)
-def clear(force_out, size_out, data_out, residual_only):
-    """Zero the arrays that the loops add to; the values of the tangent only if they are wanted."""
-    force_out[:] = 0.0
-    size_out[:] = 0.0
-    if not residual_only:
-        data_out[:] = 0.0
+def event_values(batch, system):
+    """One number for each event of each element; -inf where it is not watched."""
+    b, s = batch_at(batch), system_at(system)
+    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    before, g_out = integers(b.before, b.n_events), floats(b.event_values, (b.n, b.n_events))
+    q, v, a, R = work(b)
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, g_out[e])  # noqa: F821
+        for i in range(b.n_events):
+            if mode[e] != before[i]:
+                g_out[e, i] = -math.inf
 
 
-@njit(cache=True)
-def collect(force_in, size_in, slot_dof, r_out, size_out):
-    """Sum the forces (and their sizes) of all slots that are one unknown."""
-    r_out[:] = 0.0
-    size_out[:] = 0.0
-    for s in range(slot_dof.shape[0]):
-        d = slot_dof[s]
-        r_out[d] += force_in[s]
-        size_out[d] += size_in[s]
+def commit(batch, system):
+    """The memories after an accepted step."""
+    b, s = batch_at(batch), system_at(system)
+    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    m_out = floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))
+    q, v, a, R = work(b)
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, m_out[e])  # noqa: F821
 
 
-@njit(cache=True)
-def transmitted(force_in, slots, starts, members, out, total_out):
-    """out = forces that the rest exerts on each slot; then, for each joint, sums over its side of the model.
-
-    Zeroes the sums of energies and powers total_out (4,), to which the loops over the outputs add.
-    """
-    total_out[:] = 0.0
-    for s in range(slots):
-        out[s] = -force_in[s]
-    for i in range(starts.shape[0] - 1):
-        total = 0.0
-        for j in range(starts[i], starts[i + 1]):
-            slot = members[j]
-            total += force_in[~slot] if slot < 0 else -force_in[slot]
-        out[slots + i] = total
+# What a kind gives to each loop.
+PURPOSES = {
+    tangent: "force", residual: "force", levels: "levels", observe: "observe", event_values: "event_values",
+    commit: "commit",
+}  # fmt: skip
 
 
 @cache
-def loop_over(template, function, name):
-    """The loop ``template`` bound to the compiled ``function`` of one element; cached on disk by ``name``."""
-    bound = types.FunctionType(template.__code__, {**template.__globals__, "function": function}, name)
+def loop_of(kind, template):
+    """The compiled loop ``template`` for a kind, cached on disk, or None when the kind has no such function."""
+    function, name = getattr(kind, PURPOSES[template]), f"{template.__name__}_{kind.name}"
+    if function is None:
+        return None
+    bound = types.FunctionType(
+        template.__code__, {**template.__globals__, "function": function, "parameters": kind.dtype}, name
+    )
     bound.__qualname__ = name
-    return njit(cache=True)(bound)
+    return cfunc(LOOP, cache=True)(bound)

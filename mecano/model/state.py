@@ -12,22 +12,19 @@ import numpy as np
 
 @dataclass
 class State:
-    """Motion, modes and memories at time ``t`` [s]; nothing here is shared with the model."""
+    """Motion, modes and memory at time ``t`` [s]; nothing here is shared with the model."""
 
     t: float
     z: np.ndarray  # (n_all,) positions, rotation increments of the last step, scalars, multipliers
     v: np.ndarray  # (n_all,)
     a: np.ndarray  # (n_all,)
     R: np.ndarray  # (n_rotations, 3, 3) material to inertial
-    T: np.ndarray  # (n_rotations, 3, 3) tangent operators of the rotation increments
-    modes: tuple  # one (n,) int64 array per batch, replaced and never changed in place
-    memories: tuple  # one (n, n_memory) array per batch, replaced and never changed in place
+    modes: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
+    memory: np.ndarray  # (n_memory,) of all elements, batch by batch; replaced, never changed in place
 
     def copy(self):
         """A copy whose motion may be changed."""
-        return State(
-            self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.T.copy(), self.modes, self.memories
-        )  # fmt: skip
+        return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.modes, self.memory)
 
 
 @dataclass
@@ -35,8 +32,12 @@ class History:
     """What generalized-alpha keeps besides the motion."""
 
     a: np.ndarray  # (n_all,) algorithmic acceleration
-    h: float  # step size it belongs to [s]; 0 at a start
-    previous: np.ndarray  # (n_all,) accelerations at the beginning of the last step
-    multiplier_rate: np.ndarray  # (n_multipliers,) for the predictor [N/s, N m/s]
+    h: float  # size of the steps it is for [s]
+    slope: np.ndarray  # (n,) last change of accelerations and multipliers over a step: their backward difference
+    bend: np.ndarray  # (n,) second backward difference
+    known: int  # how many of the two differences are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step
     k: float  # mean stiffness of the effective tangent for steps of this size [N/m]
+    tangent: object = None  # State whose tangent the next step may use, or None when it must evaluate a new one
+    age: int = 0  # accepted steps since that state
+    drift: float = 0.0  # share of the residual that an iteration with an old tangent leaves, per step of its age

@@ -1,15 +1,21 @@
 """The model in equations: residual, tangent, constraint levels, outputs, energies, all by batches of one kind."""
 
+from functools import cached_property
+
 import numpy as np
 
 from mecano.contract import Context
-from mecano.model import loops
+from mecano.model import conduct, loops
 from mecano.model.batch import batches
+from mecano.model.conduct import direct
 from mecano.model.instances import expand
+from mecano.model.loops import SYSTEM, loop_of, record
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
 from mecano.model.state import State
+
+NO_MULTIPLIERS = np.zeros(0, np.int64)
 
 
 class System:
@@ -32,13 +38,14 @@ class System:
         self._pattern()
         self.laws = model.laws.array()
         self.side_starts, self.side_members = sides.tables()
-        self.force = np.zeros(self.n_slots)
-        self._slot_size = np.zeros(self.n_slots)
+        self.force, self._size = np.zeros(self.n_slots), np.zeros(self.n_slots)
+        self._mass = np.zeros(self.n_slots)  # diagonals of the mass matrices at the last tangent
         self.transmitted = np.zeros(self.n_slots + len(self.side_starts) - 1)
         self.energy = np.zeros(4)  # kinetic, potential [J], dissipated, given power [W] of the last ``observe``
+        self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
         self.residual = np.zeros(self.numbering.n_all)
         self.size = np.zeros(self.numbering.n_all)
-        self._bind()
+        self._record()
 
     def _slots(self, n_nodes):
         """One force slot for each unknown of each node, shared or not; then scalars, then multipliers."""
@@ -67,30 +74,74 @@ class System:
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
         self.data = np.zeros(self.nnz + 1)  # the last entry takes what belongs to fixed unknowns
 
-    def _bind(self):
-        """Compiled loops with their constant arguments, in the order in which they are called."""
-        self._assembly, self._constraints, self._observers, self._events, self._commits = [], [], [], [], []
-        for i, b in enumerate(self.batches):
-            if loop := b.loop(loops._assemble, "force"):
-                q, v, a, R = b.work
-                item = (i, loop, b.p, (b.dofs, b.rots, b.slots, b.columns, b.entries), (q, v, a, R, *b.matrices))
-                self._assembly.append(item)
-            if loop := b.loop(loops._levels, "levels"):
-                g = np.zeros((len(b.kind.multipliers), 3))
-                self._constraints.append((i, loop, b.p, (b.dofs, b.rots, b.multipliers), (*b.work, g)))
-            if loop := b.loop(loops._observe, "observe"):
-                tables = (b.watched, b.rots, b.watched_slots)
-                self._observers.append((i, loop, b.p, tables, (b.y, b.e, *b.work, b.F)))
-            if loop := b.loop(loops._write, "event_values"):
-                g = np.zeros((len(b.p), len(b.kind.events)))
-                self._events.append((i, loop, b.p, (b.watched, b.rots), g, b.work))
-            if loop := b.loop(loops._write, "commit"):
-                self._commits.append((i, loop, b.p, (b.watched, b.rots), b.work))
+    def _record(self):
+        """The record SYSTEM of the loops, and those of the batches."""
+        sizes = [len(b.p) * b.n_events for b in self.batches]
+        self._event_values = np.zeros(sum(sizes))
+        for b, size, end in zip(self.batches, sizes, np.cumsum(sizes), strict=True):
+            b.event_values = self._event_values[end - size : end].reshape(len(b.p), b.n_events)
+        self._batch_records = np.concatenate([b.record() for b in self.batches])
+        arrays = {
+            "laws": self.laws, "force": self.force, "size": self._size, "mass": self._mass, "slot_dof": self.slot_dof,
+            "residual": self.residual, "scale": self.size, "data": self.data, "side_starts": self.side_starts,
+            "side_members": self.side_members, "transmitted": self.transmitted, "energy": self.energy,
+        }  # fmt: skip
+        self.record = record(
+            SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
+            n_slots=self.n_slots, n_data=len(self.data), n_sides=len(self.transmitted), n_levels=self.n_l,
+            **{name: array.ctypes.data for name, array in arrays.items()},
+        )  # fmt: skip
 
-    @property
-    def has_events(self):
-        """True when some element has events."""
-        return bool(self._events)
+    def loops(self, template, chosen=lambda kind: True):
+        """Addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
+        found = [loop_of(b.kind, template) if chosen(b.kind) else None for b in self.batches]
+        own = np.array([loop is not None for loop in found], bool)
+        return np.array([loop.address for loop in found if loop], np.int64), self._batch_records[own]
+
+    def _conductor(self, conduct, template, *others, chosen=lambda kind: True):
+        """The compiled ``conduct`` for all loops of one purpose; ``others``: examples of its last arguments."""
+        s = self.initial_state()
+        return direct(conduct, (*self.loops(template, chosen), self.record), (*_motion(s), *others))
+
+    @cached_property
+    def _assemble(self):
+        return self._conductor(conduct.assemble, loops.tangent, self._no_turn, 1.0, 1.0, 1.0, 1.0, 1.0)
+
+    @cached_property
+    def _assemble_residual(self):
+        return self._conductor(conduct.assemble_residual, loops.residual, 1.0, 1.0)
+
+    @cached_property
+    def _add_constraints(self):
+        constraints = lambda kind: kind.multipliers  # noqa: E731
+        return self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=constraints)
+
+    @cached_property
+    def _add_borrowed(self):
+        borrowing = lambda kind: kind.borrowed  # noqa: E731
+        add = self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=borrowing)
+        batches = [b for b in self.batches if b.kind.borrowed]
+        self._borrowed_entries = [b.entries.copy() for b in batches]
+        for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
+            entries[:, :, : b.kind.n_local - len(b.kind.borrowed)] = self.nnz
+            record_of["entries"] = entries.ctypes.data
+        return add
+
+    @cached_property
+    def _levels(self):
+        return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
+
+    @cached_property
+    def _observe(self):
+        return self._conductor(conduct.observe, loops.observe)
+
+    @cached_property
+    def _write_event_values(self):
+        return self._conductor(conduct.event_values, loops.event_values)
+
+    @cached_property
+    def _commit(self):
+        return self._conductor(conduct.commit, loops.commit, np.zeros(0))
 
     def initial_state(self, t=0.0):
         """State at rest in the configuration of the deck; every element in the mode its event values tell."""
@@ -101,62 +152,66 @@ class System:
         for node, x, r in zip(self.nodes, of.x, of.rotation, strict=True):
             z[x : x + 3] = node.x
             R[r] = node.R
-        modes = tuple(np.zeros(len(b.p), np.int64) for b in self.batches)
-        memories = tuple(np.zeros((len(b.p), len(b.kind.memory))) for b in self.batches)
-        T = np.tile(np.eye(3), (n_rotations, 1, 1))
-        return State(t, z, np.zeros(n), np.zeros(n), R, T, modes, memories)
+        modes = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
+        memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
+        return State(t, z, np.zeros(n), np.zeros(n), R, modes, memory)
 
-    def assemble(self, s, k, penalty, cK, cC, cM):
+    def assemble(self, s, k, penalty, cK, cC, cM, T=None):
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
-        data = cK K T + cC C + cM M, untouched where all three are zero; ``k`` and ``penalty`` scale the constraints
-        (contract.py). ``size`` sums the absolute contributions of the elements and of their inertia: the scale on
-        which a residual is small.
+        data = cK K T + cC C + cM M, untouched where all three are zero. T (n_rotations, 3, 3) turns derivatives by
+        material variations of the rotations into those by other increments; without it they stay what they are. ``k``
+        and ``penalty`` scale the constraints (contract.py). ``size`` sums the absolute contributions of the elements
+        and of their inertia (with the masses of the last tangent): the scale on which a residual is small.
         """
-        loops.clear(self.force, self._slot_size, self.data, cK == cC == cM == 0.0)
-        state = (s.z, s.v, s.a, s.R, s.T, self.force, self._slot_size, self.data, cK, cC, cM)
-        for i, loop, p, tables, work in self._assembly:
-            loop(p, s.memories[i], s.modes[i], *tables, s.t, k, penalty, self.laws, *state, *work)
-        loops.collect(self.force, self._slot_size, self.slot_dof, self.residual, self.size)
+        if cK == cC == cM == 0.0:
+            self._assemble_residual(*_motion(s), k, penalty)
+        else:
+            self._assemble(*_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
 
     def add_constraints(self, s, k, penalty, data):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``."""
-        force, size = np.zeros(self.n_slots), np.zeros(self.n_slots)
-        state = (s.z, s.v, s.a, s.R, s.T, force, size, data, 1.0, 0.0, 0.0)
-        for i, loop, p, tables, work in self._assembly:
-            if self.batches[i].kind.multipliers:
-                loop(p, s.memories[i], s.modes[i], *tables, s.t, k, penalty, self.laws, *state, *work)
+        self._add_constraints(*_motion(s), self._no_turn, k, penalty, data)
+
+    @cached_property
+    def borrowed(self):
+        """Numbers, ascending, of the multipliers on which forces depend otherwise than as reactions: friction."""
+        found = [b.dofs[:, b.kind.n_local - len(b.kind.borrowed) :] for b in self.batches if b.kind.borrowed]
+        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+
+    def add_borrowed(self, s, k, data):
+        """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
+        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, data)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        for i, loop, p, tables, work in self._constraints:
-            loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, g, *work)
+        self._levels(*_motion(s), g)
         return g
 
     def observe(self, s):
         """Outputs (batch.y) and energies (batch.e, energy) at ``s``; ``assemble`` must have been called at s before."""
-        loops.transmitted(self.force, self.n_slots, self.side_starts, self.side_members, self.transmitted, self.energy)
-        motion, forces = (s.t, self.laws, s.z, s.v, s.a, s.R), (self.transmitted, self.energy)
-        for i, loop, p, tables, work in self._observers:
-            loop(p, s.memories[i], s.modes[i], *tables, *motion, *forces, *work)
+        self._observe(*_motion(s))
+
+    @property
+    def has_events(self):
+        """True when some element has events."""
+        return len(self._event_values) > 0
 
     def event_values(self, s):
-        """[(batch index, values (n, n_events))] of the kinds that have events; the arrays are reused."""
-        for i, loop, p, tables, g, work in self._events:
-            loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, g, *work)
-        return [(item[0], item[4]) for item in self._events]
+        """One number for each event of each element, (n_events,), batch by batch; -inf where it is not watched."""
+        if not self.has_events:
+            return self._event_values
+        self._write_event_values(*_motion(s))
+        return self._event_values.copy()
 
     def commit(self, s):
-        """The memories after an accepted step at ``s``."""
-        if not self._commits:
-            return s.memories
-        memories = list(s.memories)
-        for i, loop, p, tables, work in self._commits:
-            new = s.memories[i].copy()
-            loop(p, s.memories[i], s.modes[i], *tables, s.t, self.laws, s.z, s.v, s.a, s.R, new, *work)
-            memories[i] = new
-        return tuple(memories)
+        """The memory after an accepted step at ``s``."""
+        if not len(s.memory):
+            return s.memory
+        memory = s.memory.copy()
+        self._commit(*_motion(s), memory)
+        return memory
 
     def inadmissible(self, s):
         """What the kinds object to in an assembled configuration although it satisfies the equations: texts."""
@@ -167,3 +222,8 @@ class System:
             for name, p, dofs, rots in zip(b.names, b.p, b.watched, b.rots, strict=True)
             if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
         ]
+
+
+def _motion(s):
+    """What every loop reads of a state."""
+    return s.t, s.z, s.v, s.a, s.R, s.modes, s.memory

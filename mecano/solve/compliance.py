@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from numba import njit
 
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
@@ -28,13 +29,25 @@ class Compliance:
         """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way."""
         return SHARE_OF_PENALTY / self.matrix.data.max()
 
-    def soften(self, k, multipliers, rows):
-        """Add -k c Lambda to the constraint rows (n_l,) in place."""
-        rows -= k * (self.matrix @ multipliers)
+    @property
+    def rows(self):
+        """c by rows, as ``soften`` takes it: where each begins, columns, values."""
+        return self.matrix.indptr, self.matrix.indices, self.matrix.data
 
     def soften_tangent(self, k, data):
         """Put -k^2 c into the values of the tangent, where no element adds anything."""
         data[self.places] = -k * k * self.matrix.data
+
+
+NO_ROWS = np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0)
+
+
+@njit(cache=True)
+def soften(k, starts, columns, values, multipliers, rows_out):
+    """Add -k c Lambda to the rows of the constraints (n_l,); c by rows."""
+    for i in range(starts.shape[0] - 1):
+        for j in range(starts[i], starts[i + 1]):
+            rows_out[i] -= k * values[j] * multipliers[columns[j]]
 
 
 def compliance(system, s, length, dependent):

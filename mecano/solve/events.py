@@ -6,11 +6,11 @@ A step is pure, so an event is located by stepping again with a smaller h; no co
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
 MAX_RESTEPS = 60
-NO_EVENTS = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -29,33 +29,23 @@ class Watch:
 
     def __init__(self, system):
         self.system = system
-        self.before, self.after = {}, {}
-        for i, batch in enumerate(system.batches):
-            modes = batch.kind.modes
-            self.before[i] = np.array([modes.index(event.before) for event in batch.kind.events], np.int64)
-            self.after[i] = np.array([modes.index(event.after) for event in batch.kind.events], np.int64)
 
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
-        if not self.system.has_events:
-            return NO_EVENTS
-        found = [
-            np.where(s.modes[i][:, None] == self.before[i], g, -np.inf).ravel() for i, g in self.system.event_values(s)
-        ]
-        return np.concatenate(found)
+        return self.system.event_values(s)
 
     def apply(self, s, hit):
         """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""
-        modes, happenings, first = list(s.modes), [], 0
-        for i, g in self.system.event_values(s):
-            batch, n = self.system.batches[i], g.size
-            for e, k in zip(*np.nonzero(hit[first : first + n].reshape(g.shape)), strict=True):
-                modes[i] = modes[i].copy()
+        modes, happenings, first = s.modes.copy(), [], 0
+        for batch in self.system.batches:
+            n = batch.event_values.size
+            of_batch, own = hit[first : first + n].reshape(batch.event_values.shape), modes[batch.modes]
+            for e, k in zip(*np.nonzero(of_batch), strict=True):
                 event = batch.kind.events[k]
-                modes[i][e] = self.after[i][k]
+                own[e] = batch.kind.modes.index(event.after)
                 happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
             first += n
-        return replace(s, modes=tuple(modes)), happenings
+        return replace(s, modes=modes), happenings
 
     def settle(self, s):
         """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
@@ -67,6 +57,15 @@ class Watch:
         return s
 
 
+@njit(cache=True)
+def _some_happened(g0, g1):
+    """True when an event has happened between values g0 and g1 (n_events,), or had already before."""
+    for i in range(g0.shape[0]):
+        if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
+            return True
+    return False
+
+
 def locate(watch, step, s0, g0, trial, h):
     """The first event in a trial step: (h of the event, its trial, hit (n_events,) bool), or None.
 
@@ -74,11 +73,11 @@ def locate(watch, step, s0, g0, trial, h):
     falsi on the step size, for the largest of the event functions that crossed.
     """
     g1 = watch.values(trial[0])
+    if not _some_happened(g0, g1):
+        return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
         return 0.0, None, (g0 > 0) & (g1 > 0)
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
-    if not crossed.any():
-        return None
     lo, hi, best = 0.0, h, trial
     G_lo, G_hi = g0[crossed].max(), g1[crossed].max()
     side = 0

@@ -14,11 +14,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.model.numbering import ROTATION
+from mecano.model.conduct import direct
+from mecano.model.loops import residual
 from mecano.model.state import History
+from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import correct, finish, predict
-from mecano.solve.newton import newton
+from mecano.solve.increments import finish, predict, tangents
+from mecano.solve.kept_tangent import SHARE, keep
+from mecano.solve.newton import (
+    CONVERGED,
+    FIRST,
+    ITERATIONS,
+    MESSAGES,
+    NOT_FINITE,
+    REPORT,
+    SINGULAR,
+    STALE,
+    WORST,
+    iterate,
+)
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
@@ -78,10 +92,28 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.compliance = k, penalty, compliance
-        self.limits = (self.tolerances.force, self.tolerances.constraint)
-        self._increment = np.zeros(system.n)
-        self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
+        self._rows = NO_ROWS if compliance is None else compliance.rows
+        self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
+        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
+        self._bind()
+
+    def _bind(self):
+        """The compiled functions of a step with the arguments that never change."""
+        system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
+        s, a, x = system.initial_state(), self._no_shift, self._increment
+        moving, motion = (of.kind, of.rotation_dof, of.n_q, of.n), (s.z, s.v, s.a, s.R)
+        self._predict = direct(predict, (c.am, c.af, c.beta, c.gamma, *moving), (1.0, a, a, x, x, a, s.R, *motion))
+        self._tangents = direct(tangents, (of.rotation_dof, of.n_q), (s.z, s.R))
+        self._finish = direct(finish, (c.am, c.af, length, of.kind, of.n_q, of.n), (a, x, 0, *(a,) * 5, x, x))
+        judged = (system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
+        self._norms = direct(norms, judged, (1.0,) * 4)
+        equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
+        limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
+        self._iterate = direct(
+            iterate, (*equations, *self.linear.factor, *moving, *limits, x),
+            (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
+        )  # fmt: skip
 
     def start(self, s, h):
         """Consistent state and history for steps of size h: from rest, after an event.
@@ -97,16 +129,21 @@ class GeneralizedAlpha:
         consistent.accelerate(s)
         if self.compliance is not None:
             s = consistent.give_way(s, self.compliance)
-        return s, self._history(consistent, s, s.a.copy(), h, np.zeros(self.system.n_l))
+        nothing = np.zeros(self.system.n)
+        return s, self._history(consistent, s, s.a.copy(), h, nothing, nothing, 0)
 
     def restart(self, s, history, h):
         """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers)."""
         c = self.coefficients
         consistent = Consistent(self.system, self.linear, s, self.compliance)
-        a = history.a + (c.am - c.af) * (h - history.h) / history.h * (s.a - history.previous)
-        return self._history(consistent, s, a, h, history.multiplier_rate)
+        ratio, n_q = h / history.h, self.system.n_q
+        a = history.a.copy()
+        a[:n_q] += (c.am - c.af) * (ratio - 1.0) * history.slope[:n_q]
+        bend = ratio**2 * history.bend
+        slope = ratio * (history.slope + 0.5 * history.bend) - 0.5 * bend
+        return self._history(consistent, s, a, h, slope, bend, history.known)
 
-    def _history(self, consistent, s, a, h, multiplier_rate):
+    def _history(self, consistent, s, a, h, slope, bend, known):
         """Shift the constrained parts of a and v to where the method keeps them."""
         c, n_q = self.coefficients, self.system.n_q
         v_shift = np.zeros_like(a)
@@ -117,60 +154,81 @@ class GeneralizedAlpha:
             consistent.project_velocity(shifted, c.error * h * h * rate)
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
-        return History(a, h, s.a.copy(), multiplier_rate, v_shift, balance(self.system, s, 1.0, cC, cM))
+        return History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""
         c = self.coefficients
         return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
 
-    def step(self, s0, history, h):
-        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure.
-
-        k and penalty are those of the deck, or the mean stiffness in the history.
-        """
-        c, system, of, length = self.coefficients, self.system, self.system.numbering, self.length
-        cC, cM = self._weights(h)
-        k = self.k or history.k
-        penalty = history.k if self.penalty is None else self.penalty
+    def _scales(self, history, h):
+        """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
+        k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty)
-        s, n_q, n, rotations = s0.copy(), system.n_q, system.n, of.rotation_dof
+        return k, penalty, *self._weights(h)
+
+    def step(self, s0, history, h):
+        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
+        scales, tangent = self._scales(history, h), history.tangent
+        if tangent is not None and self.linear.label is not tangent:
+            self._factor(tangent, scales)
+        s = s0.copy()
         s.t = s0.t + h
-        reach = predict(
-            h, c.am, c.af, c.beta, c.gamma,
-            history.a, s0.a, history.previous, history.v_shift, history.multiplier_rate, s0.R,
-            of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T,
-        )  # fmt: skip
+        reach = self._predict(
+            h, history.a, s0.a, history.slope, history.bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R
+        )
+        report = np.zeros(len(REPORT))
+        code = self._solve(s, s0.R, scales, history.k, reach, tangent is not None, report)
+        iterations, *reached = report[:4].tolist()
+        iterations, message = int(iterations), MESSAGES.get(code, "").format(int(iterations))
+        if code != CONVERGED:
+            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, message)
+        a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
+        change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
+        if turn > MOST_TURN:
+            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, TURNS_TOO_FAR)
+        known = min(history.known + 1, 2)
+        kept = keep(history, self.linear.label, report)
+        new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
+        return s, new, StepInfo(True, iterations, tuple(reached), self.coefficients.error * h * h * change)
 
-        def evaluate(tangent):
-            system.assemble(s, k, penalty, *((1.0, cC, cM) if tangent else (0.0, 0.0, 0.0)))
-            if self.compliance is not None:
-                self.compliance.soften(k, s.z[n_q:n], system.residual[n_q:n])
-                if tangent:
-                    self.compliance.soften_tangent(k, system.data)
-            return norms(system.residual, system.size, of.kind, n, k, length, reach, *self.limits)
+    def _solve(self, s, R0, scales, stiffness, reach, kept, report):
+        """Newton's iterations from the predicted state ``s``, moved in place; a code of newton.py."""
+        usable = self.linear.kept
+        motion = (s.t, R0, s.z, s.v, s.a, s.R, s.modes, s.memory, report)
+        code = STALE
+        if kept and usable:
+            code = self._iterate(*scales, stiffness, reach, SHARE, True, True, False, *motion)
+        while code == STALE:
+            code = self._renew(s, scales, stiffness, reach, report)
+            if code == STALE:
+                usable = self.linear.kept
+                code = self._iterate(*scales, stiffness, reach, 1.0, kept, usable, True, *motion)
+        return code
 
-        def solve(fresh):
-            b, x = -system.residual[:n], self._increment
-            if not fresh:
-                self.linear.resolve(b, x)
-                return x
-            return x if self.linear.solve(system.data, b, x).ok else None
+    def _renew(self, s, scales, stiffness, reach, report):
+        """Factor the tangent at ``s`` and solve for the residual there: STALE if iterations may go on, or a code."""
+        self._assemble(s, scales)
+        report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
+        if not report[ITERATIONS]:
+            report[FIRST] = report[WORST]
+        if not np.isfinite(report[WORST]):
+            return NOT_FINITE
+        solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
+        return STALE if solved.ok else SINGULAR
 
-        def move(dz):
-            largest = correct(
-                dz, k, cC, cM, length, s0.R, of.kind, rotations, n_q, n, s.z, s.v, s.a, s.R, s.T
-            )  # fmt: skip
-            return largest / self.tolerances.increment
+    def _assemble(self, s, scales):
+        """Residual and tangent at ``s``, with the compliance."""
+        k, penalty, cC, cM = scales
+        self._tangents(s.z, self._T)
+        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T)
+        if self.compliance is not None:
+            n_q, n = self.system.n_q, self.system.n
+            soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
+            self.compliance.soften_tangent(k, self.system.data)
 
-        result = newton(evaluate, solve, move, max_iterations=self.tolerances.max_iterations)
-        if not result.ok:
-            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, result.message)
-        if np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
-            return s, history, StepInfo(False, result.iterations, result.norms, np.nan, TURNS_TOO_FAR)
-        a, rate = np.zeros_like(s.a), np.empty(system.n_l)
-        change = finish(h, c.am, c.af, history.a, s0.a, s.a, s0.z, s.z, of.kind, n_q, n, length, a, rate)
-        error = c.error * h * h * change
-        new = History(a, h, s0.a, rate, self._no_shift, history.k)
-        return s, new, StepInfo(True, result.iterations, result.norms, error)
+    def _factor(self, tangent, scales):
+        """Factor the tangent of an earlier state again, as it was."""
+        self._assemble(tangent, scales)
+        self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)

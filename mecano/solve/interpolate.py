@@ -3,7 +3,7 @@
 from numba import njit
 
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
-from mecano.maths.vec import EYE, mat, matmul, mul, put, transpose, vec
+from mecano.maths.vec import mat, matmul, mul, put, transpose, vec
 from mecano.model.numbering import ROTATION
 from mecano.solve.increments import put_matrix
 
@@ -12,14 +12,14 @@ def interpolate(s0, s1, t, of):
     """State at t in [s0.t, s1.t]: cubic Hermite for positions and rotations, linear for accelerations and multipliers.
 
     Between the accepted states positions are accurate to O(h^4), velocities to O(h^3), the rest to O(h^2). The modes
-    and memories are those of the step, i.e. of ``s0``.
+    and memory are those of the step, i.e. of ``s0``.
     """
     out = s1.copy()
-    out.t, out.modes, out.memories = t, s0.modes, s0.memories
+    out.t, out.modes, out.memory = t, s0.modes, s0.memory
     u, h = (t - s0.t) / (s1.t - s0.t), s1.t - s0.t
     _between(
         u, h, s0.z, s0.v, s0.a, s0.R, s1.z, s1.v, s1.a, s1.R, of.kind, of.rotation_dof, of.n_q,
-        out.z, out.v, out.a, out.R, out.T,
+        out.z, out.v, out.a, out.R,
     )  # fmt: skip
     return out
 
@@ -41,7 +41,7 @@ def _between(
     # model
     kind, rotation_dof, n_q,
     # out
-    z_out, v_out, a_out, R_out, T_out,
+    z_out, v_out, a_out, R_out,
 ):  # fmt: skip
     for i in range(z0.shape[0]):
         a_out[i] = (1.0 - u) * a0[i] + u * a1[i]
@@ -61,4 +61,3 @@ def _between(
             put_matrix(matmul(start, exp(between)), R_out[r])
             put(v_out, d, mul(tangent(between), (r0, r1, r2)))
             put(z_out, d, (0.0, 0.0, 0.0))
-        put_matrix(EYE, T_out[r])

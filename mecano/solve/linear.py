@@ -67,18 +67,29 @@ class LinearSolver:
         )  # fmt: skip
         self._substitute_arguments = (*self._tables, self._factors, self._exchanges, self._vectors)
         self._other = None  # the factorization by SuperLU, if the last matrix needed it
+        self.label = None  # what the caller of the last ``solve`` called its matrix
 
-    def solve(self, data, b, x_out):
+    def solve(self, data, b, x_out, label=None):
         """Factor the matrix and solve A x = b; returns a LinearStatus.
 
         data (>= nnz,): values of the entries, in the order of the pattern. b (n,), x_out (n,): different arrays.
         All are contiguous arrays of floats. x_out holds the best attempt, which may be useless if not ok.
         """
-        self._other = None
+        self._other, self.label = None, label
         null, refined, error = multifrontal.solve(data, b, *self._solve_arguments, x_out)
         if error <= ACCEPT_BELOW:
             return LinearStatus(True, error, null > 0, True, null, refined)
         return self._solve_otherwise(data, b, x_out, null)
+
+    @property
+    def factor(self):
+        """What ``multifrontal.substitute`` takes between b and x."""
+        return self._substitute_arguments
+
+    @property
+    def kept(self):
+        """True when the last ``solve`` left a factor there."""
+        return self._other is None
 
     def resolve(self, b, x_out):
         """Solve with the matrix of the last ``solve``, unguarded; b and x_out may be the same array."""

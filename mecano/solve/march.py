@@ -140,7 +140,7 @@ class March:
 
         Afterwards the outputs of the batches are those of ``s``, which the step has just evaluated.
         """
-        s.memories = self.system.commit(s)
+        s.memory = self.system.commit(s)
         self.system.observe(s)
         dissipated, given = powers = self._powers()
         return RunState(

@@ -1,44 +1,94 @@
-"""Newton iteration on any residual; knows nothing of time or mechanics."""
+"""Newton iterations with a factor that is kept, in one compiled call.
 
-from dataclasses import dataclass
+They go on while the residual falls quickly enough. Otherwise they ask for a new tangent (STALE), which the caller
+evaluates and factors before it calls again: the choice of the linear solver is none of theirs.
+"""
 
 import numpy as np
+from numba import njit
 
-SLOW = 0.1  # the factor of the last iteration is used again as long as the residual falls by more than this
+from mecano.model.conduct import aim, residual
+from mecano.solve.compliance import soften
+from mecano.solve.increments import correct
+from mecano.solve.multifrontal import substitute
+from mecano.solve.scales import norms
+
+SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
+
+CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR = range(5)
+MESSAGES = {
+    NOT_FINITE: "a residual is not finite",
+    TOO_MANY: "no convergence in {} iterations",
+    SINGULAR: "the tangent is singular",
+}
+
+# What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;
+# the largest residual before the last iteration, now, before the first one and after it.
+REPORT = ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
 
 
-@dataclass(slots=True)
-class NewtonResult:
-    """How the iteration ended; ``norms`` are residuals and increments over their tolerances, each <= 1 when met."""
+@njit(cache=True)
+def iterate(
+    # equations
+    loops, batches, system, r, size, starts, columns, compliances,
+    # factor
+    order, fronts, links, factors, exchanges, vectors,
+    # model
+    kind, rotation_dof, n_q, n,
+    # limits
+    length, force_tolerance, constraint_tolerance, increment_tolerance, most,
+    # increment, in and out
+    x,
+    # step
+    k, penalty, cC, cM, stiffness, reach, share, kept, usable, pending,
+    # state, moved
+    t, R0, z, v, a, R, modes, memory,
+    # out
+    report,
+):  # fmt: skip
+    """Iterate from the present state: one of the codes above.
 
-    ok: bool
-    iterations: int
-    norms: tuple
-    message: str = ""
-
-
-def newton(evaluate, solve, correct, *, max_iterations):
-    """Solve r(z) = 0 at least once, until residual and increment meet their tolerances.
-
-    evaluate(tangent) -> tuple of residual norms over their tolerances, at the current z, with its tangent if asked for;
-    solve(fresh) -> increment, with the last tangent evaluated or, not fresh, with the factor kept from before, None if
-    singular; correct(dz) -> norm of the increment over its tolerance; moves z. Never raises for non-convergence.
+    ``pending``: x solves for the present residual, whose largest norm is report[WORST]. ``kept``: the factor belongs to
+    an earlier solution and is expected to do for two iterations. ``usable``: the factor may be used at all.
     """
-    increment, last = np.inf, np.inf
-    for iteration in range(max_iterations + 1):
-        norms = evaluate(iteration == 0)
-        worst = max(norms)
-        if not np.isfinite(worst):
-            return NewtonResult(False, iteration, (*norms, increment), "a residual is not finite")
-        if iteration and worst <= 1.0 and increment <= 1.0:
-            return NewtonResult(True, iteration, (*norms, increment))
-        if iteration == max_iterations:
-            break
-        fresh = not iteration or worst > SLOW * last
-        if fresh and iteration:
-            evaluate(True)
-        dz = solve(fresh)
-        if dz is None:
-            return NewtonResult(False, iteration, (*norms, increment), "the tangent is singular")
-        increment, last = correct(dz), worst
-    return NewtonResult(False, max_iterations, (*norms, increment), f"no convergence in {max_iterations} iterations")
+    aim(system, t, z, v, a, R, modes, memory)
+    while True:
+        if pending:
+            report[LAST] = report[WORST]
+            moved = correct(length, kind, rotation_dof, n_q, n, x, k, cC, cM, R0, z, v, a, R)
+            report[INCREMENT] = moved / increment_tolerance
+            report[ITERATIONS] += 1
+        residual(loops, batches, system, k, penalty)
+        soften(k, starts, columns, compliances, z[n_q:n], r[n_q:n])
+        forces, constraints = norms(
+            r, size, kind, n, length, force_tolerance, constraint_tolerance, share, k, stiffness, reach
+        )
+        code = judge(report, forces, constraints, most, kept, usable)
+        if code >= 0:
+            return code
+        substitute(r[:n], order, fronts, links, factors, exchanges, vectors, x)
+        pending = True
+
+
+@njit
+def judge(report, forces, constraints, most, kept, usable):
+    """Enter the present norms; one of the codes, or -1 to go on with the factor at hand."""
+    worst = max(forces, constraints)
+    report[WORST], report[FORCES], report[CONSTRAINTS] = worst, forces, constraints
+    iteration = report[ITERATIONS]
+    if iteration == 0:
+        report[FIRST] = worst
+    elif iteration == 1:
+        report[SECOND] = worst
+    if not np.isfinite(worst):
+        return NOT_FINITE
+    if iteration and worst <= 1.0 and report[INCREMENT] <= 1.0:
+        return CONVERGED
+    if iteration == most:
+        return TOO_MANY
+    if not usable:
+        return STALE
+    if iteration == 0:
+        return -1
+    slow = worst * worst > report[LAST] if kept and iteration == 1 else worst > SLOW * report[LAST]
+    return STALE if slow else -1

@@ -34,21 +34,21 @@ class RunState:
 
 def to_plain(run):
     """Nested dict of arrays and numbers that ``from_plain`` turns into the same run, bit for bit."""
-    plain = {field.name: getattr(run, field.name) for field in fields(run)}
-    motion = {field.name: getattr(run.motion, field.name) for field in fields(run.motion)}
-    for name in ("modes", "memories"):
-        motion[name] = {f"{i:06d}": array for i, array in enumerate(motion[name])}
-    history = {field.name: getattr(run.history, field.name) for field in fields(run.history)}
+    plain, history = _values(run), _values(run.history)
+    history["tangent"] = history["tangent"] and _values(history["tangent"])
     dissipated, given = run.powers
-    return plain | {"motion": motion, "history": history, "powers": {"dissipated": dissipated, "given": given}}
+    powers = {"dissipated": dissipated, "given": given}
+    return plain | {"motion": _values(run.motion), "history": history, "powers": powers}
 
 
 def from_plain(plain):
     """The RunState of ``to_plain``."""
-    motion = dict(plain["motion"])
-    for name in ("modes", "memories"):
-        motion[name] = tuple(motion[name][key] for key in sorted(motion[name]))
+    history = dict(plain["history"])
+    history["tangent"] = history["tangent"] and State(**history["tangent"])
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
-    return RunState(
-        **(plain | {"motion": State(**motion), "history": History(**plain["history"]), "powers": powers})
-    )  # fmt: skip
+    motion = State(**plain["motion"])
+    return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
+
+
+def _values(record):
+    return {field.name: getattr(record, field.name) for field in fields(record)}

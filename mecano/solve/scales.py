@@ -39,14 +39,16 @@ def balance(system, s, cK, cC, cM):
 
 
 @njit(cache=True)
-def norms(r, size, kind, n, k, length, reach, force_tolerance, constraint_tolerance):
+def norms(r, size, kind, n, length, force_tolerance, constraint_tolerance, share, k, stiffness, reach):
     """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
     r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale
-    of the forces is the largest at work anywhere, at fixed nodes too; that of the moments likewise. No force is
-    judged below what the rounding of positions as large as ``reach`` [m] makes of the constraints.
+    of the forces is the largest at work anywhere, at fixed nodes too; that of the moments likewise. A constraint is
+    judged as a length or an angle, and also as the force that it makes with the mean ``stiffness`` [N/m] of the step:
+    in short steps a small displacement is a large force. No force is judged below what the rounding of positions as
+    large as ``reach`` [m] makes of it. ``share`` makes all tolerances smaller, but for this.
     """
-    force = moment = scalar = constraint = 0.0
+    force = moment = scalar = distance = angle = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
         x = abs(r[i]) if i < n else 0.0
@@ -58,10 +60,16 @@ def norms(r, size, kind, n, k, length, reach, force_tolerance, constraint_tolera
             moment, moment_size = max(moment, x), max(moment_size, size[i])
         elif kind[i] == SCALAR:
             scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
+        elif kind[i] == LENGTH_CONSTRAINT:
+            distance = max(distance, x / k)
         else:
-            constraint = max(constraint, x / (k * length) if kind[i] == LENGTH_CONSTRAINT else x / k)
+            angle = max(angle, x / k)
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
-    f = max(f * force_tolerance, ROUNDING * k * reach)
-    m = max(m * force_tolerance, ROUNDING * k * max(reach * length, 1.0))
-    return max(force / f, moment / m, scalar / (scalar_size * force_tolerance)), constraint / constraint_tolerance
+    force_tolerance *= share
+    f = max(f * force_tolerance, ROUNDING * stiffness * reach)
+    m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
+    force = max(force, stiffness * distance) / f
+    moment = max(moment, stiffness * length * length * angle) / m
+    constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
+    return max(force, moment, scalar / (scalar_size * force_tolerance)), constraint

@@ -69,9 +69,9 @@ class Case:
 
 
 def _tips(n):
-    """The ends of up to ten links of a chain: x and z."""
-    links = range(n) if n <= 10 else range(n // 10 - 1, n, n // 10)
-    return tuple(Probe("position", i, axis, 0.5 * LENGTH, n * LENGTH) for i in links for axis in (0, 2))
+    """The ends of the first ten links of a chain and of the last one: x and z."""
+    links = sorted({*range(min(n, 10)), n - 1})
+    return tuple(Probe("position", i, axis, 0.5 * LENGTH, LENGTH) for i in links for axis in (0, 2))
 
 
 def _corners(n):
@@ -92,8 +92,8 @@ CASES = {
     for case in (
         Case("chain-1", "chain", 1, 1e-3, 2000, 4.0, _tips(1)),
         Case("chain-10", "chain", 10, 1e-3, 1000, 1.0, _tips(10)),
-        Case("chain-100", "chain", 100, 1e-3, 300, 1.0, _tips(100), finer=4),
-        Case("chain-1000", "chain", 1000, 1e-3, 100, 1.0, _tips(1000), finer=4),
+        Case("chain-100", "chain", 100, 1e-3, 1000, 1.0, _tips(100), finer=4),
+        Case("chain-1000", "chain", 1000, 1e-3, 300, 1.0, _tips(1000), finer=4),
         Case("four-bar-10", "four_bar", 10, 1e-3, 500, 0.2, _corners(10), rho=0.95),
         Case("gear-drop", "gear_drop", 1, 1e-3, 3000, 1.0, _GEAR_PROBES, rho=0.8, same_physics=False),
     )

@@ -51,12 +51,12 @@ class Settings:
 
 
 BEST = {
-    "chain-1": Settings(solver="dense"),
-    "chain-10": Settings(),
-    "chain-100": Settings(),
-    "chain-1000": Settings(),
-    "four-bar-10": Settings(solver="full pivoting", rho=0.95, redundant=True),
-    "gear-drop": Settings(solver="dense", rho=0.8),
+    "chain-1": Settings("dense", modified=False, method="trapezoidal"),
+    "chain-10": Settings(node="Tait-Bryan", method="trapezoidal"),
+    "chain-100": Settings(method="trapezoidal"),
+    "chain-1000": Settings(method="trapezoidal"),
+    "four-bar-10": Settings("full pivoting", node="Tait-Bryan", rho=0.95, redundant=True),
+    "gear-drop": Settings("dense", node="Tait-Bryan", rho=0.8),
 }
 
 

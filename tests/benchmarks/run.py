@@ -59,7 +59,18 @@ def measure(case, repetitions, other):
             found[name]["spread"] = (max(spent) - min(spent)) / statistics.median(spent)
     if theirs:
         found["ratio"] = found["mecano"]["us_per_step"] / found["exudyn"]["us_per_step"]
+        found["equal_accuracy"] = _equal_accuracy(case, found, own, repetitions)
     return found
+
+
+def _equal_accuracy(case, found, own, repetitions):
+    """The longest steps, doubled from those of the case, with an error no larger than Exudyn's, and the ratio then."""
+    best, step = Mecano(case), case.step
+    while error(case, (longer := Mecano(case, 2.0 * step)).trace(), own) <= found["exudyn"]["error"]:
+        best, step = longer, 2.0 * step
+    spent = statistics.median(best.march() for _ in range(repetitions))
+    theirs = 1e-6 * found["exudyn"]["us_per_step"] * case.steps
+    return {"step": step, "error": error(case, best.trace(), own), "ratio": spent / theirs}
 
 
 def _accuracy(case, theirs, own, other):
@@ -95,6 +106,8 @@ def table(found):
         other = found["exudyn"]
         text += f"; Exudyn {other['us_per_step']:8.1f} us/step, error {other['error']:.1e}"
         text += f"; ratio {found['ratio']:.2f} (required: {found['required']})"
+        equal = found["equal_accuracy"]
+        text += f"; with steps of {equal['step']:g} s and error {equal['error']:.1e} ratio {equal['ratio']:.2f}"
         text += f"; converged solutions agree to {found['agreement']:.1e}"
     return text
 

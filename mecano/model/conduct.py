@@ -1,0 +1,144 @@
+"""One call for all kinds: the loops of all batches, and what comes before and after them.
+
+``loops`` (n,) are the addresses of the loops of n batches, ``batches`` (n,) their records BATCH; ``system`` (1,) is the
+record SYSTEM.
+"""
+
+from functools import partial
+
+from numba import njit, typeof
+
+from mecano.model.pointers import call, floats, integers
+
+
+@njit
+def aim(system, t, z, v, a, R, modes, memory):
+    """Let the loops work on this state."""
+    s = system[0]
+    s.t = t
+    s.z, s.v, s.a, s.R = z.ctypes.data, v.ctypes.data, a.ctypes.data, R.ctypes.data
+    s.modes, s.memory = modes.ctypes.data, memory.ctypes.data
+
+
+@njit
+def run(loops, batches, system):
+    """Call all loops."""
+    for i in range(loops.shape[0]):
+        call(loops[i], batches[i : i + 1].ctypes.data, system.ctypes.data)
+
+
+@njit
+def collect(system):
+    """Sum the forces of all slots that are one unknown, and their sizes, those of the forces of inertia included."""
+    s = system[0]
+    force, size, mass = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
+    slot_dof, a = integers(s.slot_dof, s.n_slots), floats(s.a, s.n_all)
+    r_out, scale_out = floats(s.residual, s.n_all), floats(s.scale, s.n_all)
+    r_out[:] = 0.0
+    scale_out[:] = 0.0
+    for i in range(s.n_slots):
+        d = slot_dof[i]
+        r_out[d] += force[i]
+        scale_out[d] += size[i] + mass[i] * abs(a[d])
+
+
+@njit
+def residual(loops, batches, system, k, penalty):
+    """Residual, and its sizes with the masses of the last tangent, at the state aimed at."""
+    s = system[0]
+    s.k, s.penalty = k, penalty
+    floats(s.force, s.n_slots)[:] = 0.0
+    floats(s.size, s.n_slots)[:] = 0.0
+    run(loops, batches, system)
+    collect(system)
+
+
+@njit(cache=True)
+def assemble_residual(loops, batches, system, t, z, v, a, R, modes, memory, k, penalty):
+    """Residual and its sizes."""
+    aim(system, t, z, v, a, R, modes, memory)
+    residual(loops, batches, system, k, penalty)
+
+
+@njit(cache=True)
+def assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, cK, cC, cM):
+    """Residual, its sizes, and the tangent."""
+    aim(system, t, z, v, a, R, modes, memory)
+    s = system[0]
+    s.T, s.cK, s.cC, s.cM = T.ctypes.data, cK, cC, cM
+    floats(s.mass, s.n_slots)[:] = 0.0
+    floats(s.data, s.n_data)[:] = 0.0
+    residual(loops, batches, system, k, penalty)
+
+
+@njit(cache=True)
+def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, data):
+    """The tangent by the positions of some batches, added to ``data``; spoils the forces on the slots."""
+    aim(system, t, z, v, a, R, modes, memory)
+    s = system[0]
+    s.T, s.cK, s.cC, s.cM, s.k, s.penalty = T.ctypes.data, 1.0, 0.0, 0.0, k, penalty
+    own = s.data
+    s.data = data.ctypes.data
+    run(loops, batches, system)
+    s.data = own
+
+
+@njit(cache=True)
+def levels(loops, batches, system, t, z, v, a, R, modes, memory, g_out):
+    """Value, rate and second rate of all constraints, (n_l, 3)."""
+    aim(system, t, z, v, a, R, modes, memory)
+    system[0].levels = g_out.ctypes.data
+    run(loops, batches, system)
+
+
+@njit(cache=True)
+def observe(loops, batches, system, t, z, v, a, R, modes, memory):
+    """Outputs and energies, from the forces on the slots that the last assembly left."""
+    aim(system, t, z, v, a, R, modes, memory)
+    transmitted(system)
+    floats(system[0].energy, 4)[:] = 0.0
+    run(loops, batches, system)
+
+
+@njit(cache=True)
+def event_values(loops, batches, system, t, z, v, a, R, modes, memory):
+    """The values of all events."""
+    aim(system, t, z, v, a, R, modes, memory)
+    run(loops, batches, system)
+
+
+@njit(cache=True)
+def commit(loops, batches, system, t, z, v, a, R, modes, memory, memory_out):
+    """The memories after an accepted step."""
+    aim(system, t, z, v, a, R, modes, memory)
+    system[0].memory_out = memory_out.ctypes.data
+    run(loops, batches, system)
+
+
+@njit
+def transmitted(system):
+    """Forces that the rest exerts on each slot; then, for each joint, sums over its side of the model."""
+    s = system[0]
+    n = s.n_sides - s.n_slots
+    force, out = floats(s.force, s.n_slots), floats(s.transmitted, s.n_sides)
+    starts = integers(s.side_starts, n + 1)
+    members = integers(s.side_members, starts[n])
+    for i in range(s.n_slots):
+        out[i] = -force[i]
+    for i in range(n):
+        total = 0.0
+        for j in range(starts[i], starts[i + 1]):
+            slot = members[j]
+            total += force[~slot] if slot < 0 else -force[slot]
+        out[s.n_slots + i] = total
+
+
+def direct(function, first, others):
+    """``function`` with its first arguments given, and called without numba's dispatch.
+
+    ``others`` are examples of the arguments that are left; those of every call must have their types, dimensions and
+    order in memory. The dispatch looks at every array again, which takes longer than the work of many a loop.
+    """
+    if hasattr(function, "compile"):
+        function = function.compile(tuple(typeof(argument) for argument in (*first, *others)))
+    return partial(function, *first)
