@@ -24,7 +24,6 @@ CASES = {  # deck: end [s] of 100 steps
     "wheel_drop": 0.4,
     "cable_snatch": 0.8,
     "friction_pendulum": 0.3,
-    "binding_strut": 0.02,
 }
 
 

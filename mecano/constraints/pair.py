@@ -33,17 +33,17 @@ AXIS_1 = Field(
 BOTH = (0, 1)
 
 
+def law_fields(axes):
+    """A law for each of ``axes``, or none."""
+    units = {"along": "force [N] from displacement [m]", "about": "moment [N m] from angle [rad]"}
+    ordered = sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
+    return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in ordered]
+
+
 def compliance_field(axes):
     """The mapping ``compliance`` of a joint that holds ``axes``."""
-    given = [
-        Field(
-            axis, LAW, "-", ("force [N] from displacement [m]" if axis.startswith("along") else "moment [N m] from angle [rad]")
-            + " and rate; rigid when absent", None,
-        )
-        for axis in sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
-    ]  # fmt: skip
-    doc = "laws that take the place of rigid constraints: elasticity, damping, free play; 1, 2: along and about mu_1, mu_2"
-    return Field("compliance", mapping(*given), "-", doc, None)
+    doc = "laws that take the place of rigid constraints: elasticity, damping, free play; 1, 2: of mu_1, mu_2"
+    return Field("compliance", mapping(*law_fields(axes)), "-", doc, None)
 
 
 def pair_record(place, axes, compliance, context):
@@ -64,6 +64,11 @@ def pair_parts(place, axes, compliance, context):
         for axis in AXES
         if axis in axes
     ]
+
+
+def law_parts(place, axes, laws, context):
+    """[Part] of the laws given for some of the ``axes``; ``laws`` may be None."""
+    return [_elastic(axis, place, law, context) for axis in axes if (law := _law(laws, axis))]
 
 
 def _law(compliance, axis):

@@ -31,6 +31,7 @@ CHECKS = {
     "vector": values.vector,
     "direction": values.direction,
     "inertia": values.inertia,
+    "matrix_6": values.matrix_6,
     "points": values.points,
     "node": values.node_name,
     "nodes": values.node_names,
