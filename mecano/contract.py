@@ -49,6 +49,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
+
 
 @dataclass(frozen=True)
 class Output:

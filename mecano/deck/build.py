@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.deck.physics import element_nodes, poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
 from mecano.schema import CURVE
-
-SECTIONS = ("elements", "joints", "loads")
 
 
 def build(deck):

@@ -6,10 +6,9 @@ from mecano.elements.cable import BAR, CABLE
 from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
-from mecano.elements.force import FOLLOWER_FORCE, FORCE
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
-from mecano.elements.moment import FOLLOWER_MOMENT, MOMENT
+from mecano.elements.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
