@@ -1,4 +1,4 @@
-"""Friction in joints, driven by their reactions: a braked pendulum, a strut that binds, a ball, a cardan, a turning shaft."""
+"""Friction in joints, driven by their reactions: a braked pendulum, a strut that binds, spinning bodies and shafts."""
 
 import math
 
