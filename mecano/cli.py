@@ -154,8 +154,8 @@ def main():
     try:
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
-        number = getattr(error.__cause__, "number", signal.SIGINT)
-        _end(STOPPED[number], f"mecano: {error.__cause__ or 'interrupted'}")
+        cause = error.__cause__ or error.__context__  # older versions of click only have the latter
+        _end(STOPPED[getattr(cause, "number", signal.SIGINT)], f"mecano: {cause or 'interrupted'}")
     except click.ClickException as error:
         error.show()
         _end(2)

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.deck.amounts import warnings
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
+from mecano.model.sampler import Sampler
 from mecano.model.system import System
+from mecano.results.layout import STEPS
 from mecano.solve.analysis import analyse
 from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
@@ -22,6 +25,7 @@ METHODS = {
     "newmark": Coefficients.newmark,
 }
 SMALLEST_STEP = 1e-7  # of the first step, where the deck does not say
+MOST_NAMES = 8  # constraints named in a remark
 AUTOMATIC = "automatic"
 
 
@@ -95,13 +99,25 @@ def remarks(prepared, start=None):
         texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
     for group in analysis.redundant:
         texts.append(
-            f"{group.count} redundant constraint(s) among: {'; '.join(group.names)}. The motion is not affected; the "
-            "reactions of these constraints are not unique"
+            f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
+            "affected; the reactions of these constraints are not unique"
         )
         texts += _friction_of(prepared.system, group)
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
-    return texts
+    return texts + amount_warnings(prepared)
+
+
+def amount_warnings(prepared):
+    """Texts on more steps or results than can have been meant."""
+    row = 1 + sum(column.size for column in Sampler(prepared.system).columns)
+    return warnings(prepared.deck.values, row, 1 + len(STEPS))
+
+
+def some(names, most):
+    """Up to ``most`` names, and how many more there are."""
+    shown = "; ".join(names[:most])
+    return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
 
 
 def _friction_of(system, group):

@@ -1,8 +1,13 @@
 """What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
-from mecano.prepare import prepare
+from textwrap import wrap
+
+from mecano.deck.amounts import saved_times, steps
+from mecano.prepare import amount_warnings, prepare, some
 
 MOST_NAMES = 12  # names printed of one mechanism
+WIDTH = 110
+INDENT = " " * 17
 
 
 def summary(deck):
@@ -16,14 +21,17 @@ def summary(deck):
         f"nodes            {len(values['nodes'])}",
         *_counts(values),
         f"bodies           {len(masses)}, together {sum(masses):.6g} kg",
+        _gravity(deck),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
+        *_amounts(prepared),
     ]
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
     for group in analysis.mechanisms:
-        lines.append(f"  mechanism of {group.count} degree(s) of freedom: {_some(group.names)}")
+        text = f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}"
+        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in analysis.redundant:
@@ -41,6 +49,18 @@ def _counts(values):
         yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"
 
 
-def _some(names):
-    shown = "; ".join(names[:MOST_NAMES])
-    return shown if len(names) <= MOST_NAMES else f"{shown}; and {len(names) - MOST_NAMES} more"
+def _gravity(deck):
+    """The gravity that acts, and whether it was chosen."""
+    vector = ", ".join(f"{component + 0.0:.6g}" for component in deck.values["gravity"])
+    return f"gravity          [{vector}] m/s2{'' if deck.gives('gravity') else ', the default: the deck gives none'}"
+
+
+def _amounts(prepared):
+    """Steps and saved times, with a warning where they are absurdly many."""
+    values = prepared.deck.values
+    time, count, saved = values["time"], steps(values), saved_times(values)
+    kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"
+    yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
+    yield f"saved times      {'every step' if saved is None else saved}"
+    for text in amount_warnings(prepared):
+        yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)

@@ -146,7 +146,7 @@ def samples(kind):
     found = []
     for values, nodes, mode in kind.sample(rng):
         if isinstance(nodes, int):
-            nodes = [(rng.normal(size=3), Rotation.random(rng=rng).as_matrix()) for _ in range(nodes)]
+            nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
         defaults = {field.name: field.default for field in kind.fields if not field.required}
         values = {**defaults, **values}
         instances = expand(kind, values, nodes, mode, GRAVITY, rng)

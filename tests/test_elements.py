@@ -173,7 +173,7 @@ def test_power_of_the_forces_is_the_change_of_energy(kind):
 @deck_kind
 def test_forces_turn_with_the_whole_model(kind):
     rng = seed_of("turn")
-    Q, shift = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3)
+    Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
     for sample in samples(kind):
         values = turned_values(kind, sample.values, Q, shift)
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]

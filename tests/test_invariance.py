@@ -63,7 +63,7 @@ def expected(march, column):
     """An output as it must be in the turned deck, or None for components along axes that a joint chooses."""
     values = march[column.path]
     if column.path.endswith("/rotation"):
-        return (TURN * Rotation.from_quat(values, scalar_first=True)).as_matrix()
+        return (TURN * Rotation.from_quat(np.roll(values, -1, axis=-1))).as_matrix()
     if column.shape == (3,):
         moves = column.unit == "m"
         return TURN.apply(values) + (SHIFT if moves else 0.0) if "inertial" in column.doc else None
@@ -78,7 +78,7 @@ def compare(here, there):
         if wanted is None:
             continue
         if path.endswith("/rotation"):
-            found = Rotation.from_quat(found, scalar_first=True).as_matrix()
+            found = Rotation.from_quat(np.roll(found, -1, axis=-1)).as_matrix()
         if path.startswith("energy/"):
             wanted, found = wanted - wanted[0], found - found[0]
         np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * sizes[column.unit], err_msg=path)

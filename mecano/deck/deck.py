@@ -40,6 +40,11 @@ class Deck:
                 break
         return (place if type(node.value) is dict else node).mark
 
+    def gives(self, key):
+        """True when the deck or an override gives a value for the section ``key``; else it has its default."""
+        pair = self.tree.value.get(key)
+        return pair is not None and pair[1].value is not None
+
     def resolved(self):
         """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.
 

@@ -105,6 +105,13 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     )
 
 
+def motion_name(name):
+    """What moves where the equation of a node is called ``name``: "node tip: displacement x" for "node tip: force x"."""
+    for equation, motion in ((": force ", ": displacement "), (": moment about material ", ": rotation about material ")):
+        name = name.replace(equation, motion)
+    return name
+
+
 def _names(sharing, c):
     """Names of the three entries of the class c, after all nodes that share it."""
     what = "moment about material {}" if c % 2 else "force {}"

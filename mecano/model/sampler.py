@@ -71,14 +71,15 @@ class Sampler:
 
     def take(self, run):
         """The row at ``run.motion``, whose outputs stand in the batches (system.observe); the array is reused."""
-        s, row, energy = run.motion, self.row, self.system.energy
+        s, row = run.motion, self.row
+        kinetic, potential = self.system.energy[:2].tolist()
         _node_rows(*self.nodes, s.z, s.v, s.R, row)
         i = self.node_size
         for b in self.batches:
             row[i : i + b.y.size] = b.y.ravel()
             i += b.y.size
-        total = energy[0] + energy[1]
-        row[i:] = energy[0], energy[1], run.dissipated, run.given, total, total + run.dissipated - run.given
+        total = kinetic + potential
+        row[i:] = kinetic, potential, run.dissipated, run.given, total, total + run.dissipated - run.given
         return row
 
 

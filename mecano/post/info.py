@@ -49,8 +49,10 @@ def _run(results):
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
+        ("automatic", _automatic(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
+        *(("remark", text) for text in results.remarks),
         ("status", _status(results)),
     ]
     lines = [str(results.path)]
@@ -58,6 +60,11 @@ def _run(results):
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
     return lines
+
+
+def _automatic(results):
+    chosen = {name.replace("_", " "): value for name, value in results.automatic.items()}
+    return ", ".join(f"{name} {value:.4g}" for name, value in chosen.items() if value is not None) or "none"
 
 
 def _status(results):

@@ -87,7 +87,7 @@ class Results:
 
     def _open(self):
         self._file = None
-        for name in ("time", "events", "steps", "extremes", "resolved", "metadata"):
+        for name in ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "remarks"):
             self.__dict__.pop(name, None)
         self._file = _open_file(self.path)
         try:
@@ -240,6 +240,16 @@ class Results:
     def resolved(self):
         """The deck as it was understood: plain data after overrides, includes and defaults."""
         return json.loads(self._text("deck/resolved"))
+
+    @cached_property
+    def automatic(self):
+        """What stood for the values that the deck leaves automatic: name -> number."""
+        return json.loads(self._text("deck/automatic"))
+
+    @cached_property
+    def remarks(self):
+        """What the user was told of the model before the march: list of texts."""
+        return json.loads(self._text("deck/remarks"))
 
     @property
     def status(self):
