@@ -2,7 +2,8 @@
 
 A kind is a record of data and functions. The local unknowns of one element are, in this order: the slots of
 ``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its
-``multipliers``, those that it has ``borrowed``. All compiled functions work on ONE element and take, always in this order:
+``multipliers``, those that it has ``borrowed``. All compiled functions work on ONE element and take, always in this
+order:
 
     # element
     p       record of parameters (``dtype``)
@@ -108,6 +109,8 @@ class Kind:
     layout: tuple = ()
     fields: tuple = ()  # schema.Field, the node fields first
     outputs: tuple = ()  # Output
+    optional: tuple = ()
+    """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
     scalars: tuple = ()  # names of own scalar unknowns
     multipliers: tuple = ()  # Row
     borrowed: tuple = ()  # Row: multipliers of other parts of the same owner

@@ -131,8 +131,8 @@ def _friction_of(system, group):
         return []
     return [
         f"the friction of {', '.join(owners)} is driven by reactions that are not unique: it depends on how the equal "
-        "compliances of the redundant constraints share them, which moves the model; release what is redundant, or give "
-        "the joints a 'compliance'"
+        "compliances of the redundant constraints share them, and so does the motion; release what is redundant, or "
+        "give other joints of the group a 'compliance'"
     ]
 
 

@@ -8,6 +8,9 @@ import yaml
 from instances import ALL_KINDS, GRAVITY, KINDS, expand, samples, seed_of, turned_values
 from scipy.spatial.transform import Rotation
 
+from mecano.contract import Context
+from mecano.laws.table import LawTable
+
 every_kind = pytest.mark.parametrize("kind", ALL_KINDS.values(), ids=ALL_KINDS)
 deck_kind = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
 K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
@@ -247,6 +250,23 @@ def test_declarations_are_complete(kind):
     assert kind.force is not None or kind.observe is not None
     for event in kind.events:
         assert event.before in kind.modes and event.after in kind.modes
+
+
+@every_kind
+def test_outputs_of_parts_are_declared_by_their_owner(kind):
+    """Those of every option, under names that differ from its own and from one another."""
+    found = {}
+    for sample in samples(kind):
+        chosen = kind.chosen(sample.values)
+        assert [output.name for output in chosen.outputs] == [output.name for output in kind.outputs]
+        parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY))
+        named = [o.name + part.label for part in parts for o in part.kind.outputs]
+        assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
+        found |= {(part.kind.name, part.label): part.kind for part in parts if part.kind.outputs}
+    assert set(found) <= {(part.name, label) for _, part, label in kind.optional}
+    assert {field for field, _, _ in kind.optional} <= {field.name for field in kind.fields}
+    for part in found.values():
+        assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
 
 
 @every_kind

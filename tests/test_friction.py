@@ -1,4 +1,4 @@
-"""Friction in joints, driven by their reactions: a braked pendulum, a strut that binds, a ball, a cardan, a turning shaft."""
+"""Friction in joints, driven by their reactions: a braked pendulum, a strut that binds, spinning bodies and shafts."""
 
 import math
 
@@ -8,6 +8,7 @@ from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 
 from mecano.elements import KINDS
+from mecano.errors import ConvergenceError
 from mecano.prepare import prepare, remarks
 
 g = 9.81
@@ -79,6 +80,39 @@ def test_threshold_is_sharp_in_both_guides(kind, mu, slides):
     rails = [f"joints.rail_{i}.{key}" for i in (1, 2) for key in (f"type={kind}", f"friction.coefficient={mu}")]
     march = March(input_deck("binding_strut", *rails, "time.end=0.1"))
     assert bool(march["joints/rail_2/velocity"][-1] > 2e-3) is slides
+
+
+BRAKED = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{slider: {{position: [0, 0, 0]}}}}
+    elements:
+      body: {{type: rigid_body, node: slider, mass: 10, inertia: [0.1, 0.1, 0.1], center_of_mass: [0.3, 0, 0]}}
+    joints:
+      rail:
+        type: prismatic
+        nodes: [ground, slider]
+        axis: [0, 0, 1]
+        friction: {{coefficient: {mu}, regularization: 1.0e-3, length: 0.1}}
+    loads: {{brake: {{type: force, node: slider, direction: [0, 0, 1], value: -100}}}}
+    initial: {{velocities: [{{nodes: [slider], velocity: [0, 0, 1]}}]}}
+    time: {{end: 3.0e-3, step: 1.0e-3}}
+"""
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.15, 0.16])
+def test_a_guide_that_inertia_presses(mu):
+    """A mass at the arm a: m s'' = P - 2 mu m |s''| a/b, so s'' = (P/m)/(1 - 2 mu a/b), from the first instant on."""
+    march = March(deck(BRAKED.format(mu=mu)))
+    exact = -10.0 / (1 - 2 * mu * 0.3 / 0.1)
+    np.testing.assert_allclose(np.diff(march["joints/rail/velocity"]) / 1e-3, exact, rtol=1e-7)
+    np.testing.assert_allclose(march["joints/rail/normal_force"], -2 * 10 * exact * 0.3 / 0.1, rtol=1e-6)
+
+
+def test_a_guide_that_no_acceleration_satisfies_is_told():
+    """Beyond mu = b/(2 a) that equation has no solution: the run ends, naming the guide."""
+    with pytest.raises(ConvergenceError, match="prismatic 'rail'"):
+        March(deck(BRAKED.format(mu=0.18)))
 
 
 SPIN = """

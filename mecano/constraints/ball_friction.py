@@ -13,7 +13,7 @@ import math
 from numba import njit
 
 from mecano.constraints.carried import relative_rotation
-from mecano.constraints.friction import FRICTION_RECORD, POWER, TINY, friction_record
+from mecano.constraints.friction import FRICTION_RECORD, POWER, REGULARIZED, TINY, friction_record
 from mecano.contract import Kind, Output, Row, record
 from mecano.laws.friction import friction_factor
 from mecano.maths.vec import (
@@ -95,7 +95,7 @@ def ball_friction_record(friction, context):
 BALL_FRICTION = Kind(
     name="ball_friction",
     section="",
-    doc=__doc__,
+    doc=__doc__ + REGULARIZED,
     dtype=RECORD,
     layout=("R0", "R1"),
     borrowed=tuple(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),

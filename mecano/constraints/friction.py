@@ -1,14 +1,4 @@
-r"""Coulomb friction driven by the reactions of a joint: what the frictions of all joints share.
-
-The friction is :math:`\mu(u)\,\phi(u)\,N` against the sliding velocity, regularized at rest (mecano/laws/friction.py), with
-the normal force N from the multipliers of the joint. Two pads stand at the ends of a bearing or guide of length
-:math:`\ell` around node b; with the force F across the axis and the couple that the joint transmits, written as the
-vector m of the multipliers that hold the axis (:math:`m_i` works along :math:`\mu_i \cdot \xi_3`),
-
-.. math::  N = |F/2 + m/\ell| + |F/2 - m/\ell|
-
-which is |F| where there is no length. Norms are exact; the derivative of a norm is zero where it vanishes.
-"""
+"""Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
 
 import math
 
@@ -20,6 +10,21 @@ from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
 FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
+PADS = r"""
+Two pads stand at the ends of the bearing or guide, of length :math:`\ell`, around node b. With the force F across the
+axis and the couple that the joint transmits, written as the vector m of the multipliers that hold the axis
+(:math:`m_i` works along :math:`\mu_i \cdot \xi_3`), they bear together
+
+.. math::  N = |F/2 + m/\ell| + |F/2 - m/\ell|
+
+which is :math:`|F|` where no length is given.
+"""
+REGULARIZED = r"""
+The friction is regularized at rest after Oden & Martins 1985: :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for
+sliding speeds :math:`u < \epsilon`, 1 beyond. A joint that sticks creeps at the speed at which its friction is what the
+load asks for. :math:`\mu` may depend on the speed. The sizes of forces are exact, with a corner where they vanish; the
+derivative is taken as zero there.
+"""
 TINY = 1e-200  # [N]: below it a force has no direction
 AXIS_ROWS = (
     Row("moment that keeps the axes together, of mu_1", "N m", "rad"),
@@ -55,8 +60,8 @@ def friction_fields(*geometry):
     given = (
         Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
         Field(
-            "regularization", NUMBER, "m/s", "sliding speed at which the friction is fully reached; a joint that sticks "
-            "creeps below it", check=positive,
+            "regularization", NUMBER, "m/s",
+            "sliding speed at which the friction is fully reached; a joint that sticks creeps below it", check=positive,
         ),
         *geometry,
     )  # fmt: skip
@@ -71,8 +76,9 @@ def radius(name, doc, default=None):
 
 
 LENGTH = Field(
-    "length", NUMBER, "m", "length of the bearing or guide, centred at node b, whose ends carry the couple; when absent the "
-    "couple causes no friction", None, positive,
+    "length", NUMBER, "m",
+    "length of the bearing or guide, centred at node b, whose ends carry the couple; when absent the couple causes no "
+    "friction", None, positive,
 )  # fmt: skip
 
 

@@ -1,13 +1,13 @@
 r"""Friction of a guide: force along the axis from the reactions of a prismatic or cylindrical joint.
 
-With the normal force N of the two ends of the guide (friction.py) and the drag
+With the normal force N of the two ends of the guide and the drag
 :math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`, a prismatic joint, whose key at the radius :math:`r_k` carries the
 moment :math:`M_3` about the axis, has
 
 .. math::  P = (N + |M_3|/r_k)\, c(\dot s)
 
-In a cylindrical joint of radius r the surfaces slide at :math:`(\dot s, r\dot\theta)`: friction acts against that vector
-of length u, so that a turning shaft slides easily:
+In a cylindrical joint of radius r the surfaces slide at :math:`(\dot s, r\dot\theta)`: friction acts against that
+vector of length u, so that a turning shaft slides easily:
 
 .. math::  P = N\,\mu(u)\,\phi(u)\,\dot s/u, \qquad M = r\,N\,\mu(u)\,\phi(u)\,r\dot\theta/u
 """
@@ -29,7 +29,9 @@ from mecano.constraints.friction import (
     FORCE_ROWS,
     FRICTION_RECORD,
     NORMAL_FORCE,
+    PADS,
     POWER,
+    REGULARIZED,
     drag,
     friction_record,
     pads,
@@ -150,7 +152,7 @@ def round_record(mu_3, xi_3, friction, context):
 KEYED_FRICTION = Kind(
     name="keyed_friction",
     section="",
-    doc=__doc__,
+    doc=__doc__ + PADS + REGULARIZED,
     dtype=KEYED_RECORD,
     layout=("x0", "R0", "x1"),
     borrowed=(*AXIS_ROWS, Row("moment about the axis", "N m", "rad"), *FORCE_ROWS[:2]),
@@ -162,7 +164,7 @@ KEYED_FRICTION = Kind(
 ROUND_FRICTION = Kind(
     name="round_friction",
     section="",
-    doc=__doc__,
+    doc=__doc__ + PADS + REGULARIZED,
     dtype=ROUND_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS[:2]),

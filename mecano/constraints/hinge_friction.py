@@ -1,6 +1,6 @@
 r"""Friction of a bearing that turns: moment about the axis from the radial, axial and tilting reactions of a hinge.
 
-With the normal force N of the two ends of the bearing (friction.py), the axial force :math:`F_3` at a collar of radius
+With the normal force N of the two ends of the bearing, the axial force :math:`F_3` at a collar of radius
 :math:`r_c`, and the drag :math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`:
 
 .. math::  M = r\,N\,c(r\dot\theta) + r_c\,|F_3|\,c(r_c\dot\theta)
@@ -23,7 +23,9 @@ from mecano.constraints.friction import (
     FORCE_ROWS,
     FRICTION_RECORD,
     NORMAL_FORCE,
+    PADS,
     POWER,
+    REGULARIZED,
     drag,
     friction_record,
     pads,
@@ -83,7 +85,7 @@ def hinge_friction_record(mu_3, xi_3, friction, context):
 HINGE_FRICTION = Kind(
     name="hinge_friction",
     section="",
-    doc=__doc__,
+    doc=__doc__ + PADS + REGULARIZED,
     dtype=RECORD,
     layout=("R0", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS),

@@ -9,7 +9,8 @@ ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [
 def triad(axis, first=None):
     """Right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 along ``first`` made perpendicular to it.
 
-    Without ``first`` (None), mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y before z).
+    Without ``first`` (None), mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y
+    before z).
     """
     mu_3 = np.asarray(axis, float) / np.linalg.norm(axis)
     if first is None:
@@ -21,7 +22,7 @@ def triad(axis, first=None):
 
 
 def flipped(R, mu, xi):
-    """Text when the axis xi_3 of the second node points against mu_3 of the first; rotations (2, 3, 3), axes as rows."""
+    """Text when the axis xi_3 of the second node points against mu_3 of the first; R (2, 3, 3), axes as rows."""
     if (R[0] @ mu[2]) @ (R[1] @ xi[2]) < 0.0:
         return "the axis carried by its second node points against that of the first (flipped by half a turn)"
     return ""

@@ -1,8 +1,8 @@
 r"""A pair of nodes held along some of six axes: rigidly, by a multiplier each, or by a law each.
 
-In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, with :math:`d = R_a^T (x_b - x_a)`: sliding ``along_1``, ``along_2``,
-``along_axis`` is :math:`\mu_i \cdot d - c_i`; tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is
-:math:`\mu_1 \cdot \xi_3` (the sines of the angles); ``about_axis`` is the twist. A joint is the list of axes that it
+In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, with :math:`d = R_a^T (x_b - x_a)`: sliding ``along_1``,
+``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i`; tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2``
+is :math:`\mu_1 \cdot \xi_3` (the sines of the angles); ``about_axis`` is the twist. A joint is the list of axes that it
 holds; where its deck gives a law for one of them (``compliance``), the law takes the place of the constraint.
 """
 
@@ -24,11 +24,12 @@ from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
 PAIR_RECORD = record(row=6, law=6, mu=(3, 3), xi=(3, 3), start=3)
-"""For each of ``AXES`` the place of its multiplier in q, or -1, and the start of its law in the table, or 0; axes, c."""
+"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; axes, c."""
 FIRST_ROW = 12
 AXIS_1 = Field(
-    "axis_1", DIRECTION, "-", "direction of mu_1 at the start, inertial, made perpendicular to the axis; when absent, the "
-    "inertial axis most perpendicular to it", None,
+    "axis_1", DIRECTION, "-",
+    "direction of mu_1 at the start, inertial, made perpendicular to the axis; when absent, the inertial axis most "
+    "perpendicular to it", None,
 )  # fmt: skip
 BOTH = (0, 1)
 
@@ -36,8 +37,7 @@ BOTH = (0, 1)
 def law_fields(axes):
     """A law for each of ``axes``, or none."""
     units = {"along": "force [N] from displacement [m]", "about": "moment [N m] from angle [rad]"}
-    ordered = sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
-    return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in ordered]
+    return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in _ordered(axes)]
 
 
 def compliance_field(axes):
@@ -64,6 +64,19 @@ def pair_parts(place, axes, compliance, context):
         for axis in AXES
         if axis in axes
     ]
+
+
+def law_outputs(field, axes):
+    """What ``Kind.optional`` says of the laws of the mapping ``field``."""
+    kinds = {axis: TILT_LAW if axis in ("about_1", "about_2") else SLIDE_LAW for axis in axes}
+    if "about_axis" in axes:
+        kinds["about_axis"] = TWIST_LAW
+    return tuple((field, kinds[axis], f"_{axis}") for axis in _ordered(axes))
+
+
+def _ordered(axes):
+    """First sliding, then turning."""
+    return sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
 
 
 def law_parts(place, axes, laws, context):
@@ -130,6 +143,6 @@ def pair_moment(p, laws, q, v, R):
 
 
 def triads_together(nodes, mu, xi=None):
-    """{mu, xi, start} of a pair from inertial unit axes (3, 3), rows, those of b at the start being the same if absent."""
+    """{mu, xi, start} of a pair from inertial unit axes (3, 3), rows; those of b are the same if absent."""
     start = mu @ np.subtract(nodes[1][0], nodes[0][0])
     return {"mu": mu @ nodes[0][1], "xi": (mu if xi is None else xi) @ nodes[1][1], "start": start}

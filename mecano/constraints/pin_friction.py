@@ -14,7 +14,7 @@ from numba import njit
 
 from mecano.constraints.axis_law import add_along, turning_blocks
 from mecano.constraints.carried import add_blocks, product_gradient, relative_rotation, turning_rate
-from mecano.constraints.friction import FRICTION_RECORD, NORMAL_FORCE, POWER, drag, friction_record, pads
+from mecano.constraints.friction import FRICTION_RECORD, NORMAL_FORCE, POWER, REGULARIZED, drag, friction_record, pads
 from mecano.constraints.pin_angle import pin_curvature, pin_gradient
 from mecano.contract import Kind, Output, Row, record
 from mecano.maths.vec import add, add_col, add_mat, cross, dot, mat, mul, outer, scale, tmul, vec
@@ -76,7 +76,7 @@ def pin_friction_record(mu, xi, radius, friction, context):
 PIN_FRICTION = Kind(
     name="pin_friction",
     section="",
-    doc=__doc__,
+    doc=__doc__ + REGULARIZED,
     dtype=RECORD,
     layout=("R0", "R1"),
     borrowed=(

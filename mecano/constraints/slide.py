@@ -1,6 +1,7 @@
 r"""Sliding of a node along an axis mu carried by another: :math:`s = \mu \cdot d` with :math:`d = R_0^T (x_1 - x_0)`.
 
-Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`. Local unknowns: x0 at 0, R0 at 3, x1 at 6.
+Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`. Local unknowns: x0 at 0, R0 at 3,
+x1 at 6.
 """
 
 from numba import njit

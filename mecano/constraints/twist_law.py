@@ -1,18 +1,19 @@
 r"""Twist law: a moment from a law of the angle between two nodes about an axis that both carry, and of its rate.
 
-Node a carries the unit axes :math:`\mu_i`, node b the axes :math:`\xi_i`, equal to them at the start. With Q the rotation
-of the second triad in the first, the angle is the twist of Q,
+Node a carries the unit axes :math:`\mu_i`, node b the axes :math:`\xi_i`, equal to them at the start. With Q the
+rotation of the second triad in the first, the angle is the twist of Q,
 
 .. math::  \theta = \mathrm{atan2}(Q_{21} - Q_{12},\; Q_{11} + Q_{22}),
 
-the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes off that alignment, up to
-:math:`\xi_3 = -\mu_3`. It is followed over whole turns by the memory of the last accepted angle. Its gradient (inertial)
-is :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`:
+the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes off that alignment,
+up to :math:`\xi_3 = -\mu_3`. It is followed over whole turns by the memory of the last accepted angle. Its gradient
+(inertial) is :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`:
 
 .. math::  \dot\theta = g \cdot (\omega_b - \omega_a), \qquad f_a = -M R_a^T g, \qquad f_b = M R_b^T g,
    \qquad M = M(\theta - \theta_0, \dot\theta)
 
-M > 0 turns the nodes back against a positive angle. Even where the axes are aligned the derivative of g does not vanish.
+M > 0 turns the nodes back against a positive angle. Even where the axes are aligned the derivative of g does not
+vanish.
 """
 
 from numba import njit

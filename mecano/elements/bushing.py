@@ -1,28 +1,28 @@
 r"""Bushing: an elastic and damping tie of two nodes, with 6 x 6 stiffness and damping matrices.
 
-In axes :math:`\mu_i` that a carries (those of node a, or ``axis`` and ``axis_1``), :math:`\xi_i` being the same axes of the
-start carried by b, rows of :math:`\mu` and :math:`\xi`:
+In axes :math:`\mu_i` that a carries (those of node a, or ``axis`` and ``axis_1``), :math:`\xi_i` being the same axes of
+the start carried by b, rows of :math:`\mu` and :math:`\xi`:
 
 .. math::  d = \mu R_a^T (x_b - x_a) - d_0, \qquad \psi = \log(\mu R_a^T R_b \xi^T), \qquad e = (d, \psi)
 
 .. math::  V = \tfrac12 e^T S e, \qquad (n, m) = S e + D \dot e, \qquad \dot\psi = T^{-1}(\psi)\,\omega
 
-with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces work along :math:`\delta e`, so nothing
-depends on where and how the model stands, and elastic energy is kept exactly for any rotation up to
+with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces work along :math:`\delta e`, so
+nothing depends on where and how the model stands, and the elastic forces have a potential for any rotation up to
 :math:`|\psi| < \pi`, where the rotation vector ends:
 
 .. math::  f_{x_b} = R_a \mu^T n = -f_{x_a}, \qquad f_{\Theta_b} = \xi^T T^{-T} m, \qquad
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
 
-``laws`` add a law for single axes, with free play and stops (constraints/pair.py): along them as in d, about them of the
-sines of tilt and of the twist; their outputs are law_force_along_1 and so on.
+``laws`` add a law for single axes, with free play and stops: along them as in d, about them of
+the sines of tilt and of the twist.
 """
 
 import numpy as np
 from numba import njit
 
 from mecano.constraints.joint_frame import not_across, triad
-from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_parts, triads_together
+from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.contract import Kind, Output, record
 from mecano.maths.so3 import log, tangent, tangent_derivative, tangent_inverse
 from mecano.maths.vec import (
@@ -214,9 +214,7 @@ BUSHING = Kind(
         Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axes) and b; either may be ground"),
         Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
         Field("damping", MATRIX_6, "N s/m, N s, N m s/rad", "the same by their rates", None),
-        Field(
-            "axis", DIRECTION, "-", "third axis at the start, inertial; the axes are those of node a when absent", None
-        ),
+        Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),
         AXIS_1,
         Field("laws", mapping(*law_fields(AXES)), "-", "laws of single axes, added to the matrices", None),
     ),
@@ -226,6 +224,7 @@ BUSHING = Kind(
         Output("force", "N", "force of the matrices on b, along the axes", (3,)),
         Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
     ),
+    optional=law_outputs("laws", AXES),
     prepare=prepare,
     parts=parts,
     check=check,

@@ -9,9 +9,8 @@ The constants c_i are those of the start: the axis goes through node b. The mult
 the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
 
 Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
-rates: outputs law_moment and law_force. ``friction``: constraints/guide_friction.py. ``compliance``
-(constraints/pair.py): laws in the place of rigid constraints. Force and moment are those of what holds b; laws and
-friction have outputs of their own.
+rates. ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid constraints. Force
+and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
 from dataclasses import replace
@@ -27,6 +26,7 @@ from mecano.constraints.pair import (
     AXIS_1,
     PAIR_RECORD,
     compliance_field,
+    law_outputs,
     pair_force,
     pair_moment,
     pair_parts,
@@ -34,8 +34,8 @@ from mecano.constraints.pair import (
     triads_together,
 )
 from mecano.constraints.slide import slide
-from mecano.constraints.slide_law import SLIDING_FIELDS, sliding_parts
-from mecano.constraints.twist_law import TURNING_FIELDS, turning_parts
+from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
+from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, put, vec
 from mecano.schema import DIRECTION, NODE_PAIR, Field
@@ -150,6 +150,12 @@ CYLINDRICAL = Kind(
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
+    ),
+    optional=(
+        ("turning_law", TWIST_LAW, ""),
+        ("sliding_law", SLIDE_LAW, ""),
+        ("friction", ROUND_FRICTION, ""),
+        *law_outputs("compliance", HELD),
     ),
     memory=("angle",),
     prepare=prepare,

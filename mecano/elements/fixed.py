@@ -1,8 +1,8 @@
 r"""Fixed joint: two nodes share position and rotation (Boolean identification: no equation).
 
-With ``compliance`` (constraints/pair.py) laws hold b along and about the axes that a carries; what has no law is held by
-a multiplier each. :math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For
-stiffness that couples the axes see ``bushing``.
+With ``compliance`` laws hold b along and about the axes that a carries; what has no law is held by a multiplier each.
+:math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For stiffness that
+couples the axes see ``bushing``.
 """
 
 from dataclasses import replace
@@ -16,6 +16,7 @@ from mecano.constraints.pair import (
     AXIS_1,
     PAIR_RECORD,
     compliance_field,
+    law_outputs,
     pair_force,
     pair_moment,
     pair_parts,
@@ -103,6 +104,7 @@ FIXED = Kind(
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
     ),
+    optional=law_outputs("compliance", AXES),
     shares=shares,
     variant=variant,
     check=check,

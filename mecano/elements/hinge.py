@@ -7,13 +7,13 @@ Both nodes share one position (Boolean identification: no multiplier). With :mat
 .. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0
 
 The multiplier of the first is the moment on b about :math:`+\mu_2`, that of the second about :math:`-\mu_1`. Both
-equations also hold for :math:`\xi_3 = -\mu_3`: assembly refuses that solution. :math:`\mu_1` is ``axis_1``, or the inertial axis
-most perpendicular to the axis at the start, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
+equations also hold for :math:`\xi_3 = -\mu_3`: assembly refuses that solution. :math:`\mu_1` is ``axis_1``, or the
+inertial axis most perpendicular to the axis at the start, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
-Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, stops; its output is
-law_moment. ``friction`` (constraints/hinge_friction.py) and ``compliance`` (constraints/pair.py) need the reactions along
-all five axes: the joint then shares nothing but has one multiplier, or the law in its place, for each. Force and moment
-are those of what holds b; law and friction have outputs of their own.
+Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, stops.
+``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares nothing but has one
+multiplier, or the law in its place, for each. Force and moment are those of what holds b; law and friction have
+outputs of their own.
 """
 
 from dataclasses import replace
@@ -29,13 +29,14 @@ from mecano.constraints.pair import (
     AXIS_1,
     PAIR_RECORD,
     compliance_field,
+    law_outputs,
     pair_force,
     pair_moment,
     pair_parts,
     pair_record,
     triads_together,
 )  # fmt: skip
-from mecano.constraints.twist_law import TURNING_FIELDS, turning_parts
+from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Output, Part, nothing, record
 from mecano.maths.vec import mat, mul, put, scale, tmul, vec
 from mecano.schema import DIRECTION, NODE_PAIR, Field
@@ -171,6 +172,11 @@ HINGE = Kind(
         Output("rate", "rad/s", "rate of the angle"),
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         Output("moment", "N m", "moment of a on b about mu_1, mu_2 and the axis", (3,)),
+    ),
+    optional=(
+        ("turning_law", TWIST_LAW, ""),
+        ("friction", HINGE_FRICTION, ""),
+        *law_outputs("compliance", HELD),
     ),
     memory=("angle",),
     prepare=prepare,

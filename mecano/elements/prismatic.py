@@ -8,10 +8,9 @@ the axis:
 The constants c_i are those of the start: the line of sliding goes through node b. The multipliers are the forces on
 b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments are what balances b.
 
-Options. ``sliding_law`` gives a force from the displacement and its rate: output law_force. ``friction``
-(constraints/guide_friction.py) and ``compliance`` (constraints/pair.py) need the reactions along all five axes: the
-joint then shares nothing but has one multiplier, or the law in its place, for each. Force and moment are those of what
-holds b; law and friction have outputs of their own.
+Options. ``sliding_law`` gives a force from the displacement and its rate. ``friction`` and ``compliance`` need the
+reactions along all five axes: the joint then shares nothing but has one multiplier, or the law in its place, for each.
+Force and moment are those of what holds b; law and friction have outputs of their own.
 """
 
 from dataclasses import replace
@@ -26,6 +25,7 @@ from mecano.constraints.pair import (
     AXIS_1,
     PAIR_RECORD,
     compliance_field,
+    law_outputs,
     pair_force,
     pair_moment,
     pair_parts,
@@ -33,7 +33,7 @@ from mecano.constraints.pair import (
     triads_together,
 )
 from mecano.constraints.slide import slide
-from mecano.constraints.slide_law import SLIDING_FIELDS, sliding_parts
+from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
 from mecano.contract import Kind, Output, Part, nothing, record
 from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
@@ -160,6 +160,7 @@ PRISMATIC = Kind(
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
     ),
+    optional=(("sliding_law", SLIDE_LAW, ""), ("friction", KEYED_FRICTION, ""), *law_outputs("compliance", HELD)),
     prepare=prepare,
     shares=shares,
     parts=parts,

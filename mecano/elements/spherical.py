@@ -1,6 +1,6 @@
 """Spherical joint: two nodes share one position and turn freely (Boolean identification: no equation).
 
-With ``friction`` (constraints/ball_friction.py) the force is that of three multipliers, and nothing is shared.
+With ``friction`` the force is that of three multipliers, and nothing is shared.
 """
 
 from dataclasses import replace
@@ -69,6 +69,7 @@ SPHERICAL = Kind(
         friction_fields(radius("radius", "radius of the ball")),
     ),
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
+    optional=(("friction", BALL_FRICTION, ""),),
     shares=shares,
     variant=variant,
     check=check,

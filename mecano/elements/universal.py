@@ -6,11 +6,11 @@ Both nodes share one position. With :math:`\mu_3` the pin carried by a and :math
 
 The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one that the cross transmits.
 
-Options. ``turning_law_a`` and ``turning_law_b`` give moments about the pins from their angles and rates: outputs
-law_moment_a and law_moment_b. ``friction`` (constraints/pin_friction.py) acts at both pins, driven by the three
-multipliers that then hold the position, and by that of the cross. ``compliance`` puts laws in the place of rigid
-constraints (constraints/pair.py): along axis_b, axis_a x axis_b and axis_a, as a carries them (1, 2, axis), and for the
-moment of the cross. Force and moment are those of what holds b; laws and friction have outputs of their own.
+Options. ``turning_law_a`` and ``turning_law_b`` give moments about the pins from their angles and rates. ``friction``
+acts at both pins, driven by the three multipliers that then hold the position, and by that of the cross.
+``compliance`` puts laws in the place of rigid constraints: along axis_b, axis_a x axis_b and axis_a, as a carries them
+(1, 2, axis), and for the moment of the cross. Force and moment are those of what holds b; laws and friction have
+outputs of their own.
 """
 
 from dataclasses import replace
@@ -22,7 +22,15 @@ from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import not_at_one_place, triad
 from mecano.constraints.orthogonal import ORTHOGONAL
-from mecano.constraints.pair import PAIR_RECORD, compliance_field, held, pair_force, pair_parts, pair_record
+from mecano.constraints.pair import (
+    PAIR_RECORD,
+    compliance_field,
+    held,
+    law_outputs,
+    pair_force,
+    pair_parts,
+    pair_record,
+)
 from mecano.constraints.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.pin_law import PIN_LAW, pin_law_record
@@ -34,6 +42,7 @@ from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
+PIN_LENGTH = "distance of both ends of each pin, which carry the couple; when absent the couple causes no friction"
 ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py, the first one standing for the cross
 PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
 
@@ -105,7 +114,7 @@ def parts(d, nodes, context):
 
 
 def _seen_by_pins(p):
-    """(nodes, axes, other pin, a or b) for each pin; the second axis of b turned round as the angle counts from the cross."""
+    """(nodes, axes, other pin, a or b) for each pin; axis 2 of b is turned round: its angle counts from the cross."""
     return (((0, 1), p["mu"], p["xi"][2], "a"), ((1, 0), p["xi"] * [[1], [-1], [1]], p["mu"][2], "b"))
 
 
@@ -200,8 +209,8 @@ UNIVERSAL = Kind(
             for end in "ab"
             for field in (
                 Field(
-                    f"turning_law_{end}", LAW, "-", f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b "
-                    "back", None,
+                    f"turning_law_{end}", LAW, "-",
+                    f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
                 ),
                 Field(
                     f"natural_angle_{end}", NUMBER, "rad", f"angle_{end} at which the extension of its law is zero", 0.0
@@ -210,8 +219,7 @@ UNIVERSAL = Kind(
         ),
         friction_fields(
             radius("radius_a", "radius of the pin in a"), radius("radius_b", "radius of the pin in b"),
-            replace(LENGTH, doc="distance of the two ends of each pin, which carry the couple; when absent the couple causes "
-                    "no friction"),
+            replace(LENGTH, doc=PIN_LENGTH),
         ),
         compliance_field((CROSS, *ELASTIC[1:])),
     ),
@@ -222,6 +230,11 @@ UNIVERSAL = Kind(
         Output("rate_b", "rad/s", "rate of angle_b"),
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b about axis_b x axis_a"),
+    ),
+    optional=(
+        ("turning_law_a", PIN_LAW, "_a"), ("turning_law_b", PIN_LAW, "_b"),
+        ("friction", PIN_FRICTION, "_a"), ("friction", PIN_FRICTION, "_b"),
+        ("compliance", TILT_LAW, f"_{CROSS}"), *law_outputs("compliance", ELASTIC[1:]),
     ),
     memory=("angle_a", "angle_b"),
     prepare=prepare,

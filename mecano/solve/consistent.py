@@ -84,8 +84,8 @@ class Consistent:
     def _rub(self, s):
         """Let accelerations and multipliers of ``s`` fit the forces that depend on the multipliers (Newton).
 
-        The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it to
-        the first step to find the motion.
+        The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
+        to the first step to find the motion.
         """
         system, n_q, n = self.system, self.system.n_q, self.system.n
         for _ in range(RUBBING):
