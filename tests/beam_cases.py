@@ -4,8 +4,8 @@ Numbers of reference/e1 of the project's collection: exact Reissner-Simo rods by
 """
 
 import numpy as np
+from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
-from scipy.sparse.linalg import eigsh
 from static_solution import Equilibrium
 
 LEAST = (
@@ -110,7 +110,7 @@ def lateral_buckling(n):
 
     def smallest(load):
         found = Equilibrium(straight(section, 1.0, n, dead_force(0, 0, load)))
-        K = found.tangent()[0]
-        return eigsh(0.5 * (K + K.T).tocsc(), 1, sigma=0.0, v0=np.ones(K.shape[0]))[0][0]
+        K = found.tangent()[0].toarray()
+        return eigvalsh(0.5 * (K + K.T), subset_by_index=[0, 0])[0]
 
     return abs(brentq(smallest, 0.9 * BUCKLING, 1.1 * BUCKLING, xtol=1e-9) / BUCKLING - 1.0)

@@ -40,3 +40,12 @@ def element_stiffness(C, h0):
         F += 0.5 * w * length * N.T @ compliance @ N
     K = np.linalg.inv(F)
     return 0.5 * (K + K.T)
+
+
+def elongation(C, K, length):
+    """B (3, 3) [1/m], section axes: u . B u is by how much an element bent as an S by the tilts u/length is longer.
+
+    With r = K_22 L/(GA), the part of the tilt that is bending (1/(1 + 12 EI/(GA L^2)) in the book): r - 2/5 r^2 over L.
+    """
+    bending = np.clip(length * np.diag(K)[1:3] / np.diag(C)[1:3], 0.0, 1.0)
+    return np.diag([0.0, *(bending * (1.0 - 0.4 * bending) / length)])
