@@ -24,6 +24,8 @@ CASES = {  # deck: end [s] of 100 steps
     "thruster": 5.0,
     "strut": 0.5,
     "wheel_drop": 0.4,
+    "cable_snatch": 0.8,
+    "friction_pendulum": 0.3,
 }
 
 

@@ -56,11 +56,10 @@ class Sampler:
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)
         self.node_size = self._size()
-        self.batches = [b for b in system.batches if b.kind.section and b.n_outputs]
+        self.batches = [b for b in system.batches if b.n_outputs]
         for b in self.batches:
-            for name in b.names:
-                outputs = [(o.name, o.unit, o.doc, o.shape) for o in b.kind.outputs]
-                self._declare(f"{b.kind.section}/{name.split(chr(39))[1]}", outputs)
+            for path, label in b.paths:
+                self._declare(path, [(o.name + label, o.unit, o.doc, o.shape) for o in b.kind.outputs])
         self.energy_start = self._size()
         self._declare("energy", [(*item, ()) for item in ENERGIES])
         self.row = np.zeros(self._size())
