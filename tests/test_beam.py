@@ -190,8 +190,9 @@ def test_members_are_divided():
     more = """initial: {velocities: [{nodes: all, velocity: [0, 0, 1]}, {nodes: [leg.2], velocity: [0, 2, 0]}]}
         joints: {clamp: {type: fixed, nodes: [ground, leg.3]}}
         loads: {push: {type: force, node: leg.1, direction: [0, 1, 0], value: 0.0}}"""
-    checked = deck(member(more, "leg: {type: beam, nodes: [a, b], section: rod, up: [0, 0, 1], mesh: 4}, "
-                                "side: {type: beam, nodes: [leg.2, leg.1], section: rod, up: [0, 0, 1], mesh: 2}"))  # fmt: skip
+    leg = "leg: {type: beam, nodes: [a, b], section: rod, up: [0, 0, 1], mesh: 4}"
+    side = "side: {type: beam, nodes: [leg.2, leg.1], section: rod, up: [0, 0, 1], mesh: 2}"
+    checked = deck(member(more, f"{leg}, {side}"))
     system = System(build(checked))
     names = [node.name for node in system.nodes]
     assert names[:6] == ["a", "b", "leg.1", "leg.2", "leg.3", "side.1"]

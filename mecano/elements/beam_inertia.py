@@ -4,8 +4,8 @@ The line of mass centres is interpolated from its ends :math:`x_i + R_i c_i` and
 which turn with the sections (t: tangent of the strain-free shape times the length). With the nodal values
 :math:`w = (x_1 + R_1 c_1, R_1 t_1, x_2 + R_2 c_2, R_2 t_2)` the kinetic energy of translation is
 :math:`\tfrac12 \sum m_{kl}\, \dot w_k \cdot \dot w_l` and the weight acts on the same interpolation, so that a - g
-takes the place of a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2), of sixth order in
-bending, which makes axial waves of fourth order too:
+takes the place of a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2),
+which is of sixth order in bending and makes axial waves of fourth order too:
 
 .. math::  (m_{kl}) = m \begin{pmatrix} 5/12 & 3/40 & 1/12 & -1/120\\ & 1/48 & 1/120 & 1/240\\ & & 5/12 & -3/40\\
            & & & 1/48 \end{pmatrix}
