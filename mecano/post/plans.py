@@ -59,9 +59,9 @@ BEAMS = Plan(
 STRUTS = Plan(
     "struts", "Springs and struts", ("spring_damper",),
     (
-        View("axial force", ("force",), against="stroke"),
+        View("compression force", ("compression_force",), against="stroke"),
         View("stroke", ("stroke",)),
-        View("axial force", ("force",)),
+        View("compression force", ("compression_force",)),
         View("rate of extension", ("rate",)),
     ),
     lead=2,

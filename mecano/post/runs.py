@@ -5,10 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
-
-SECTIONS = ("elements", "joints", "loads")
 
 
 @dataclass(frozen=True)
