@@ -11,10 +11,7 @@ from mecano.prepare import prepare, remarks
 from mecano.solve.scales import length_scale
 
 REMARKS = {  # deck: overrides, what is said at the start
-    "four_bar": (
-        ["time.end=0.1"],
-        "3 redundant constraint(s) among: rigid_body 'crank_bar': force y of the rigid offset; ",
-    ),
+    "four_bar": (["time.end=0.1"], "3 redundant constraint(s) among: rigid_body 'crank_bar': force y of the rigid offset; "),
     "double_pendulum": (
         ["time.end=0.01", "initial.velocities=[{nodes: [elbow], velocity: [1, 0, 0]}]"],
         "the initial velocities do not fit the constraints and were changed to the nearest that do",
@@ -94,9 +91,7 @@ def test_values_of_the_deck_are_no_defaults(tmp_path):
     assert (results.automatic["k"], results.automatic["penalty"]) == (123.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("overrides", "told"), [((), True), (("gravity=[0, 0, -1.62]",), False), (("gravity=null",), True)]
-)
+@pytest.mark.parametrize(("overrides", "told"), [((), True), (("gravity=[0, 0, -1.62]",), False), (("gravity=null",), True)])
 def test_check_shows_the_gravity_and_whether_it_was_chosen(overrides, told):
     out = check(*overrides)
     assert f"gravity [0, 0, {-9.81 if told else -1.62}] m/s2" in out
