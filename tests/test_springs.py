@@ -60,7 +60,7 @@ def at(*positions):
 
 
 def rotations(n, seed):
-    return Rotation.random(n, rng=np.random.default_rng(seed)).as_matrix()
+    return Rotation.random(n, np.random.default_rng(seed)).as_matrix()
 
 
 def about(axis, angle):

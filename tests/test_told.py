@@ -89,6 +89,13 @@ def test_chosen_defaults_are_stored_and_shown(tmp_path):
     assert f"automatic length scale {chosen['length_scale']:.4g}" in shown and f"k {chosen['k']:.4g}" in shown
 
 
+def test_nodes_of_the_ground_are_no_outputs(tmp_path):
+    """A joint to the ground makes a node of its own, which no deck names."""
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
+    names = {name.split("/")[1] for name in results.names("nodes/*")}
+    assert names == set(input_deck("double_pendulum").values["nodes"])
+
+
 def test_values_of_the_deck_are_no_defaults(tmp_path):
     _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01", "time.scale={k: 123.0, penalty: 0.0}")
     assert (results.automatic["k"], results.automatic["penalty"]) == (123.0, 0.0)
