@@ -50,6 +50,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
+
 
 @dataclass(frozen=True)
 class Output:
@@ -121,6 +123,9 @@ class Kind:
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
+    divide: Callable | None = None
+    """(deck values, nodes) -> ([(x, R)] of the nodes between, [values of each element]) of a member that its value
+    ``mesh`` divides into several elements of the kind"""
     variant: Callable | None = None
     """deck values -> the Kind, of the same fields and outputs, that takes its place in the model for these values"""
     check: Callable = nothing

@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.deck.physics import element_nodes, poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
 from mecano.schema import CURVE
-
-SECTIONS = ("elements", "joints", "loads")
 
 
 def build(deck):
@@ -33,7 +32,7 @@ def set_velocities(deck, system, s):
     v, omega, named = np.zeros((n_nodes, 3)), np.zeros((n_nodes, 3)), np.zeros(n_nodes, bool)
     index = {node.name: i for i, node in enumerate(system.nodes)}
     for entry in deck.values["initial"]["velocities"]:
-        names = list(deck.values["nodes"]) if entry["nodes"] == "all" else entry["nodes"]
+        names = list(index) if entry["nodes"] == "all" else entry["nodes"]
         for i in (index[name] for name in names):
             x = system.nodes[i].x
             about = x if entry["about"] in (None, "own") else np.array(entry["about"])

@@ -52,9 +52,9 @@ class Deck:
         gives the same values. What is absent (None, or an infinite bound) is left out.
         """
         names = {}
-        for section in ("laws", "grounds", "tire_laws"):
+        for section in ("laws", "grounds", "tire_laws", "sections"):
             names |= {id(value): name for name, value in self.values[section].items()}
-        return {key: _plain_section(value, names) for key, value in self.values.items()}
+        return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 
     def resolved_text(self):
         """The resolved deck as JSON, one line for each named thing."""

@@ -109,6 +109,20 @@ def inertia(node, field, scope):
     return scope.refuse_value(node, field)
 
 
+def matrix(node, field, scope):
+    """A symmetric matrix of six rows of six numbers."""
+    if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
+        return scope.refuse_value(node, field)
+    rows = items(node, field, scope, SIX)
+    if rows is INVALID or all(rows[i][j] == rows[j][i] for i in range(6) for j in range(i)):
+        return rows
+    return scope.refuse_value(node, field, "is not symmetric")
+
+
+def _listed(node):
+    return node.value if type(node.value) is list else ()
+
+
 def matrix_6(node, field, scope):
     """Six numbers or six rows of six; as written."""
     rows = node.value if type(node.value) is list and len(node.value) == 6 else []

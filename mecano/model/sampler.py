@@ -8,8 +8,6 @@ from numba import njit
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
 
-SECTIONS = ("elements", "joints", "loads")
-
 
 @dataclass(frozen=True)
 class Column:
@@ -39,7 +37,11 @@ ENERGIES = (
     ("dissipated", "J", "energy dissipated since the start"),
     ("given", "J", "work done by loads and prescribed motions since the start"),
     ("total", "J", "kinetic + potential"),
-    ("balance", "J", "kinetic + potential + dissipated - given: constant for an exact integration"),
+    (
+        "balance",
+        "J",
+        "kinetic + potential + dissipated - given; keeps its value of the start, up to integration errors",
+    ),
 )
 
 
@@ -49,7 +51,7 @@ class Sampler:
     def __init__(self, system):
         self.system, self.columns = system, []
         of = system.numbering
-        shown = [i for i, node in enumerate(system.nodes) if " " not in node.name]
+        shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)

@@ -10,6 +10,7 @@ from mecano.model.batch import batches
 from mecano.model.conduct import direct
 from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
+from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
@@ -22,7 +23,7 @@ class System:
     """Equations of a model; built once, never changed by solving."""
 
     def __init__(self, model):
-        model = with_ground(model)
+        model = with_ground(divided(model))
         self.nodes = model.nodes
         self.context = Context(model.laws, np.asarray(model.gravity, float))
         instances, shared, used = expand(model, self.context)
@@ -117,6 +118,12 @@ class System:
         return self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=constraints)
 
     @cached_property
+    def _count_again(self):
+        loads = lambda kind: kind.section == "loads"  # noqa: E731
+        others = self._no_turn, 1.0, 1.0, 1.0, 1.0, self.force, self.force
+        return self._conductor(conduct.count_again, loops.tangent, *others, chosen=loads)
+
+    @cached_property
     def _add_borrowed(self):
         borrowing = lambda kind: kind.borrowed  # noqa: E731
         add = self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=borrowing)
@@ -172,6 +179,11 @@ class System:
     def add_constraints(self, s, k, penalty, data):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``."""
         self._add_constraints(*_motion(s), self._no_turn, k, penalty, data)
+
+    def scale_loads(self, s, factor, cK, cC, cM, T=None):
+        """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
+        T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
+        self._count_again(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
     @cached_property
     def borrowed(self):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.post.quantity import DERIVED, MAGNITUDE, find, time_of
+from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
@@ -20,7 +20,7 @@ def planned_panels(plan, runs):
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
     remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
     parts = [part for panel in worth_showing(panels, runs) for part in _by_size(panel)]
-    return [replace(part, peak=peak_of(part, runs)) for part in parts], remark
+    return [with_peaks(part, runs) for part in parts], remark
 
 
 def _by_size(panel):
@@ -57,7 +57,7 @@ def _size(values):
 
 def _things(plan, runs):
     """Paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
-    return list(dict.fromkeys(path for run in runs for path, d in run.things.items() if d["type"] in plan.kinds))
+    return list(dict.fromkeys(path for run in runs for path, d in run.pieces.items() if d["type"] in plan.kinds))
 
 
 def _most_active(things, view, runs):
@@ -71,7 +71,7 @@ def _most_active(things, view, runs):
 
 def _activity(view, thing, run):
     """How much the first output of the view varies."""
-    if thing not in run.things:
+    if thing not in run.pieces:
         return 0.0
     names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
     return run.ranges.get(names[0].removesuffix(MAGNITUDE), 0.0) if names else 0.0
@@ -82,7 +82,7 @@ def _panel(view, things, runs):
         curve
         for number, run in enumerate(runs)
         for thing in things
-        if thing in run.things
+        if thing in run.pieces
         for curve in _curves(view, thing, run, number)
     ]
     return Panel(view.label, tuple(curves))
@@ -107,7 +107,7 @@ def _name_of(run, thing, output):
     for alternative in filter(None, output.split("|")):
         owner, name = thing, alternative
         if alternative.startswith("node."):
-            owner, name = f"nodes/{run.things[thing].get('node')}", alternative.removeprefix("node.")
+            owner, name = f"nodes/{run.pieces[thing].get('node')}", alternative.removeprefix("node.")
         stem = name.partition(".")[0]
         needed = DERIVED[stem].needs if stem in DERIVED else (stem,)
         if all(f"{owner}/{one}" in run.paths for one in needed):
@@ -115,14 +115,10 @@ def _name_of(run, thing, output):
     return ""
 
 
-def peak_of(panel, runs):
-    """Value and time [s] of largest magnitude over all accepted steps; () unless one curve is shown over time."""
-    curves = [curve for curve in panel.curves if not curve.reference]
-    if len(runs) > 1 or len(curves) != 1 or not panel.over_time:
-        return ()
-    extreme = runs[0].results.extremes.get(curves[0].y.path)
-    if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
-        return ()
-    if extreme.maximum >= -extreme.minimum:
-        return extreme.maximum, extreme.maximum_time
-    return extreme.minimum, extreme.minimum_time
+def with_peaks(panel, runs):
+    """The panel with the peaks of its curves over all accepted steps, when they are shown over time."""
+    if not panel.over_time:
+        return panel
+    curves = tuple(replace(curve, peak=peak_of(runs[curve.run].results, curve.y)) for curve in panel.curves)
+    own = [curve for curve in curves if not curve.reference]
+    return replace(panel, curves=curves, peak=own[0].peak if len(runs) == len(own) == 1 else ())

@@ -45,12 +45,23 @@ WHEELS = Plan(
     ),
     lead=4,
 )  # fmt: skip
+BEAMS = Plan(
+    "beams", "Beams", ("beam",),
+    (
+        View("equivalent stress", ("stress",)),
+        View("axial force", ("force.x",)),
+        View("shear force", ("force.y", "force.z")),
+        View("torque", ("moment.x",)),
+        View("bending moment at the start", ("moment_start.y", "moment_start.z")),
+    ),
+    lead=2,
+)  # fmt: skip
 STRUTS = Plan(
     "struts", "Springs and struts", ("spring_damper",),
     (
-        View("axial force", ("force",), against="stroke"),
+        View("compression force", ("compression_force",), against="stroke"),
         View("stroke", ("stroke",)),
-        View("axial force", ("force",)),
+        View("compression force", ("compression_force",)),
         View("rate of extension", ("rate",)),
     ),
     lead=2,
@@ -100,7 +111,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, BEAMS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.model.mesh import divided_nodes, inner_names
+
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 RIM_POINTS = 49
 NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
@@ -28,7 +30,8 @@ class Motion:
 
     def __init__(self, run, rows):
         self.run, self.rows = run, rows
-        self.nodes = [name for name in run.deck.get("nodes", {}) if f"nodes/{name}/position" in run.paths]
+        names = [name for path, d in run.things.items() for name in inner_names(path.partition("/")[2], d)]
+        self.nodes = [name for name in [*run.deck.get("nodes", {}), *names] if f"nodes/{name}/position" in run.paths]
 
     def position(self, node):
         """Positions (instants, 3) [m] of a node."""
@@ -60,7 +63,7 @@ def shapes(motion):
         if section != "loads":
             found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
     for name in motion.nodes:
-        if motion.run.deck["nodes"][name].get("fixed"):
+        if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
     order = (WHEEL, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
@@ -86,6 +89,11 @@ def _mass(motion, name, d):
 def _rod(motion, name, d):
     """Any element between two nodes."""
     return _line(motion, name, d, ROD)
+
+
+def _beam(motion, name, d):
+    """The line through all nodes of a member."""
+    return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
 
 
 def _spring(motion, name, d):
@@ -137,6 +145,7 @@ def _flattened(points, ground):
 
 
 SHAPES = {
+    "beam": _beam,
     "rigid_body": _body,
     "point_mass": _mass,
     "spring_damper": _spring,
