@@ -26,6 +26,7 @@ CASES = {  # deck: end [s] of 100 steps
     "wheel_drop": 0.4,
     "cable_snatch": 0.8,
     "friction_pendulum": 0.3,
+    "bushing": 0.3,
 }
 
 

@@ -20,7 +20,7 @@ def test_bushing_moves_as_a_linear_system_at_large_angles():
     for step in (2e-3, 1e-3):
         march = March(input_deck("bushing", f"time.step={step}", "time.end=0.6"))
         exact = np.array([expm(A * t) @ [0.0, 0.0, 2.0, 20.0] for t in march.time])
-        found = np.stack([march["elements/mount/displacement"][:, 0], march["elements/mount/rotation"][:, 2]], axis=1)
+        found = np.stack([march["elements/mount/displacement"][:, 0], march["elements/mount/rotation_vector"][:, 2]], axis=1)
         assert np.abs(exact[:, 1]).max() > 1.5
         errors.append(np.abs(found - exact[:, :2]).max())
     assert errors[1] < 1e-3
@@ -193,6 +193,24 @@ def test_a_joint_may_be_elastic_along_one_axis_only():
     assert march["nodes/body/position"][-1, 2] == pytest.approx(-0.01 - 2.0 * g / 4000.0, rel=1e-4)
     np.testing.assert_allclose(march["joints/joint/force"][-1], [0, 0, 2.0 * g], rtol=1e-4, atol=1e-9)
     np.testing.assert_allclose(march["joints/joint/law_force_along_axis"][-1], -2.0 * g, rtol=1e-4)
+
+
+def test_rotor_whirls_in_its_elastic_bearing():
+    """Jeffcott's rotor: radius of the whirl, force of the bearing, moment and power of the motor, once it is steady."""
+    m, k, c, W, e = 10.0, 1e5, 200.0, 70.0, 1e-3
+    radius = m * e * W**2 / math.hypot(k - m * W**2, c * W)
+    errors = []
+    for step in (1e-3, 5e-4):
+        march = March(input_deck("elastic_bearing", f"time.step={step}", "time.end=1.6"))
+        late = march.time > 1.5
+        found = np.linalg.norm(march["nodes/shaft/position"][late], axis=1)
+        errors.append(np.abs(found / radius - 1).max())
+        np.testing.assert_allclose(
+            np.linalg.norm(march["joints/bearing/force"][late], axis=1), radius * math.hypot(k, c * W), rtol=5e-3
+        )
+        np.testing.assert_allclose(march["joints/motor/moment"][late], c * W * radius**2, rtol=1e-2)
+    assert errors[1] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
 
 
 BUSHING = [

@@ -220,7 +220,7 @@ BUSHING = Kind(
     ),
     outputs=(
         Output("displacement", "m", "d, displacement of b from the start, along the axes", (3,)),
-        Output("rotation", "rad", "psi, rotation vector of b relative to a, in the axes", (3,)),
+        Output("rotation_vector", "rad", "psi, rotation vector of b relative to a, in the axes", (3,)),
         Output("force", "N", "force of the matrices on b, along the axes", (3,)),
         Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
     ),
