@@ -151,7 +151,6 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
-    "beam": _beam,
     "wheel": _wheel,
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""
