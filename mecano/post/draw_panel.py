@@ -157,8 +157,8 @@ def _note(ax, panel, factor, unit):
     text = panel.note
     if panel.peak:
         value, time = panel.peak
-        x = panel.curves[0].x
-        text = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit} at {time:.4g} {x.unit or x.what}"
+        extreme = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit}"
+        text = f"{extreme} at {time:.4g} {panel.curves[0].x.unit}".rstrip()
     if text:
         note_below(ax, text)
 

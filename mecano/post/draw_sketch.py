@@ -42,9 +42,9 @@ def draw_sketch(ax, sketch, title="", named=True):
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
         ax.set_xlabel(f"{LETTERS[right]} [m]")
-        name, unit = sketch.axis
+        unit = sketch.axis[1]
         span = f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g}"
-        text = f"{span} {unit}, later is darker" if unit else f"{name} {span}, larger is darker"
+        text = f"{span}{' ' * bool(unit)}{unit}, later is darker"
         note_below(ax, text if count > 1 and named else "")
     else:
         _label_instants(ax, sketch)

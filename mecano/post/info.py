@@ -32,7 +32,9 @@ def one_line(runs):
     if len(runs) > 1:
         return f"{len(runs)} runs"
     results = runs[0].results
-    return "; ".join([_status(results), _count(results), f"mecano {results.metadata['version_mecano']}"])
+    return "; ".join(
+        [_status(results).partition(";")[0], _count(results), f"mecano {results.metadata['version_mecano']}"]
+    )
 
 
 def _run(results):

@@ -79,8 +79,7 @@ def _path(runs):
         loads += [Curve(one, factor, number, one.subject) for one in x]
         count = find(run.results, "static/unstable_directions")[0]
         unstable.append(Curve(time_of(count), count, number, "static"))
-    where = f", over the position {loads[0].x.path[-1]} of {loads[0].subject}" if loads else ""
-    panels = [Panel(f"load factor{where}", tuple(loads))] if loads and any(np.ptp(c.y.values) for c in loads) else []
+    panels = [Panel("load factor", tuple(loads))] if any(np.ptp(c.y.values) for c in loads) else []
     if any(np.any(curve.y.values) for curve in unstable):
         panels.append(Panel("unstable directions", tuple(unstable), stepped=True))
     return Sheet("path", "Path of equilibria", tuple(panels))
