@@ -24,7 +24,9 @@ B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K ar
 
 ``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
-writes 0, Phi, dPhi/dt.
+writes 0, Phi, dPhi/dt. All constraints of one kind are on positions, or all on velocities (``Row.constraint_unit`` per
+second): then B = dPhi/dv stands in C, -k dPhi/dq in K, and the loops turn rows and penalty into those of a
+displacement. A constraint that is let go in some mode writes no levels there, and the rows -k_lambda: no reaction.
 
 ``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
 arrive zeroed: kinetic
@@ -60,7 +62,7 @@ class Row:
 
     name: str
     unit: str  # of k*lambda: N or N m
-    constraint_unit: str  # of Phi: m or rad
+    constraint_unit: str  # of Phi: m or rad; m/s or rad/s for a constraint on velocities
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,10 @@ class Event:
 
 @dataclass(frozen=True)
 class Part:
-    """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record."""
+    """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record.
+
+    A part that has the modes of its owner is in its owner's mode.
+    """
 
     kind: "Kind"
     nodes: tuple  # indices into the nodes of the owner
@@ -124,6 +129,11 @@ class Kind:
     sample: Callable | None = None
     """rng -> list of (values, nodes, mode): admissible samples for the generic tests, every mode among them. values:
     deck values without defaults (of a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
+
+    @property
+    def of_rates(self):
+        """True when its constraints are on velocities."""
+        return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
 
     @property
     def n_local(self):

@@ -7,6 +7,7 @@ from mecano.elements.force import FOLLOWER_FORCE, FORCE
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
 from mecano.elements.moment import FOLLOWER_MOMENT, MOMENT
+from mecano.elements.paper_wheel import PAPER_WHEEL
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
@@ -14,6 +15,8 @@ from mecano.elements.prismatic import PRISMATIC
 from mecano.elements.rigid_body import RIGID_BODY
 from mecano.elements.rigid_link import RIGID_LINK
 from mecano.elements.rigid_rod import RIGID_ROD
+from mecano.elements.rigid_wheel import RIGID_WHEEL
+from mecano.elements.skate import SKATE
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
 from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
@@ -28,6 +31,6 @@ KINDS = {
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         SPRING_DAMPER, TORSION_SPRING_DAMPER,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
-        WHEEL,
+        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL,
     )
 }  # fmt: skip

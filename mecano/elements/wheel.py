@@ -32,8 +32,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
 from mecano.contract import Event, Kind, Output, record
-from mecano.elements.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
 from mecano.elements.tire_law import (
     TIRE_RECORD,
     check_tire_law,
@@ -43,13 +43,12 @@ from mecano.elements.tire_law import (
     prepare_tire_law,
     radial_force,
 )
+from mecano.maths.contact_force import add_force, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import disc_variation
 from mecano.maths.vec import (
     EYE,
     ZERO,
     add,
-    add_mat,
-    add_vec,
     cross,
     dot,
     madd,
@@ -64,7 +63,6 @@ from mecano.maths.vec import (
     skew,
     sub,
     tmul,
-    transpose,
     vec,
 )
 from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
@@ -157,34 +155,16 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     g = touch(p, laws, vec(q, 0), axis)
     omega = mul(Rn, vec(v, 3))
     slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, g.arm)))
-    moment = cross(g.arm, slip.f)
-    add_vec(f, 0, 1.0, slip.f)
-    add_vec(f, 3, 1.0, tmul(Rn, moment))
+    add_force(f, Rn, g.arm, slip.f)
 
     arm, w = skew(g.arm), skew(omega)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
     f_u = _by_velocity(g, slip)
-    f_w = mscale(-1.0, matmul(f_u, arm))
-    _add_columns(C, 0, Rn, EYE, f_u, matmul(arm, f_u))
-    _add_columns(C, 3, Rn, Rn, f_w, matmul(arm, f_w))
+    add_velocity_tangent(C, Rn, g.arm, f_u)
     f_x = madd(_by_contact(g, slip, scale(-1.0 / g.q, g.n), by_x), matmul(f_u, matmul(w, by_x.arm)))
     u_t = madd(matmul(arm, w), matmul(w, by_t.arm))
     f_t = madd(_by_contact(g, slip, scale(-g.r / g.q, cross(g.c, g.n)), by_t), matmul(f_u, u_t))
-    _add_columns(K, 0, Rn, EYE, f_x, _moment_variation(g, slip, by_x.arm, f_x))
-    _add_columns(K, 3, Rn, Rn, f_t, madd(_moment_variation(g, slip, by_t.arm, f_t), skew(moment)))
-
-
-@njit
-def _moment_variation(g, slip, d_arm, df):
-    """d(arm x f), 3x3, from the derivatives of both."""
-    return madd(matmul(skew(g.arm), df), mscale(-1.0, matmul(skew(slip.f), d_arm)))
-
-
-@njit
-def _add_columns(A, j, Rn, frame, force_rows, moment_rows):
-    """Add three columns of a tangent from inertial derivatives; ``frame`` turns the variables."""
-    add_mat(A, 0, j, 1.0, matmul(force_rows, frame))
-    add_mat(A, 3, j, 1.0, matmul(transpose(Rn), matmul(moment_rows, frame)))
+    add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), slip.f, (f_x, f_t))
 
 
 @njit

@@ -45,6 +45,7 @@ class Numbering:
     kind: np.ndarray  # (n_all,) TRANSLATION ... ANGLE_CONSTRAINT
     group: np.ndarray  # (n_q,) unknowns of one node have one number
     name: list  # (n_all,) names a user can read
+    of_rates: np.ndarray  # (n_l,) bool: constraints on velocities
 
     @property
     def n(self):
@@ -83,7 +84,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     group += range(n_nodes, n_nodes + len(scalars))
     n_q = len(name)
     name += [text for text, _ in multipliers]
-    kind += [ANGLE_CONSTRAINT if row.constraint_unit == "rad" else LENGTH_CONSTRAINT for _, row in multipliers]
+    kind += [ANGLE_CONSTRAINT if row.constraint_unit[:3] == "rad" else LENGTH_CONSTRAINT for _, row in multipliers]
     for c in rest:
         first[c] = len(name)
         name += _names(sharing[c], c)
@@ -102,6 +103,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
         kind=np.array(kind, np.int64),
         group=np.array(group, np.int64),
         name=name,
+        of_rates=np.array([row.constraint_unit.endswith("/s") for _, row in multipliers], bool),
     )
 
 

@@ -81,6 +81,7 @@ class Consistent:
         """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
         n_q, n = self.system.n_q, self.system.n
         gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
+        gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
     def jerk_rate(self, s, h):

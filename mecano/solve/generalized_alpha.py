@@ -151,7 +151,9 @@ class GeneralizedAlpha:
             rate = consistent.jerk_rate(s, h)
             consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
             shifted = s.copy()
-            consistent.project_velocity(shifted, c.error * h * h * rate)
+            # a constraint on velocities holds exactly at the end of every step: it asks for no shift
+            on_positions = np.where(self.system.numbering.of_rates, 0.0, rate)
+            consistent.project_velocity(shifted, c.error * h * h * on_positions)
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
         return History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
@@ -164,9 +166,11 @@ class GeneralizedAlpha:
     def _scales(self, history, h):
         """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
         k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
+        weights = self._weights(h)
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty)
-        return k, penalty, *self._weights(h)
+            self.compliance.set_lag(1.0 / weights[0])
+        return k, penalty, *weights
 
     def step(self, s0, history, h):
         """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
@@ -226,7 +230,7 @@ class GeneralizedAlpha:
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
-            self.compliance.soften_tangent(k, self.system.data)
+            self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
         """Factor the tangent of an earlier state again, as it was."""
