@@ -104,6 +104,7 @@ class Kind:
     fields: tuple = ()  # schema.Field, the node fields first
     outputs: tuple = ()  # Output
     scalars: tuple = ()  # names of own scalar unknowns
+    relaxing: tuple = ()  # those of them, without inertia, whose rates follow from their own equations alone
     multipliers: tuple = ()  # Row
     modes: tuple = ("",)
     events: tuple = ()  # Event

@@ -1,8 +1,11 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
+from mecano.elements.adhesive_wheel import ADHESIVE_WHEEL
+from mecano.elements.brake import BRAKE
 from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
+from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.force import FOLLOWER_FORCE, FORCE
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
@@ -30,7 +33,7 @@ KINDS = {
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         SPRING_DAMPER, TORSION_SPRING_DAMPER,
-        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
-        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL,
+        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
+        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
     )
 }  # fmt: skip

@@ -33,6 +33,11 @@ class System:
         self._slots(len(names))
         sides = Sides(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, sides)
+        self.relaxing = np.zeros(self.n_q, bool)
+        for b in self.batches:
+            first = 3 * len(b.kind.layout)
+            for name in b.kind.relaxing:
+                self.relaxing[b.dofs[:, first + b.kind.scalars.index(name)]] = True
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()

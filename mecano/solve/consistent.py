@@ -9,11 +9,16 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 """
 
 import numpy as np
+import scipy.sparse as sp
 
 from mecano.errors import AssemblyError
+from mecano.model.numbering import SCALAR
 from mecano.solve.increments import displaced, moved
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
+RATE_ITERATIONS = 30
+RATE_TOLERANCE = 1e-12  # of the forces at work
+LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
 
 
 class Consistent:
@@ -32,7 +37,12 @@ class Consistent:
         self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
-        self.loose = loose & (diagonal <= 0.0)  # neither mass nor constraint: stays at rest
+        # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
+        self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
+        self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
+        if len(self.relaxing):
+            own = np.isin(system.rows, self.relaxing) | np.isin(system.cols, self.relaxing)
+            data[:-1][own] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -59,6 +69,25 @@ class Consistent:
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
         rate = self.system.levels(s)[:, 1]
         s.v[: self.system.n_q] += self.change(target - rate)
+
+    def settle_rates(self, s):
+        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Newton)."""
+        own, system = self.relaxing, self.system
+        if not len(own):
+            return
+        size = np.inf
+        for _ in range(RATE_ITERATIONS):
+            system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+            r = system.residual[own].copy()
+            if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
+                return
+            if np.linalg.norm(r) < size:
+                size, start = np.linalg.norm(r), s.v[own].copy()
+                C = sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
+                change = np.linalg.lstsq(C, -r, rcond=LEAST_DAMPING)[0]
+            else:
+                change = 0.5 * change
+            s.v[own] = start + change
 
     def project_acceleration(self, s, a, target=0.0):
         """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
