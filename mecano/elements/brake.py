@@ -7,8 +7,8 @@ the wheel's node, the torque that opposes W is
 
 The bound T_max(u) keeps the wheel from skidding: for friction mu_0 exp(-kappa u) under the force F_ref at the radius r,
 with a margin sigma <= 1, it is sigma mu_0 F_ref r exp(-kappa u), ``bound: {exponential: {start: ..., rate: kappa}}``.
-The smaller of both is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s =
-0.02. A stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
+The smaller of both is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with
+s = 0.02. A stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 """
 
 import math
@@ -149,7 +149,7 @@ BRAKE = Kind(
         Field("axis", DIRECTION, "-", "axle at the start, inertial"),
         Field("torque", CURVE, "N m", "torque, a curve of the time; nothing where negative"),
         Field(
-            "bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel; no bound when absent", None
+            "bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None
         ),
         Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
     ),
