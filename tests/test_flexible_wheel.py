@@ -1,4 +1,4 @@
-"""The wheel whose patch gives way sideways and in torsion: shimmy, relaxation, touch-down, braking; grounds and brakes.
+"""The wheel whose patch gives way sideways and in torsion: shimmy, relaxation, touch-down; roads and brakes.
 
 Reference b1_shimmy: characteristic polynomial (I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1
 + C1 s) of a trailing wheel with Moreland's tyre; its roots were found a second way to 1e-9.
@@ -108,7 +108,7 @@ def test_growth_of_shimmy_in_time(kind):
 
 
 def test_the_lateral_force_builds_up_over_the_relaxation_length():
-    march = March(input_deck("step_steer"))
+    march = March(input_deck("step_steer", "tire_laws.rubber.slip_regularization=1e-3"))
     force = march["elements/tire/tire_force"]
     expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
     assert np.abs(np.abs(force) - expected).max() < 5e-3 * 1200.0
@@ -176,7 +176,7 @@ def test_an_adhesive_wheel_is_spun_up_at_once():
     for name in ("longitudinal_slip", "lateral_slip"):
         assert np.abs(march[f"elements/tire/{name}"][touching]).max() < 1e-9
     before, after = (march["elements/tire/spin_rate"][i] for i in (0, np.argmax(touching)))
-    assert before == pytest.approx(50.0) and after == pytest.approx(66.5, abs=1.0)
+    assert before == pytest.approx(50.0) and after == pytest.approx(50 + 0.3 * 5 / (1 / 20 + 0.3**2), abs=0.05)
 
 
 def test_moreland_and_relaxation_are_cases_of_the_matrices():

@@ -69,7 +69,7 @@ def test_reactions_are_of_second_order_from_the_first_step_on():
         times = np.arange(1, 9) * h
         reaction = [at_times(m, m["elements/rim/contact_force"], times) for m in (march, fine)]
         errors.append(np.linalg.norm(reaction[0] - reaction[1], axis=1))
-    np.testing.assert_allclose(errors[0] / errors[1], 4.0, atol=0.6)
+    assert errors[0].max() / errors[1].max() == pytest.approx(4.0, abs=0.1)
 
 
 def test_reactions_stay_of_second_order_with_steps_that_change():
@@ -203,7 +203,7 @@ def test_chaplygins_sleigh():
     )]  # fmt: skip
     check_second_order(*(values[:, :2] for values in at[0]), SLEIGH_EDGE, 2e-6)
     check_second_order(*at[1], SLEIGH_TURN, 9e-7)
-    check_second_order(*at[2], sleigh_force(np.array(SLEIGH_TIMES)), 2e-5)
+    check_second_order(*at[2], sleigh_force(np.array(SLEIGH_TIMES)), 2.5e-6)
     assert np.ptp(marches[1]["energy/total"]) < 1e-4 * 1.010125
 
 
@@ -252,9 +252,9 @@ def test_an_axle_goes_across_the_slope_on_a_cycloid():
     coarse, fine = (at_times(m, m["nodes/axle/position"][:, :2], times) for m in marches)
     check_second_order(coarse, fine, path, 3e-7)
     lateral = sum(marches[1][f"elements/{side}_wheel/lateral_force"] for side in ("left", "right"))
-    turning = marches[1].time
-    speed = g * np.sin(turning)
-    np.testing.assert_allclose(lateral, 30.0 * speed * 1.0 + 30.0 * 0.981 * np.sin(turning), atol=2e-3)
+    later = marches[1].time > 1.0  # before, rows of positions and of velocities that repeat one another settle
+    expected = 30.0 * (g + 0.981) * np.sin(marches[1].time)
+    np.testing.assert_allclose(lateral[later], expected[later], atol=2e-3)
 
 
 def test_a_trailing_wheel_follows_the_curve_parallel_to_the_bump():

@@ -134,19 +134,22 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     by_q = ((law.F_q[0], law.F_q[1], 0.0), (law.M_q[0], law.M_q[1], 0.0), (b[0], b[1], 0.0))
     by_v = ((law.F_v[0], law.F_v[1], 0.0), (law.M_v[0], law.M_v[1], 0.0), (b[2], b[3], 0.0))
     turning = skew(sub(cross(at.rho, G), scale(law.turn, at.g.n)))
-    X, T, S = by_positions(p, at, v[Y])
-    rise, ahead = -dot(at.g.n, vec(v, 0)), forces[4]
-    x_turn, t_turn, s_turn = _turning(at, X, X.a), _turning(at, T, T.a), _turning(at, S, S.a)
-    speed_x, speed_t, speed_s = (
-        scale(rise, tmul(X.n, ahead)), scale(rise, tmul(T.n, ahead)), scale(rise, tmul(S.n, ahead)),
-    )  # fmt: skip
-    _add_block(K, 0, 3, Rn, EYE, at, forces, F, G, x_turn, sizes, penalty, k, X, speed_x, none, none)
-    _add_block(K, 3, 3, Rn, Rn, at, forces, F, G, t_turn, sizes, penalty, k, T, speed_t, none, turning)
-    _add_block(K, Y, 2, Rn, EYE, at, forces, F, G, s_turn, sizes, penalty, k, S, speed_s, by_q, none)
-    V, W, S1 = by_velocities(at)
-    _add_block(C, 0, 3, Rn, EYE, at, forces, F, G, still, sizes, penalty, k, V, ahead, none, none)
-    _add_block(C, 3, 3, Rn, Rn, at, forces, F, G, still, sizes, penalty, k, W, ZERO, none, none)
-    _add_block(C, Y, 2, Rn, EYE, at, forces, F, G, still, sizes, penalty, k, S1, ZERO, by_v, none)
+    rise, frames = -dot(at.g.n, vec(v, 0)), (EYE, Rn, EYE)
+    by_place, by_motion = by_positions(p, at, v[Y]), by_velocities(at)
+    laws_of_place, laws_of_motion = (none, none, by_q), (none, none, by_v)
+    moments, ahead = (none, turning, none), (forces[4], ZERO, ZERO)
+    for i in range(3):
+        n_columns, d = 3 if i < 2 else 2, by_place[i]
+        climb, de = scale(rise, tmul(d.n, forces[4])), _turning(at, d, d.a)
+        _add_block(
+            K, 3 * i, n_columns, Rn, frames[i], at, forces, F, G, de, sizes, penalty, k, d, climb, laws_of_place[i],
+            moments[i],
+        )  # fmt: skip
+        d = by_motion[i]
+        _add_block(
+            C, 3 * i, n_columns, Rn, frames[i], at, forces, F, G, still, sizes, penalty, k, d, ahead[i],
+            laws_of_motion[i], none,
+        )  # fmt: skip
 
 
 @njit

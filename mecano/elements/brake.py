@@ -148,9 +148,7 @@ BRAKE = Kind(
         Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
         Field("axis", DIRECTION, "-", "axle at the start, inertial"),
         Field("torque", CURVE, "N m", "torque, a curve of the time; nothing where negative"),
-        Field(
-            "bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None
-        ),
+        Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
         Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
     ),
     outputs=(

@@ -133,19 +133,20 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     f[Y] += law.F
     f[PSI] += law.M
 
-    none, b = (ZERO, ZERO, ZERO), p.aligning
+    none, nothing, b = (ZERO, ZERO, ZERO), (ZERO, ZERO, ZERO), p.aligning
     by_q = ((law.F_q[0], law.F_q[1], 0.0), (law.M_q[0], law.M_q[1], 0.0), (b[0], b[1], 0.0))
     by_v = ((law.F_v[0], law.F_v[1], 0.0), (law.M_v[0], law.M_v[1], 0.0), (b[2], b[3], 0.0))
     turning = _turned(place, G, law.turn)
-    X, T, S = by_positions(p, place, v[Y])
-    rise = -dot(place.g.n, load.v)
-    _add_block(K, 0, 3, Rn, EYE, place, load, G, X, scale(rise, tmul(X.n, load.ahead)), none, none)
-    _add_block(K, 3, 3, Rn, Rn, place, load, G, T, scale(rise, tmul(T.n, load.ahead)), none, turning)
-    _add_block(K, Y, 2, Rn, EYE, place, load, G, S, scale(rise, tmul(S.n, load.ahead)), by_q, none)
-    V, W, S1 = by_velocities(place)
-    _add_block(C, 0, 3, Rn, EYE, place, load, G, V, load.ahead, none, none)
-    _add_block(C, 3, 3, Rn, Rn, place, load, G, W, ZERO, none, none)
-    _add_block(C, Y, 2, Rn, EYE, place, load, G, S1, ZERO, by_v, none)
+    rise, frames = -dot(place.g.n, load.v), (EYE, Rn, EYE)
+    by_place, by_motion = by_positions(p, place, v[Y]), by_velocities(place)
+    laws_of_place, laws_of_motion = (nothing, nothing, by_q), (nothing, nothing, by_v)
+    moments, ahead = (none, turning, none), (load.ahead, ZERO, ZERO)
+    for i in range(3):
+        n_columns, d = 3 if i < 2 else 2, by_place[i]
+        climb = scale(rise, tmul(d.n, load.ahead))
+        _add_block(K, 3 * i, n_columns, Rn, frames[i], place, load, G, d, climb, laws_of_place[i], moments[i])
+        d = by_motion[i]
+        _add_block(C, 3 * i, n_columns, Rn, frames[i], place, load, G, d, ahead[i], laws_of_motion[i], none)
 
 
 @njit

@@ -16,7 +16,8 @@ from mecano.model.numbering import SCALAR
 from mecano.solve.increments import displaced, moved
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
-RATE_ITERATIONS = 30
+RATE_ITERATIONS = 100
+FIRST_REACH = 1e-3  # m/s or rad/s
 RATE_TOLERANCE = 1e-12  # of the forces at work
 LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
 
@@ -71,23 +72,26 @@ class Consistent:
         s.v[: self.system.n_q] += self.change(target - rate)
 
     def settle_rates(self, s):
-        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Newton)."""
-        own, system = self.relaxing, self.system
+        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
+        own, system, reach = self.relaxing, self.system, FIRST_REACH
         if not len(own):
             return
-        size = np.inf
+        best = None
         for _ in range(RATE_ITERATIONS):
             system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
             r = system.residual[own].copy()
             if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
                 return
-            if np.linalg.norm(r) < size:
-                size, start = np.linalg.norm(r), s.v[own].copy()
+            size = np.linalg.norm(r)
+            # friction that slips does not fall with the slip: a step that leaves the force as it is goes on, further
+            if best is None or size < 0.99 * best[0] or (size <= best[0] and r @ best[1] > 0.0):
+                best, reach = (size, r, s.v[own].copy()), 2.0 * reach
                 C = sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
-                change = np.linalg.lstsq(C, -r, rcond=LEAST_DAMPING)[0]
             else:
-                change = 0.5 * change
-            s.v[own] = start + change
+                reach = 0.25 * reach
+            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
+            s.v[own] = best[2] + change
+        s.v[own] = best[2]
 
     def project_acceleration(self, s, a, target=0.0):
         """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""

@@ -96,6 +96,10 @@ class GeneralizedAlpha:
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
+        # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
+        self._exact_rates = system.numbering.of_rates.copy()
+        if compliance is not None and compliance.of_rates.any():
+            self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
         self._bind()
 
     def _bind(self):
@@ -155,9 +159,7 @@ class GeneralizedAlpha:
             rate = consistent.jerk_rate(s, h)
             consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
             shifted = s.copy()
-            # a constraint on velocities holds exactly at the end of every step: it asks for no shift
-            on_positions = np.where(self.system.numbering.of_rates, 0.0, rate)
-            consistent.project_velocity(shifted, c.error * h * h * on_positions)
+            consistent.project_velocity(shifted, c.error * h * h * np.where(self._exact_rates, 0.0, rate))
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
         return History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
