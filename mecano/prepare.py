@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.deck.amounts import warnings
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
+from mecano.model.sampler import Sampler
 from mecano.model.system import System
+from mecano.results.layout import STEPS
 from mecano.solve.analysis import analyse
 from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
@@ -22,6 +25,7 @@ METHODS = {
     "newmark": Coefficients.newmark,
 }
 SMALLEST_STEP = 1e-7  # of the first step, where the deck does not say
+MOST_NAMES = 8  # constraints named in a remark
 AUTOMATIC = "automatic"
 
 
@@ -42,9 +46,10 @@ class Prepared:
 def prepare(deck):
     """Build the model of a checked deck and assemble its positions; raises AssemblyError."""
     system = System(build(deck))
-    of, values = system.numbering, deck.values["time"]
+    of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
-    length = _given((values["adaptive"] or {}).get("length_scale", AUTOMATIC), length_scale(system.nodes))
+    wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
+    length = given(wanted, length_scale(system.nodes))
     state, displacement = assemble_positions(system, linear, system.initial_state(values["start"]), length)
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
@@ -65,7 +70,7 @@ def march_of(prepared, observers=()):
     )
     method = GeneralizedAlpha(
         system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
-        k=_given(scale["k"], None), penalty=_given(scale["penalty"], None), compliance=prepared.compliance,
+        k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
     )  # fmt: skip
     return March(system, method, _control(values), tuple(observers), time_breakpoints(deck))
 
@@ -77,12 +82,13 @@ def _control(values):
     duration = values["end"] - values["start"]
     return AdaptiveStep(
         adaptive["tolerance"], duration,
-        minimum=_given(adaptive["minimum_step"], SMALLEST_STEP * step),
-        maximum=_given(adaptive["maximum_step"], duration / 20),
+        minimum=given(adaptive["minimum_step"], SMALLEST_STEP * step),
+        maximum=given(adaptive["maximum_step"], duration / 20),
     )  # fmt: skip
 
 
-def _given(value, otherwise):
+def given(value, otherwise):
+    """The value, or ``otherwise`` where the deck leaves it automatic."""
     return otherwise if value == AUTOMATIC else value
 
 
@@ -95,12 +101,39 @@ def remarks(prepared, start=None):
         texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
     for group in analysis.redundant:
         texts.append(
-            f"{group.count} redundant constraint(s) among: {'; '.join(group.names)}. The motion is not affected; the "
-            "reactions of these constraints are not unique"
+            f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
+            "affected; the reactions of these constraints are not unique"
         )
+        texts += _friction_of(prepared.system, group)
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
-    return texts
+    return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
+
+
+def amount_warnings(prepared):
+    """Texts on more steps or results than can have been meant."""
+    row = 1 + sum(column.size for column in Sampler(prepared.system).columns)
+    return warnings(prepared.deck.values, row, 1 + len(STEPS))
+
+
+def some(names, most):
+    """Up to ``most`` names, and how many more there are."""
+    shown = "; ".join(names[:most])
+    return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
+
+
+def _friction_of(system, group):
+    """Text on the friction that the reactions of a redundant group drive."""
+    of = system.numbering
+    rubbing = {of.name[system.n_q + i] for i in system.borrowed} & set(group.names)
+    owners = sorted({name.partition(":")[0] for name in rubbing})
+    if not owners:
+        return []
+    return [
+        f"the friction of {', '.join(owners)} is driven by reactions that are not unique: it depends on how the equal "
+        "compliances of the redundant constraints share them, and so does the motion; release what is redundant, or "
+        "give other joints of the group a 'compliance'"
+    ]
 
 
 def _changed_velocities(prepared, motion):

@@ -1,14 +1,17 @@
 """What a run says while it goes on: a bar on a terminal, plain lines otherwise."""
 
 import os
+import shutil
 import sys
 import time
+from textwrap import wrap
 
 from mecano import compiled_before
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
+WIDTH = 110  # characters of a note, or the width of the terminal
 
 
 class Progress:
@@ -26,10 +29,14 @@ class Progress:
             self.note("compiling what this deck is the first to use: this takes up to a minute, once")
 
     def note(self, text):
-        """A line of its own."""
+        """A text on lines of its own."""
         if not self.quiet:
             self._clear()
-            self._say(f"mecano: {text}\n")
+            width = min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH) if self.terminal else WIDTH
+            lines = wrap(
+                f"mecano: {text}", width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+            )
+            self._say("\n".join(lines) + "\n")
 
     def __call__(self, accepted):
         """Show simulated time, step size and the time that is left."""
@@ -47,12 +54,16 @@ class Progress:
             self._say(f"{self._numbers(accepted, now, share)}\n")
 
     def done(self, run):
-        """The last line: how it went and where the results are."""
-        elapsed = time.monotonic() - self.begun
-        self.note(
+        """The last lines: how it went and where the results are."""
+        self.finished(
             f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
-            f"steps, in {elapsed:.2f} s; results in {self.path}"
+            "steps"
         )
+
+    def finished(self, text):
+        """The last lines: what was done, in how long, and where the results are."""
+        self.note(f"{text}, in {time.monotonic() - self.begun:.2f} s")
+        self.note(f"results in {self.path}")
 
     def _share(self, run):
         return (run.motion.t - self.start) / (self.end - self.start)
@@ -72,3 +83,31 @@ class Progress:
         except BrokenPipeError:
             self.quiet = True
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+class StaticProgress(Progress):
+    """Observer of the points of a path of equilibria; a line for each of the first, then ever fewer."""
+
+    def __init__(self, values, quiet, path):
+        super().__init__({"start": 0.0, "end": values["end"]}, quiet, path)
+        self.what = "t =" if values["over"] == "time" else "load factor"
+        self.points, self.iterations, self.rejected = -1, 0, 0
+
+    def __call__(self, point):
+        """Show where the path is, and how the point was found."""
+        self.points += 1
+        self.iterations += point.iterations
+        self.rejected += point.rejected
+        now = time.monotonic()
+        if not self.quiet and (self.points <= LINES or now - self.drawn >= 1.0):
+            self.drawn = now
+            unstable = point.stability.unstable
+            text = f", {unstable} unstable direction(s)" if unstable > 0 else ""
+            self._say(f"{self.what} {point.parameter:.6g}: {point.iterations} iterations{text}\n")
+
+    def done(self, point):
+        """The last line."""
+        self.finished(
+            f"{self.points} steps, {self.rejected} rejected, {self.iterations} Newton iterations; "
+            f"{self.what} {point.parameter:.6g}"
+        )

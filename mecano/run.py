@@ -9,13 +9,14 @@ from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
+from mecano.statics import equilibrium
 
 
 class Recorder:
     """Observer that writes saved times, solver history, events and extremes."""
 
-    def __init__(self, prepared, writer, sampler):
-        self.system, self.writer, self.sampler = prepared.system, writer, sampler
+    def __init__(self, prepared, writer, sampler, control):
+        self.system, self.writer, self.sampler, self.control = prepared.system, writer, sampler, control
         values = prepared.deck.values
         every = values["output"]["every"]
         self.every = None if every == "step" else every
@@ -33,7 +34,8 @@ class Recorder:
         if accepted.h:
             row = self.sampler.take(run)
             self.writer.extremes.take(run.motion.t, row)
-            numbers = [accepted.h, info.iterations, info.error, accepted.rejected, *info.norms]
+            share = info.error / self.control.allowed(accepted.h)
+            numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
         for happening in accepted.happenings:
@@ -68,13 +70,14 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
 
     ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Whatever
     stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the start),
-    ConvergenceError, NonFiniteError (the march), ResultsError (the file).
+    ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
     refuse_existing(path, force)
     values, prepared = deck.values["time"], prepare(deck)
+    found = equilibrium(prepared) if deck.values["initial"]["static"] else ()
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
-    notes = remarks(prepared, start)
+    notes = [*remarks(prepared, start), *found]
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
         automatic=chosen(prepared, march, start), remarks=notes,
@@ -83,7 +86,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     with Writer.create(path, layout, source, force=force) as writer:
         for text in notes:
             announce(text)
-        recorder = Recorder(prepared, writer, sampler)
+        recorder = Recorder(prepared, writer, sampler, march.control)
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)

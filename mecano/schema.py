@@ -24,8 +24,10 @@ BOOLEAN = Type("boolean", "true or false")
 TEXT = Type("text", "a text")
 VECTOR = Type("vector", "a list of 3 numbers")  # inertial components
 NODE_VECTOR = Type("vector", "a list of 3 numbers, in the axes of the node")
+POINT = Type("vector", "a list of 3 numbers, a point")  # inertial
 DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
 INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
+MATRIX_6 = Type("matrix_6", "6 numbers (a diagonal) or a 6x6 matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 NUMBERS = Type("numbers", "a list of numbers")
@@ -34,6 +36,8 @@ LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
 GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
+
+SECTION = Type("section", "the name of a cross section")
 
 
 def pair_of(type_):
@@ -67,6 +71,12 @@ def list_of(type_, check=None):
 def either(type_, *words):
     """A value of the given type, or one of the given words."""
     return Type("either", " or ".join([type_.expects, *(f"'{word}'" for word in words)]), (type_, words))
+
+
+def shorthand(type_, words):
+    """A value of the given type, or a word (or true) that stands for one: {word: value}."""
+    expects = " or ".join([type_.expects, *("true" if word is True else f"'{word}'" for word in words)])
+    return Type("shorthand", expects, (type_, tuple(words.items())))
 
 
 def one_of_kinds(section):

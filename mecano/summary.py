@@ -1,8 +1,15 @@
 """What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
-from mecano.prepare import prepare
+from textwrap import wrap
+
+from mecano.contract import SECTIONS
+from mecano.deck.amounts import saved_times, steps
+from mecano.prepare import amount_warnings, prepare, some
+from mecano.statics import start_in_words
 
 MOST_NAMES = 12  # names printed of one mechanism
+WIDTH = 110
+INDENT = " " * 17
 
 
 def summary(deck):
@@ -16,14 +23,20 @@ def summary(deck):
         f"nodes            {len(values['nodes'])}",
         *_counts(values),
         f"bodies           {len(masses)}, together {sum(masses):.6g} kg",
+        _gravity(deck),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
+        *(_statics(prepared) if values["static"] else _amounts(prepared)),
     ]
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
-    for group in analysis.mechanisms:
-        lines.append(f"  mechanism of {group.count} degree(s) of freedom: {_some(group.names)}")
+    alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
+    texts = [f"{len(alone)} unknown(s) that no constraint ties: {some(alone, MOST_NAMES)}"] if alone else []
+    for group in (group for group in analysis.mechanisms if len(group.names) > 1):
+        texts.append(f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}")
+    for text in texts:
+        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in analysis.redundant:
@@ -34,13 +47,41 @@ def summary(deck):
     return "\n".join(lines)
 
 
+def _statics(prepared):
+    """How equilibrium is reached, and how stable the start is."""
+    static = prepared.deck.values["static"]
+    what = "load factor" if static["over"] == "load_factor" else "time"
+    yield f"equilibrium      {what} up to {static['end']:g} by {static['method']}"
+    yield from _start(prepared)
+
+
+def _start(prepared):
+    for text in start_in_words(prepared):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
 def _counts(values):
-    for section in ("elements", "joints", "loads"):
+    for section in SECTIONS:
         kinds = [d["type"] for d in values[section].values()]
         counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"
 
 
-def _some(names):
-    shown = "; ".join(names[:MOST_NAMES])
-    return shown if len(names) <= MOST_NAMES else f"{shown}; and {len(names) - MOST_NAMES} more"
+def _gravity(deck):
+    """The gravity that acts, and whether it was chosen."""
+    vector = ", ".join(f"{component + 0.0:.6g}" for component in deck.values["gravity"])
+    return f"gravity          [{vector}] m/s2{'' if deck.gives('gravity') else ', the default: the deck gives none'}"
+
+
+def _amounts(prepared):
+    """Steps and saved times, with a warning where they are absurdly many."""
+    values = prepared.deck.values
+    time, count, saved = values["time"], steps(values), saved_times(values)
+    kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"
+    yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
+    yield f"saved times      {'every step' if saved is None else saved}"
+    if first := values["initial"]["static"]:
+        yield f"initial          the static equilibrium, found by {first['method']}"
+        yield from _start(prepared)
+    for text in amount_warnings(prepared):
+        yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)

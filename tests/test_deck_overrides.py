@@ -47,6 +47,17 @@ def test_a_shared_value_is_changed_in_one_place_only():
     assert values["joints"]["pin"]["axis"] == [0.0, 1.0, 0.0]
 
 
+@pytest.mark.parametrize("null", ["null", "~", "Null"])
+def test_an_optional_field_set_to_null_is_absent(null):
+    """In the deck as well as on the command line: it has its default."""
+    assert read_fake(VALID).values["time"]["adaptive"] is not None
+    assert read_fake(VALID, overrides=[f"time.adaptive={null}"]).values["time"]["adaptive"] is None
+    assert read_fake(VALID, overrides=[f"time.rho_inf={null}"]).values["time"]["rho_inf"] == 0.8
+    assert read_fake(VALID, overrides=[f"time.newton={null}"]).values["time"]["newton"]["force_tolerance"] == 1e-7
+    text = VALID.replace("output: {every: 5e-3}", f"output: {null}")
+    assert text != VALID and read_fake(text).values["output"] == {"every": "step"}
+
+
 @pytest.mark.parametrize(
     ("override", "problem"),
     [
@@ -63,6 +74,8 @@ def test_a_shared_value_is_changed_in_one_place_only():
         ("elements.hub.mass=heavy", "1:19 body 'hub': 'mass' must be a number [kg], got the text 'heavy'"),
         ("elements.hub.mass=-1", "1:19 body 'hub': 'mass' must be greater than zero [kg], got -1"),
         ("elements.hub.mass=", "1:19 body 'hub': 'mass' must be a number [kg], got nothing"),
+        ("elements.hub.mass=null", "1:19 body 'hub': 'mass' must be a number [kg], got nothing"),
+        ("time.adaptive=", "1:15 'time.adaptive' must be a mapping, got nothing"),
         ("gravity=[0, 0, x]", "1:16 'gravity[2]' must be a number [m/s2], got the text 'x'"),
         ("gravity=[0, 0", "1:14 not valid YAML: while parsing a flow sequence, did not find expected ',' or ']'"),
         ("gravity={a: 1, a: 2}", "1:16 duplicate key 'a', first given in line 1"),

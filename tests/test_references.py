@@ -122,7 +122,7 @@ FREE_BODY = [
 
 def material_spin(march):
     """Angular velocity of the free body in its own axes."""
-    turn = Rotation.from_quat(march["nodes/body/rotation"], scalar_first=True)
+    turn = Rotation.from_quat(np.roll(march["nodes/body/rotation"], -1, axis=1))
     return turn.inv().apply(march["nodes/body/angular_velocity"])
 
 

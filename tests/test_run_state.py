@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 import pytest
-from marching import deck
+from marching import deck, input_deck
 
 from mecano.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
@@ -59,3 +59,54 @@ def test_rejected_steps_leave_nothing_behind():
     disturbed = march.to(1.0, march.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
+
+
+def check_equal(one, other, path=""):
+    """Two plain states are the same, bit for bit."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys(), path
+        for key in one:
+            check_equal(one[key], other[key], f"{path}/{key}")
+        return
+    assert np.array_equal(one, other), path
+
+
+def marched(checked, run=None, times=(), end=None):
+    """March a deck from its start, or from ``run``, to each of ``times`` and on to the end: (run at each, events)."""
+    prepared, happened = prepare(checked), []
+    march = march_of(prepared, (lambda accepted: happened.extend(accepted.happenings),))
+    run = run or march.begin(prepared.state, checked.values["time"]["step"])
+    runs = []
+    for t in (*times, end or checked.values["time"]["end"]):
+        run = march.to(t, run)
+        runs.append(run)
+    return runs, happened
+
+
+FALL = 0.14278431229270644  # [s] from 0.4 m to the radius of 0.3 m: sqrt(2 x 0.1/9.81)
+EVENTFUL = {  # deck, overrides, times at which the run is saved: in flight, at and after events, at corners of laws
+    "wheel_drop": ((), (0.1, FALL, 0.15, 0.3)),
+    "wheel_drop, fixed steps": (("time.adaptive=null",), (0.1, FALL, 0.15, 0.3)),
+    "strut": (("time.end=1",), (0.05, 0.1, 0.4)),
+    "nose_gear_rigid": (("time.end=0.8",), (0.001, 0.45, 0.6)),
+}
+
+
+@pytest.mark.parametrize("name", EVENTFUL)
+def test_a_run_goes_on_across_events_with_the_same_bits(name, tmp_path):
+    """Wherever the state is saved: what comes, events among it, is what would have come."""
+    overrides, times = EVENTFUL[name]
+    file_name = name.partition(",")[0]
+    runs, happened = marched(input_deck(file_name, *overrides), times=times)
+    left = set()
+    for number, t in enumerate(times):
+        with h5py.File(tmp_path / f"{number}.h5", "w") as file:
+            save_state(file, "middle", to_plain(runs[number]))
+            loaded = from_plain(load_state(file["middle"]))
+        assert loaded.motion.t == t
+        on, later = marched(input_deck(file_name, *overrides), loaded, times[number + 1 :])
+        check_equal(to_plain(on[-1]), to_plain(runs[-1]))
+        assert later == happened[len(happened) - len(later) :]
+        assert all(h.t < t for h in happened[: len(happened) - len(later)]) or t == FALL
+        left.add(len(later))
+    assert len(left) >= 2 and max(left) >= 2  # events lie between the times, and after them

@@ -89,7 +89,7 @@ def test_log_is_the_shorter_way(axis):
 
 
 def test_quaternion_has_a_positive_real_part():
-    for rotation in Rotation.random(50, rng=RNG):
+    for rotation in Rotation.random(50, RNG):
         w, x, y, z = so3.quaternion(tuple(map(tuple, rotation.as_matrix())))
         np.testing.assert_allclose((x, y, z, w), rotation.as_quat(canonical=True), rtol=0, atol=UP_TO_ROUNDING)
 

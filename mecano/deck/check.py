@@ -1,12 +1,13 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
 from mecano.deck import values
-from mecano.deck.containers import either, filled, kind, list_, mapping, named
+from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.physics import check_model
 from mecano.deck.resolve import resolve
 from mecano.deck.scope import INVALID, Scope
 from mecano.deck.wording import found
+from mecano.elements.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
 from mecano.schema import Field
 from mecano.schema import mapping as mapping_type
@@ -31,11 +32,14 @@ CHECKS = {
     "vector": values.vector,
     "direction": values.direction,
     "inertia": values.inertia,
+    "matrix": values.matrix,
+    "matrix_6": values.matrix_6,
     "points": values.points,
     "node": values.node_name,
     "nodes": values.node_names,
     "ground": values.name_in("grounds"),
     "tire_law": values.name_in("tire_laws"),
+    "section": values.name_in("sections"),
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,
@@ -44,6 +48,7 @@ CHECKS = {
     "named": named,
     "list": list_,
     "either": either,
+    "shorthand": shorthand,
     "kind": kind,
 }
 
@@ -54,8 +59,12 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     Raises DeckError with all problems of the first step that finds any.
     """
     _check_version(root, problems)
-    scope = Scope(CHECKS, kinds, terms, folder, problems)
+    scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems)
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
+    _check_process(root, sections, scope)
+    _stop_at(problems)
+    if result.get("static") and result["initial"]["static"]:
+        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
     _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
@@ -67,6 +76,20 @@ def checked_values(root, sections, kinds, terms, folder, problems):
 def _stop_at(problems):
     if problems:
         raise DeckError(problems)
+
+
+def _check_process(root, sections, scope):
+    """A deck says either how time goes on or how an equilibrium is reached."""
+    fields = {section.name: section for section in sections}
+    if "static" not in fields:
+        return
+    time, static = (key in root.value and root.value[key][1].value is not None for key in ("time", "static"))
+    if not time and not static:
+        time = fields["time"]
+        scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
+    elif time and static:
+        hint = "for a march that starts from an equilibrium write 'initial: static'"
+        scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
 
 def _check_version(root, problems):

@@ -63,7 +63,7 @@ def filled(node, field, fields, scope, given=None):
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
     for inner in fields:
         pair = node.value.get(inner.name)
-        if pair:
+        if pair and not _left_out(pair[1], inner):
             scope.owner = pair[0]
             place(values, inner.name, checked(pair[1], inner, scope), scope)
         elif inner.required:
@@ -73,6 +73,11 @@ def filled(node, field, fields, scope, given=None):
     if field.name:
         scope.path.pop()
     return values if len(scope.problems) == before else INVALID
+
+
+def _left_out(node, field):
+    """An optional field that is written as null is absent; one with nothing behind it is more likely a slip."""
+    return node.value is None and node.raw != "" and not field.required
 
 
 def _missing(field, owner, scope):
@@ -128,6 +133,18 @@ def either(node, field, scope):
     if type(node.value) is str and node.value in words:
         return node.value
     if type(node.value) is str and "$" not in node.value:
+        return scope.refuse_value(node, field)
+    return scope.checks[type_.name](node, replace(field, type=type_), scope)
+
+
+def shorthand(node, field, scope):
+    """What a word of the type stands for, or a value of its type."""
+    type_, words = field.type.options
+    for word, meaning in words:
+        if type(node.value) is type(word) and node.value == word:
+            node = node_of(meaning)
+            break
+    if type(node.value) is not dict:
         return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 

@@ -40,6 +40,11 @@ class Deck:
                 break
         return (place if type(node.value) is dict else node).mark
 
+    def gives(self, key):
+        """True when the deck or an override gives a value for the section ``key``; else it has its default."""
+        pair = self.tree.value.get(key)
+        return pair is not None and pair[1].value is not None
+
     def resolved(self):
         """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.
 
@@ -47,9 +52,9 @@ class Deck:
         gives the same values. What is absent (None, or an infinite bound) is left out.
         """
         names = {}
-        for section in ("laws", "grounds", "tire_laws"):
+        for section in ("laws", "grounds", "tire_laws", "sections"):
             names |= {id(value): name for name, value in self.values[section].items()}
-        return {key: _plain_section(value, names) for key, value in self.values.items()}
+        return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 
     def resolved_text(self):
         """The resolved deck as JSON, one line for each named thing."""

@@ -14,6 +14,7 @@ from mecano.schema import NODE, NUMBER, NUMBERS, Field
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
+SIX = replace(NUMBERS, expects="six numbers")
 
 
 def plain_number(node, scope):
@@ -105,6 +106,30 @@ def inertia(node, field, scope):
         return items(node, field, scope, NUMBER)
     if size == 3 and all(type(row.value) is list and len(row.value) == 3 for row in node.value):
         return items(node, field, scope, ROW)
+    return scope.refuse_value(node, field)
+
+
+def matrix(node, field, scope):
+    """A symmetric matrix of six rows of six numbers."""
+    if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
+        return scope.refuse_value(node, field)
+    rows = items(node, field, scope, SIX)
+    if rows is INVALID or all(rows[i][j] == rows[j][i] for i in range(6) for j in range(i)):
+        return rows
+    return scope.refuse_value(node, field, "is not symmetric")
+
+
+def _listed(node):
+    return node.value if type(node.value) is list else ()
+
+
+def matrix_6(node, field, scope):
+    """Six numbers or six rows of six; as written."""
+    rows = node.value if type(node.value) is list and len(node.value) == 6 else []
+    if rows and type(rows[0].value) is not list:
+        return items(node, field, scope, NUMBER)
+    if rows and all(type(row.value) is list and len(row.value) == 6 for row in rows):
+        return items(node, field, scope, SIX)
     return scope.refuse_value(node, field)
 
 

@@ -18,6 +18,7 @@ exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1,
 from numba import njit
 
 from mecano.elements.lateral_law import LATERAL_TYPE
+from mecano.laws.friction import friction_factor
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, potential
 from mecano.maths.vec import ZERO, dot, norm, scale, sub
@@ -101,19 +102,6 @@ def radial_force(p, laws, w, w1):
 
 
 @njit
-def friction_factor(p, laws, u):
-    """mu phi [-], b = mu phi/u [s/m] and u db/du of the slip speed u >= 0 [m/s]; finite at u = 0."""
-    mu, d_mu, _ = evaluate_curve(laws, p.friction, u)
-    if mu <= 0.0:
-        return 0.0, 0.0, 0.0
-    eps = p.slip_regularization
-    if u >= eps:
-        return mu, mu / u, d_mu - mu / u
-    ramp = (2.0 - u / eps) / eps
-    return mu * ramp * u, mu * ramp, u * (d_mu * ramp - mu / (eps * eps))
-
-
-@njit
 def speed_over_ground(n, v):
     """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
     along = sub(v, scale(dot(n, v), n))
@@ -125,7 +113,7 @@ def speed_over_ground(n, v):
 def gripping(p, laws, speed, u):
     """``friction_factor`` for the speed u [m/s] of the axle, and the derivative of b by it."""
     sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)
-    grip, b, b1 = friction_factor(p, laws, speed)
+    grip, b, b1 = friction_factor(laws, p.friction, p.slip_regularization, speed)
     if sigma <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     return sigma * grip, sigma * b, sigma * b1, sigma_u * b

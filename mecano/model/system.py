@@ -10,17 +10,20 @@ from mecano.model.batch import batches
 from mecano.model.conduct import direct
 from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
+from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
 from mecano.model.state import State
+
+NO_MULTIPLIERS = np.zeros(0, np.int64)
 
 
 class System:
     """Equations of a model; built once, never changed by solving."""
 
     def __init__(self, model):
-        model = with_ground(model)
+        model = with_ground(divided(model))
         self.nodes = model.nodes
         self.context = Context(model.laws, np.asarray(model.gravity, float))
         instances, shared, used = expand(model, self.context)
@@ -127,6 +130,23 @@ class System:
         return self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=chosen)
 
     @cached_property
+    def _count_again(self):
+        loads = lambda kind: kind.section == "loads"  # noqa: E731
+        others = self._no_turn, 1.0, 1.0, 1.0, 1.0, self.force, self.force
+        return self._conductor(conduct.count_again, loops.tangent, *others, chosen=loads)
+
+    @cached_property
+    def _add_borrowed(self):
+        borrowing = lambda kind: kind.borrowed  # noqa: E731
+        add = self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=borrowing)
+        batches = [b for b in self.batches if b.kind.borrowed]
+        self._borrowed_entries = [b.entries.copy() for b in batches]
+        for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
+            entries[:, :, : b.kind.n_local - len(b.kind.borrowed)] = self.nnz
+            record_of["entries"] = entries.ctypes.data
+        return add
+
+    @cached_property
     def _levels(self):
         return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
 
@@ -181,6 +201,21 @@ class System:
                 self._add_constraints_of_rates(*_motion(s), self._no_turn, k, p, *weights, out)
             of_motions = np.where(self.rows >= self.n_q, plain[:-1], (penalized - plain)[:-1])
             data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
+
+    def scale_loads(self, s, factor, cK, cC, cM, T=None):
+        """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
+        T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
+        self._count_again(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
+
+    @cached_property
+    def borrowed(self):
+        """Numbers, ascending, of the multipliers on which forces depend otherwise than as reactions: friction."""
+        found = [b.dofs[:, b.kind.n_local - len(b.kind.borrowed) :] for b in self.batches if b.kind.borrowed]
+        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+
+    def add_borrowed(self, s, k, data):
+        """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
+        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""

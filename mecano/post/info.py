@@ -12,6 +12,7 @@ from mecano.results.reader import open_results
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
+ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
 
@@ -49,8 +50,11 @@ def _run(results):
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
+        ("automatic", _automatic(results)),
+        ("energy", _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
+        *(("remark", text) for text in results.remarks),
         ("status", _status(results)),
     ]
     lines = [str(results.path)]
@@ -58,6 +62,22 @@ def _run(results):
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
     return lines
+
+
+def _automatic(results):
+    chosen = {name.replace("_", " "): value for name, value in results.automatic.items()}
+    return ", ".join(f"{name} {value:.4g}" for name, value in chosen.items() if value is not None) or "none"
+
+
+def _energy(results):
+    """How far the energy balance is off, over the largest change of an energy."""
+    extremes = {name: results.extremes.get(f"energy/{name}") for name in ENERGIES}
+    balance = results.extremes.get("energy/balance")
+    if balance is None or None in extremes.values() or not np.isfinite(balance.maximum - balance.minimum):
+        return "not known"
+    off, exchanged = balance.maximum - balance.minimum, max(e.maximum - e.minimum for e in extremes.values())
+    relative = f", {off / exchanged:.2g} of the largest change of an energy" if exchanged > 0.0 else ""
+    return f"the balance varies by {off:.3g} J{relative}"
 
 
 def _status(results):
@@ -76,7 +96,7 @@ def _count(results):
         text += f", {rejected} rejected, {iterations} Newton iterations ({iterations / len(steps):.2f} per step)"
     if "step_size" in results.step_columns:
         low, high = steps["step_size"].min(), steps["step_size"].max()
-        text += f", of {_range(low, high)} s"
+        text += f", of {_range(low, high)} {results.axis.unit}".rstrip()
     return text
 
 
@@ -88,6 +108,8 @@ def _saved(results):
     time = results.time
     if not len(time):
         return "nothing yet"
+    if results.axis.unit != "s":
+        return f"{len(time)} equilibria, {results.axis.path} from {time[0]:.6g} to {time[-1]:.6g}"
     text = f"{len(time)} times from {time[0]:.6g} to {time[-1]:.6g} s"
     intervals = np.diff(time)
     if len(intervals) > 1 and np.ptp(intervals[:-1]) <= 1e-6 * intervals[0]:
@@ -123,7 +145,8 @@ def _events(results):
     width = max(len(event.element) for event in shown)
     for event in shown:
         change = f"  ({event.before} -> {event.after})" if event.before != event.after else ""
-        lines.append(f"  {event.time:12.6g} s  {event.element:<{width}}  {event.name.replace('_', ' ')}{change}")
+        at, name = f"{event.time:12.6g} {results.axis.unit:1}", event.name.replace("_", " ")
+        lines.append(f"  {at}  {event.element:<{width}}  {name}{change}")
     return lines
 
 
@@ -154,8 +177,8 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if not rows or not len(results.time):
         return ["Extremes: none"]
     shown = rows if len(rows) <= most else rows[:most]
-    width = max(len(name) for name, _ in shown)
-    lines = [f"Extremes over all accepted steps\n  {'':<{width}} {'min':>12} {'at [s]':>10} {'max':>12} {'at [s]':>10}"]
+    width, at = max(len(name) for name, _ in shown), f"at [{results.axis.unit}]" if results.axis.unit else "at"
+    lines = [f"Extremes over all accepted steps\n  {'':<{width}} {'min':>12} {at:>10} {'max':>12} {at:>10}"]
     lines += [f"  {name:<{width}} {_numbers(extreme)}" for name, extreme in shown]
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")

@@ -5,6 +5,7 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
 
     <vector>.magnitude      length of a vector
     <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
+    <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
     solver.<column>         solver history, a value for each accepted step
     time
 """
@@ -32,6 +33,8 @@ class Quantity:
     clock : str
         SAVED or STEPS: to which times the values belong.
     time, values : (n,) arrays
+    axis : (str, str)
+        What the times are, and their unit: of statics the load factor.
     """
 
     path: str
@@ -40,6 +43,7 @@ class Quantity:
     clock: str
     time: np.ndarray
     values: np.ndarray
+    axis: tuple = ("time", "s")
 
     @property
     def subject(self):
@@ -49,6 +53,8 @@ class Quantity:
     @property
     def what(self):
         """The quantity in words: radial force, position z."""
+        if self.path == "time":
+            return self.axis[0]
         return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
 
     @property
@@ -59,12 +65,13 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Derived:
-    """A quantity that follows from outputs of the same element."""
+    """A quantity that follows from outputs of the same element; ``factor``: it is such a multiple of a single one."""
 
     unit: str
     doc: str
     needs: tuple
     function: object
+    factor: float | None = None
 
 
 DERIVED = {
@@ -73,7 +80,10 @@ DERIVED = {
         "v/r: spin rate without longitudinal slip",
         ("spin_rate", "longitudinal_slip", "loaded_radius"),
         lambda spin, slip, radius: spin + slip / radius,  # slip along t = v - r spin, exact for any lean
-    )
+    ),
+    "compression_force": Derived(
+        "N", "axial force, > 0 pushes the nodes apart", ("force",), lambda force: -force, factor=-1.0
+    ),
 }
 
 
@@ -82,8 +92,13 @@ def find(results, name):
 
     Raises UnknownNameError with the most similar names, ResultsError when the file cannot be read.
     """
+    axis = results.axis.path, results.axis.unit
+    return [replace(quantity, axis=axis) for quantity in _found(results, name)]
+
+
+def _found(results, name):
     if name == "time":
-        return [Quantity("time", "s", "time", SAVED, results.time, results.time)]
+        return [Quantity("time", results.axis.unit, results.axis.doc, SAVED, results.time, results.time)]
     if name.startswith(("solver.", "solver/")):
         return [_of_solver(results, name[len("solver.") :])]
     if "*" in name or "?" in name:
@@ -99,9 +114,24 @@ def find(results, name):
     return _components(results.find(name))
 
 
+def peak_of(results, quantity):
+    """Value and time [s] of largest magnitude over all accepted steps; () where it is not known."""
+    owner, _, name = quantity.path.rpartition("/")
+    derived = DERIVED.get(name)
+    factor = derived.factor if derived else 1.0
+    path = f"{owner}/{derived.needs[0]}" if derived and factor else quantity.path
+    extreme = results.extremes.get(path)
+    if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
+        return ()
+    if abs(extreme.maximum) >= abs(extreme.minimum):
+        return factor * extreme.maximum, extreme.maximum_time
+    return factor * extreme.minimum, extreme.minimum_time
+
+
 def time_of(quantity):
     """The times of a quantity as a quantity."""
-    return replace(quantity, path="time", unit="s", doc="time", values=quantity.time)
+    name, unit = quantity.axis
+    return replace(quantity, path="time", unit=unit, doc=name, values=quantity.time)
 
 
 def _components(trace):
@@ -121,6 +151,8 @@ def _magnitude(trace):
 def _derived(results, stem, name):
     derived = DERIVED[name]
     traces = [results.find(f"{stem}.{needed}") for needed in derived.needs]
+    if any(trace.components for trace in traces):
+        raise UsageError(f"'{name}' is known of springs and dampers only, whose force is one number; not of '{stem}'")
     path = traces[0].path.rpartition("/")[0] + "/" + name
     values = derived.function(*(trace.values for trace in traces))
     return Quantity(path, derived.unit, derived.doc, SAVED, results.time, values)
@@ -130,6 +162,5 @@ def _of_solver(results, column):
     known = results.step_columns
     if column not in known:
         raise UsageError(f"no column '{column}' in the solver history; {suggestion(column, known)}")
-    unit, doc = known[column]
-    steps = results.steps
-    return Quantity(f"solver/{column}", unit, doc, STEPS, steps["time"], steps[column])
+    trace = results.find(f"solver.{column}")
+    return Quantity(trace.path, trace.unit, trace.doc, STEPS, trace.time, trace.values)

@@ -22,7 +22,7 @@ _EVENT_COLUMNS = ("events/event_time", *(f"events/{name}" for name in EVENT_TEXT
 
 @dataclass(frozen=True)
 class Trace:
-    """A series over the saved times, or one component of it.
+    """A series over the saved times, or one component of it, or a column of the solver history over the steps.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Trace:
     components : tuple of str
         Names of the components; empty for numbers.
     time : (n,) array
-        Saved times [s].
+        Saved times, or ends of the accepted steps [s].
     values : (n, ...) array
     """
 
@@ -87,7 +87,7 @@ class Results:
 
     def _open(self):
         self._file = None
-        for name in ("time", "events", "steps", "extremes", "resolved", "metadata"):
+        for name in ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "remarks"):
             self.__dict__.pop(name, None)
         self._file = _open_file(self.path)
         try:
@@ -155,6 +155,11 @@ class Results:
         """Saved times (n,) [s]."""
         return self._read("storage/output", (slice(self._rows), 0))
 
+    @property
+    def axis(self):
+        """What ``time`` is: name in words, unit, meaning; of statics the load factor or the length of the path."""
+        return self._layout.axis
+
     @cached_property
     def _lookup(self):
         return Lookup(self._layout.series)
@@ -171,11 +176,17 @@ class Results:
     def find(self, name):
         """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
+        ``solver.step_size`` is a column of the solver history, over the ends of the accepted steps.
+
         Raises
         ------
         ResultsError
             None has that name, with the most similar names; or several have.
         """
+        head, _, column = name.replace("/", ".").partition(".")
+        if head == "solver" and column in self.step_columns:
+            unit, doc = self.step_columns[column]
+            return Trace(f"solver/{column}", unit, doc, (), self.steps["time"], self.steps[column])
         series, component = self._lookup.find(name)
         start = 1 + self._layout.slices[series.path].start
         if component is not None:
@@ -240,6 +251,16 @@ class Results:
     def resolved(self):
         """The deck as it was understood: plain data after overrides, includes and defaults."""
         return json.loads(self._text("deck/resolved"))
+
+    @cached_property
+    def automatic(self):
+        """What stood for the values that the deck leaves automatic: name -> number."""
+        return json.loads(self._text("deck/automatic"))
+
+    @cached_property
+    def remarks(self):
+        """What the user was told of the model before the march: list of texts."""
+        return json.loads(self._text("deck/remarks"))
 
     @property
     def status(self):

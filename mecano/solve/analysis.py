@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
@@ -55,7 +55,11 @@ def analyse(system, s, length):
     redundant = _groups(projector, [names[i] for i in loops])
     rank = system.n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
-    mechanisms = _groups(_null_projector(B.toarray(), rank), _motions(of)) if complete else ()
+    mechanisms = (
+        _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]])
+        if complete
+        else ()
+    )
     dependent = _directions(system, projector, loops, size)
     return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
 
@@ -157,14 +161,3 @@ def _groups(projector, names):
         count = int(round(float(np.trace(projector[np.ix_(members, members)]))))
         found.append(Group(count, tuple(dict.fromkeys(names[i] for i in members))))
     return tuple(found)
-
-
-def _motions(of):
-    """Names of the motions of the free unknowns: "node tip: displacement x"."""
-    words = {"force": "displacement", "moment about material": "rotation about material"}
-    out = []
-    for name in of.name[: of.n_q]:
-        for force, motion in words.items():
-            name = name.replace(f": {force} ", f": {motion} ")
-        out.append(name)
-    return out

@@ -4,6 +4,7 @@ A step is pure, so an event is located by stepping again with a smaller h; no co
 """
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -22,6 +23,19 @@ class Happening:
     name: str
     before: str
     after: str
+
+
+class Located(NamedTuple):
+    """Where in a step the first event lies."""
+
+    h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
+    trial: tuple | None  # that step, or the one that failed in Newton, which ended the search; None when h is 0
+    hit: np.ndarray  # (n_events,) bool, events that happen there
+
+    @property
+    def ok(self):
+        """False when the search met a step that Newton cannot take."""
+        return self.trial is None or self.trial[2].ok
 
 
 class Watch:
@@ -68,7 +82,7 @@ def _some_happened(g0, g1):
 
 
 def locate(watch, step, s0, g0, trial, h):
-    """The first event in a trial step: (h of the event, its trial, hit (n_events,) bool), or None.
+    """The first event in a trial step as ``Located``, or None when there is none.
 
     step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Illinois variant of the regula
     falsi on the step size, for the largest of the event functions that crossed.
@@ -77,7 +91,7 @@ def locate(watch, step, s0, g0, trial, h):
     if not _some_happened(g0, g1):
         return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
-        return 0.0, None, (g0 > 0) & (g1 > 0)
+        return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     lo, hi, best = 0.0, h, trial
     G_lo, G_hi = g0[crossed].max(), g1[crossed].max()
@@ -89,10 +103,7 @@ def locate(watch, step, s0, g0, trial, h):
         middle = min(max(middle, lo + 0.01 * (hi - lo)), hi - 0.1 * TIME_TOLERANCE * h)
         new = step(middle)
         if not new[2].ok:
-            middle = 0.5 * (lo + middle)
-            new = step(middle)
-            if not new[2].ok:
-                break
+            return Located(middle, new, crossed)
         g = watch.values(new[0])[crossed].max()
         if g >= 0:
             hi, G_hi, best = middle, g, new
@@ -103,4 +114,4 @@ def locate(watch, step, s0, g0, trial, h):
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
     hit = crossed & (watch.values(best[0]) >= 0)
-    return (0.0, None, hit) if hi <= AT_ONCE * h else (hi, step(hi), hit)
+    return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)

@@ -1,15 +1,17 @@
 """The time loop: the only place that accepts a step, commits memories, changes a mode or calls an observer."""
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.solve import failure
 from mecano.solve.events import Watch, locate
 from mecano.solve.run_state import RunState
 from mecano.solve.step_control import AFTER_FAILURE
 
-REPORTED = 5  # equations named when Newton fails
+STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
+MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
 STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
@@ -30,9 +32,9 @@ class Accepted:
         """The run at a ``state`` within the step, work interpolated."""
         run, (dissipated, given) = self.run, self.work
         u = (state.t - self.before.t) / self.h
-        return RunState(
-            state, run.history, run.h, run.steps, run.rejected, run.iterations,
-            dissipated + u * (run.dissipated - dissipated), given + u * (run.given - given), run.powers,
+        return replace(
+            run, motion=state,
+            dissipated=dissipated + u * (run.dissipated - dissipated), given=given + u * (run.given - given),
         )  # fmt: skip
 
 
@@ -46,6 +48,8 @@ class March:
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     watch: Watch = field(init=False)
+    _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
+    _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
         self.watch = Watch(self.system)
@@ -62,39 +66,42 @@ class March:
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
-                run = self._advance(run, stop, end)
+                run = self._advance(run, stop)
             if stop < end:
                 run = self._start_again(run, run.motion)
         return run
 
-    def _advance(self, run, stop, end):
-        """One accepted step towards ``stop``."""
-        s0, g0, rejected = run.motion, self.watch.values(run.motion), 0
-        h, history = self._clip(run, stop), run.history
-        iterations = 0
+    def _advance(self, run, stop):
+        """One accepted step towards ``stop``, or an event at the beginning of it."""
+        g0, h, rejected, iterations, found = self.watch.values(run.motion), self._clip(run, stop), 0, 0, None
         while True:
-            history = self._history_for(run, h)
-            trial = self.method.step(s0, history, h)
+            trial = self._step(run, h)
             iterations += trial[2].iterations
-            if not trial[2].ok:
-                h = self._smaller(trial[2], s0.t, h)
-                rejected += 1
-                continue
-            if not self.control.accept(trial[2].error, h):
-                h = self.control.retry(trial[2].error, h)
-                rejected += 1
-                continue
-            break
-        found = locate(self.watch, lambda d: self._step(run, d), s0, g0, trial, h) if len(g0) else None
+            smaller = self._instead(run, trial, h)
+            if smaller is None:
+                found = locate(self.watch, lambda d: self._step(run, d), run.motion, g0, trial, h) if len(g0) else None
+                if found is None or found.ok:
+                    break
+                smaller = self._smaller(found.trial[2], run.motion.t, h)
+            h, rejected = smaller, rejected + 1
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
-        if found[1] is None:
-            s, happenings = self.watch.apply(s0, found[2])
-            run = self._start_again(counted, s)
-            self._tell(Accepted(s0, run, trial[2], 0.0, rejected, run.work, tuple(happenings)))
-            return run
+        if found.trial is None:
+            return self._change_modes(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
+
+    def _instead(self, run, trial, h):
+        """The step size to try instead of h, or None where the trial with h can be accepted."""
+        _, history, info = trial
+        if not info.ok:
+            return self._smaller(info, run.motion.t, h)
+        if self.control.accept(info.error, h):
+            return None
+        if h <= self.control.minimum:
+            share = info.error / self.control.allowed(h)
+            raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
+        return self.control.retry(info.error, h)
 
     def _step(self, run, h):
         return self.method.step(run.motion, self._history_for(run, h), h)
@@ -125,6 +132,14 @@ class March:
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work))
         return new
 
+    def _change_modes(self, run, info, found, rejected):
+        """Events at the beginning of a step: no time goes by."""
+        s, happenings = self.watch.apply(run.motion, found.hit)
+        self._guard(run, happenings)
+        new = self._start_again(run, s)
+        self._tell(Accepted(run.motion, new, info, 0.0, rejected, new.work, tuple(happenings)))
+        return new
+
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
@@ -132,8 +147,21 @@ class March:
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         new = self._stepped(run, s, history, run.h, h)
         after, happenings = self.watch.apply(s, hit)
+        self._guard(new, happenings)
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
         return self._start_again(new, after)
+
+    def _guard(self, run, happenings):
+        """Refuse events that happen again and again while time stands still."""
+        t = run.motion.t
+        if t - self._since > STANDSTILL * run.h:
+            self._since = t
+            self._at_once.clear()
+        for happening in happenings:
+            self._at_once[happening.element, happening.name] += 1
+            count = self._at_once[happening.element, happening.name]
+            if count > MOST_AT_ONCE:
+                raise failure.standstill(happening, count, t)
 
     def _stepped(self, run, s, history, planned, h):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
@@ -144,10 +172,10 @@ class March:
         self.system.observe(s)
         dissipated, given = powers = self._powers()
         return RunState(
-            s, history, planned, run.steps + 1, run.rejected, run.iterations,
-            run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
-            run.given + 0.5 * h * (run.powers[1] + given),
-            powers,
+            motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers,
+            rejected=run.rejected, iterations=run.iterations,
+            dissipated=run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
+            given=run.given + 0.5 * h * (run.powers[1] + given),
         )  # fmt: skip
 
     def _start_again(self, run, s):
@@ -171,22 +199,4 @@ class March:
     def _smaller(self, info, t, h):
         if h * AFTER_FAILURE >= self.control.minimum:
             return h * AFTER_FAILURE
-        message = failure(self.system, info, t, h)
-        raise (NonFiniteError if "not finite" in info.message else ConvergenceError)(message)
-
-
-def failure(system, info, t, h):
-    """What a user should know when a step cannot be taken: the worst equations by name, and what to try."""
-    of = system.numbering
-    r, size = np.abs(system.residual[: system.n]), system.size[: system.n]
-    scale = np.array([max(size[of.kind[: system.n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
-    order = np.argsort(-np.nan_to_num(r / scale[of.kind[: system.n]], nan=np.inf))[:REPORTED]
-    worst = "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}" for i in order)
-    force, constraint, increment = info.norms
-    return (
-        f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
-        f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
-        f"worst equations:\n{worst}\n"
-        "what to try: a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; "
-        "`mecano check` for redundant constraints and mechanisms"
-    )
+        raise failure.no_step(self.system, info, t, h)

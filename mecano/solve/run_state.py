@@ -27,8 +27,9 @@ class RunState:
     def tried(self, rejected, iterations):
         """The same run with more rejected trials and Newton iterations counted."""
         return RunState(
-            self.motion, self.history, self.h, self.steps, self.rejected + rejected, self.iterations + iterations,
-            self.dissipated, self.given, self.powers,
+            motion=self.motion, history=self.history, h=self.h, steps=self.steps, powers=self.powers,
+            rejected=self.rejected + rejected, iterations=self.iterations + iterations,
+            dissipated=self.dissipated, given=self.given,
         )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """The size of the next step, from how the last one went."""
 
+import math
 from dataclasses import dataclass
 
 SAFETY = 0.9
@@ -22,8 +23,12 @@ class FixedStep:
         """The longest step."""
         return self.step
 
+    def allowed(self, h):
+        """Any error: a fixed step has no error control."""
+        return math.inf
+
     def accept(self, error, h):
-        """Always: a fixed step has no error control."""
+        """Always."""
         return True
 
     def after(self, error, h):
@@ -44,13 +49,16 @@ class AdaptiveStep:
     minimum: float
     maximum: float
 
+    def allowed(self, h):
+        """The share of the tolerance of a step of size h."""
+        return self.tolerance * h / self.duration
+
     def _factor(self, error, h):
-        allowed = self.tolerance * h / self.duration
-        return SAFETY * (allowed / error) ** 0.5 if error > 0 else GROWTH
+        return SAFETY * (self.allowed(h) / error) ** 0.5 if error > 0 else GROWTH
 
     def accept(self, error, h):
-        """True when the error of a step of size h is within its share of the tolerance."""
-        return error <= self.tolerance * h / self.duration or h <= self.minimum
+        """True when the error is within its share, or the step was cut to less than the minimum to meet a time."""
+        return error <= self.allowed(h) or h < self.minimum
 
     def after(self, error, h):
         """The next step size after an accepted step of size h."""

@@ -1,0 +1,79 @@
+"""What a user is told when a march cannot go on: when, the worst equations, the elements in them, and what to try."""
+
+import numpy as np
+
+from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.model.numbering import motion_name
+
+REPORTED = 5  # equations named
+NAMED = 6  # elements named of one equation
+NOT_FINITE = "not finite"
+TRY = {
+    True: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a smaller "
+    "time.step or time.adaptive, if the motion so far is not what it should be",
+    False: "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; `mecano check` for "
+    "redundant constraints and mechanisms",
+}
+
+
+def no_step(system, info, t, h):
+    """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
+    force, constraint, increment = info.norms
+    infinite = NOT_FINITE in info.message
+    return (NonFiniteError if infinite else ConvergenceError)(
+        f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
+        f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
+        f"worst equations:\n{worst_equations(system)}\n"
+        f"what to try: {TRY[infinite]}"
+    )
+
+
+def worst_equations(system):
+    """Names and residuals of the worst equations of the last assembly, and the elements in them, one a line."""
+    of = system.numbering
+    r, size = np.abs(system.residual[: system.n]), system.size[: system.n]
+    scale = np.array([max(size[of.kind[: system.n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
+    relative = np.nan_to_num(r / scale[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+    order = [i for i in np.argsort(-relative, kind="stable")[:REPORTED] if relative[i] > 0.0]
+    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in order)
+
+
+def _acting(system, i):
+    """The elements that act on the unknown i, for the equation of a node; a constraint has the name of its own."""
+    if i >= system.n_q:
+        return ""
+    titles = dict.fromkeys(
+        name
+        for batch in system.batches
+        if batch.kind.force is not None
+        for name, dofs in zip(batch.names, batch.dofs, strict=True)
+        if i in dofs
+    )
+    names = list(titles)
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f"; on it act {', '.join(names[:NAMED])}{more}"
+
+
+def minimum_step(system, before, after, error, t, h):
+    """The error when a step of the least size, ``h`` [s], is too rough: ``error`` over its share of the tolerance.
+
+    ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
+    """
+    worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
+    where = motion_name(system.numbering.name[worst])
+    return ConvergenceError(
+        f"at t = {t:.9g} s a step of {h:.3g} s, the least that is allowed, has {error:.3g} times the error allowed\n"
+        f"the acceleration changes most in {where}{_acting(system, worst)}\n"
+        "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
+        "this state"
+    )
+
+
+def standstill(happening, count, t):
+    """The error when the same event happens again and again while time stands still."""
+    return ConvergenceError(
+        f"time stands still at t = {t:.9g} s: {happening.element} has met '{happening.name}' ({happening.before} -> "
+        f"{happening.after}) {count} times there\n"
+        "what to try: laws of this element without jumps, some damping at its stops, or nodes a little farther from "
+        "where two of its modes meet"
+    )

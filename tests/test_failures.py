@@ -1,0 +1,201 @@
+"""Runs that cannot go on: what the user is told, in the words of the deck, and what is kept."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+
+import mecano
+from mecano.errors import ConvergenceError
+
+CATAPULT = """\
+mecano: 1
+gravity: [0, 0, 0]
+nodes:
+  wall: {position: [0, 0, 0], fixed: true}
+  ball: {position: [1, 0, 0]}
+elements:
+  ball: {type: point_mass, node: ball, mass: 1.0}
+  catapult:
+    type: spring_damper
+    nodes: [wall, ball]
+    natural_length: 0
+    law: {polynomial: {coefficients: [0, 0, 0, -2.0]}}
+initial:
+  velocities: [{nodes: [ball], velocity: [1, 0, 0]}]
+time: {end: 2.0, step: 1.0e-2}
+"""  # x'' = 2 x^3 from x = x' = 1: x = 1/(1 - t), infinite at t = 1
+OVERFLOW = """\
+mecano: 1
+nodes:
+  pin: {position: [0, 0, 0]}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
+loads:
+  pull: {type: force, node: pin, direction: [1, 0, 0], value: {polynomial: {coefficients: [POWERS]}}}
+time: {end: 10.0, step: 0.1}
+""".replace("POWERS", "0, " * 300 + "1.0e+100")  # 1e100 t^300 is infinite from t = 4.93 s on
+# a step is given up before it is cut to 1e-7 of its length, which a force that grows so takes very long to need
+SHORT = "import mecano.prepare; mecano.prepare.SMALLEST_STEP = 0.5; from mecano.cli import main; main()"
+
+
+def failed_run(tmp_path, text, *overrides, code="from mecano.cli import main; main()"):
+    """(exit code, errors, results) of a run of a deck."""
+    (tmp_path / "deck.yaml").write_text(text)
+    options = [word for override in overrides for word in ("--set", override)]
+    command = [sys.executable, "-W", "ignore", "-c", code, "run", "deck.yaml", *options]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ended.stdout == "" and "Traceback" not in ended.stderr
+    results = mecano.open_results(tmp_path / "deck.h5")
+    assert results.status == "failed"
+    said = ended.stderr[ended.stderr.rindex("mecano: ") :].removeprefix("mecano: ").strip()
+    assert said == results.reason  # the file says the same
+    return ended.returncode, said, results
+
+
+def check_kept(results):
+    """Every step before the failure is in the file, up to the time that is told."""
+    time = results.time
+    assert len(time) == len(results.steps) + 1 > 10
+    assert np.array_equal(time[1:], results.steps["time"])
+    assert f"t = {time[-1]:.9g} s" in results.reason
+    assert np.all(np.isfinite(results["ball.position" if "ball" in results.reason else "pin.position"].values))
+
+
+def test_no_convergence(tmp_path):
+    code, said, results = failed_run(tmp_path, CATAPULT)
+    assert code == 3 and said.startswith("no step could be taken at t = 0.99")
+    assert "no convergence in 15 iterations" in said
+    _, worst = said.split("worst equations:\n")
+    first, *_ = worst.splitlines()
+    assert first.startswith("  node ball: force x: residual ")
+    assert first.endswith("; on it act point_mass 'ball', spring_damper 'catapult'")
+    assert "what to try: a smaller time.step" in said and "mecano check" in said
+    check_kept(results)
+    near = np.searchsorted(results.time, 0.5)
+    assert results["ball.position.x"].values[near] == pytest.approx(1 / (1 - results.time[near]), rel=1e-3)
+
+
+def test_forces_that_are_not_finite(tmp_path):
+    code, said, results = failed_run(tmp_path, OVERFLOW, code=SHORT)
+    assert code == 6 and "a residual is not finite" in said
+    _, worst = said.split("worst equations:\n")
+    first, *_ = worst.splitlines()
+    assert first.startswith("  node pin: force x: residual ")
+    assert "rigid_body 'bar'" in first and "force 'pull'" in first
+    assert "what to try: laws that stay finite near this state" in said
+    check_kept(results)
+    assert 4.0 < results.time[-1] < 5.0
+
+
+def test_constraints_are_named_by_their_joints(tmp_path):
+    """A hinge whose pendulum is hit so hard that it cannot be followed within one iteration."""
+    text = (
+        "mecano: 1\nnodes:\n  pin: {position: [0, 0, 0]}\nelements:\n"
+        "  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.1, 0.1]}\n"
+        "joints:\n  pivot: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}\n"
+        "loads:\n  blow: {type: moment, node: pin, direction: [1, 1, 0],\n"
+        "    value: {step: {time: 0.5, rise: 0.01, from: 0, to: 1e4}}}\n"
+        "time: {end: 1, step: 0.02, adaptive: {tolerance: 0.9, minimum_step: 0.02}, newton: {maximum_iterations: 2}}\n"
+    )
+    code, said, results = failed_run(tmp_path, text)
+    assert code == 3
+    assert "hinge 'pivot': " in said and "moment 'blow'" in said and "rigid_body 'bar'" in said
+    check_kept(results)
+
+
+def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):
+    adaptive = "time.adaptive={tolerance: 1.0e-3, minimum_step: 1.0e-3}"
+    code, said, results = failed_run(tmp_path, CATAPULT, adaptive)
+    assert code == 3 and "a step of 0.001 s, the least that is allowed, has " in said
+    times = float(said.split("allowed, has ")[1].split(" times")[0])
+    assert 1.0 < times < 3.0  # the first that is too rough
+    assert "node ball: displacement x; on it act point_mass 'ball', spring_damper 'catapult'" in said
+    assert "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance" in said
+    check_kept(results)
+    assert results.steps["step_size"].min() >= 1e-3 * (1 - 1e-9)
+    allowed = 1e-3 * results.steps["step_size"] / 2.0
+    np.testing.assert_allclose(
+        results.steps["error_over_tolerance"], results.steps["error_estimate"] / allowed, rtol=1e-12
+    )
+    assert 0.5 < results.steps["error_over_tolerance"].max() <= 1.0
+
+
+WHEEL = ("time={end: 0.2, step: 1.0e-3}",)
+FALL = 0.14278431229270644  # [s] from 0.4 m to the radius of 0.3 m: sqrt(2 x 0.1/9.81)
+
+
+def failing(step, when):
+    """The step of a method that fails in Newton where ``when(state, h)``."""
+
+    def wrapped(s, history, h):
+        new, made, info = step(s, history, h)
+        if when(s, h):
+            info = replace(info, ok=False, message="no convergence in 15 iterations")
+        return new, made, info
+
+    return wrapped
+
+
+def with_failing(when):
+    """A change of a march: steps fail where ``when(state, h)``."""
+
+    def change(march, run):
+        march.method.step = failing(march.method.step, when)
+        return run
+
+    return change
+
+
+def test_a_search_of_an_event_that_fails_once_tries_a_smaller_step():
+    """The step in which the event lies is given up, as one that fails itself: the event is found all the same."""
+    failures = []
+
+    def when(s, h):
+        inside = h < 0.999e-3 and s.t > 0.14 and not failures
+        failures.extend([h] * inside)
+        return inside
+
+    march = March(input_deck("wheel_drop", *WHEEL), change=with_failing(when))
+    assert len(failures) == 1
+    assert march.happenings[0].name == "touch_down" and march.happenings[0].t == pytest.approx(FALL, abs=1e-9)
+    assert march.run.rejected == 1
+
+
+def test_a_search_of_an_event_that_always_fails_stops_the_run():
+    with pytest.raises(ConvergenceError, match="no step could be taken at t = 0.142"):
+        March(input_deck("wheel_drop", *WHEEL), change=with_failing(lambda s, h: h < 0.999e-3 and s.t > 0.14))
+
+
+STRUTS = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes:
+      wall: {position: [0, 0, 0], fixed: true}
+      ball: {position: [1, 0, 0]}
+    elements:
+      ball: {type: point_mass, node: ball, mass: 1.0}
+      strut: {type: spring_damper, nodes: [wall, ball], law: {stop: {stiffness: 1.0e4, lower: -0.1, upper: 0.2}}}
+    initial:
+      velocities: [{nodes: [ball], velocity: [-2, 0, 0]}]
+    time: {end: 0.5, step: 1.0e-3}
+"""
+
+
+def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
+    """A stop that is met in every mode: the march ends, and the element is named."""
+
+    def contradict(march, run):
+        plain = march.system.event_values
+        march.system.event_values = lambda s: plain(s) if s.t < 0.02 else np.ones_like(plain(s))
+        return run
+
+    with pytest.raises(ConvergenceError) as error:
+        March(deck(STRUTS), change=contradict)
+    said = str(error.value)
+    assert said.startswith("time stands still at t = 0.02") and "spring_damper 'strut' has met 'lower stop" in said
+    assert "(between -> below) 21 times" in said or "(below -> between) 21 times" in said
+    assert "what to try: laws of this element without jumps" in said

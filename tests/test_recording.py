@@ -1,0 +1,96 @@
+"""What `mecano run` writes: saved times and extremes, checked against a run of the same deck that saves every step."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from marching import INPUTS
+
+import mecano
+
+DECKS = {  # deck: overrides, interval of saving [s], what peaks between the saved times
+    "wheel_drop": (["parameters.wave_amplitude=0.02"], 0.03, "elements/tire/radial_force"),
+    "double_pendulum": (["time.end=1"], 0.0137, "joints/elbow_hinge/rate"),
+    "strut": (["time.end=1"], 0.05, "elements/strut/stroke"),
+}
+
+
+def run_of(name, path, *overrides):
+    """A process of its own: `mecano run` of a deck of inputs/ to a file."""
+    options = [word for text in overrides for word in ("--set", text)]
+    command = [sys.executable, "-m", "mecano", "run", str(INPUTS / f"{name}.yaml"), "-q", "-o", str(path), *options]
+    subprocess.run(command, check=True)
+    return mecano.open_results(path)
+
+
+@pytest.fixture(scope="module", params=DECKS)
+def both(request, tmp_path_factory):
+    """(every step, saved now and then, interval, what peaks) of one deck."""
+    name, folder = request.param, tmp_path_factory.mktemp(request.param)
+    overrides, every, peaking = DECKS[name]
+    whole = run_of(name, folder / "whole.h5", *overrides, "output.every=step")
+    thin = run_of(name, folder / "thin.h5", *overrides, f"output.every={every}")
+    with whole, thin:
+        yield whole, thin, every, peaking
+
+
+def test_saving_does_not_change_the_steps(both):
+    whole, thin, _, _ = both
+    assert np.array_equal(whole.steps, thin.steps) and len(whole.steps) > 100
+    assert whole.events == thin.events
+    assert np.array_equal(whole.time[1:], whole.steps["time"])
+
+
+def test_saved_times_are_the_multiples_and_the_end(both):
+    whole, thin, every, _ = both
+    end = whole.time[-1]
+    multiples = every * np.arange(int(end / every * (1 + 1e-12)) + 1)
+    wanted = multiples if abs(multiples[-1] - end) < 1e-9 else np.append(multiples, end)
+    np.testing.assert_allclose(thin.time, wanted, rtol=0, atol=1e-15)
+
+
+def test_saved_motion_is_the_cubic_between_the_steps(both):
+    """Position and velocity at both ends of the step that covers the time; to rounding, since nothing else enters."""
+    whole, thin, _, _ = both
+    t, compared = whole.time, 0
+    for name in (path for path in thin.names("nodes/*") if path.endswith("/position")):
+        x, v = whole[name].values, whole[name.replace("position", "velocity")].values
+        i = np.clip(np.searchsorted(t, thin.time, side="left") - 1, 0, len(t) - 2)
+        h, u = (t[i + 1] - t[i])[:, None], ((thin.time - t[i]) / (t[i + 1] - t[i]))[:, None]
+        cubic = (1 + 2 * u) * (1 - u) ** 2 * x[i] + u**2 * (3 - 2 * u) * x[i + 1]
+        cubic += h * u * (1 - u) * ((1 - u) * v[i] - u * v[i + 1])
+        np.testing.assert_allclose(thin[name].values, cubic, rtol=0, atol=1e-12 * np.abs(x).max(), err_msg=name)
+        compared += int(np.sum((u > 1e-3) & (u < 1 - 1e-3)))
+    assert compared > 20  # most saved times lie within steps
+
+
+def test_saved_outputs_lie_on_the_curves_of_the_steps(both):
+    """All of them: off the straight line between the ends of the step by a fifth of what they change around it."""
+    whole, thin, _, _ = both
+    t = whole.time
+    i = np.clip(np.searchsorted(t, thin.time, side="left") - 1, 0, len(t) - 2)
+    energy = max(np.abs(whole[f"energy/{name}"].values).max() for name in ("kinetic", "potential"))
+    for name in thin.names():
+        if name.endswith("/rotation"):
+            continue
+        y = whole[name].values
+        u = ((thin.time - t[i]) / (t[i + 1] - t[i])).reshape(-1, *[1] * (y.ndim - 1))
+        around = np.stack([y[np.clip(i + k, 0, len(t) - 1)] for k in (-1, 0, 1, 2)])
+        rounding = 1e-5 * energy if name.startswith("energy/") else 1e-9 * np.abs(y).max()
+        off = np.abs(thin[name].values - ((1 - u) * y[i] + u * y[i + 1]))
+        assert np.all(off <= 0.2 * np.ptp(around, axis=0) + rounding), name
+
+
+def test_extremes_are_those_of_all_steps(both):
+    """Bit for bit, with the times at which they were first reached, whatever is saved."""
+    whole, thin, _, peaking = both
+    assert whole.extremes == thin.extremes
+    for name, extreme in thin.extremes.items():
+        values = whole[name].values
+        high, low = int(np.argmax(values)), int(np.argmin(values))
+        assert (extreme.maximum, extreme.maximum_time) == (values[high], whole.time[high]), name
+        assert (extreme.minimum, extreme.minimum_time) == (values[low], whole.time[low]), name
+    saved = np.abs(thin[peaking].values).max()
+    extreme = thin.extremes[peaking]
+    assert max(extreme.maximum, -extreme.minimum) > 1.0001 * saved  # a peak that the saved times miss

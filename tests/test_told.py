@@ -1,0 +1,138 @@
+"""What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
+
+import h5py
+import pytest
+from marching import INPUTS, input_deck
+from process import flowing, mecano_process, settings
+
+import mecano
+from mecano.deck.amounts import result_bytes, saved_times, steps
+from mecano.prepare import prepare, remarks
+from mecano.solve.scales import length_scale
+
+REMARKS = {  # deck: overrides, what is said at the start
+    "four_bar": (
+        ["time.end=0.1"],
+        "3 redundant constraint(s) among: rigid_body 'crank_bar': force y of the rigid offset; ",
+    ),
+    "double_pendulum": (
+        ["time.end=0.01", "initial.velocities=[{nodes: [elbow], velocity: [1, 0, 0]}]"],
+        "the initial velocities do not fit the constraints and were changed to the nearest that do",
+    ),
+    "spherical_pendulum": (["time.end=0.01"], ""),
+}
+
+
+def run_of(tmp_path, name, *overrides):
+    """(errors printed, results) of a run of a deck of inputs/ that succeeds."""
+    path = tmp_path / "told.h5"
+    code, out, err = mecano_process("run", INPUTS / f"{name}.yaml", "-o", path, *settings(*overrides))
+    assert (code, out) == (0, "")
+    return err, mecano.open_results(path)
+
+
+def info(tmp_path):
+    """What `mecano info` says of the last run."""
+    code, out, _ = mecano_process("info", tmp_path / "told.h5")
+    assert code == 0
+    return flowing(out)
+
+
+def check(*overrides):
+    """What `mecano check` says of the pendulum."""
+    code, out, _ = mecano_process("check", INPUTS / "pendulum.yaml", *settings(*overrides))
+    assert code == 0
+    return flowing(out)
+
+
+@pytest.mark.parametrize("name", REMARKS)
+def test_remarks_are_printed_once_and_stored(name, tmp_path):
+    overrides, text = REMARKS[name]
+    err, results = run_of(tmp_path, name, *overrides)
+    remarks = results.remarks
+    if not text:
+        assert remarks == []
+        return
+    (remark,) = remarks
+    assert remark.startswith(text)
+    assert flowing(err).count(f"mecano: {remark}") == 1 and flowing(err).count(text.strip()) == 1
+    assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
+    assert f"remark {remark}" in info(tmp_path)
+    assert results.status == "complete" and results.reason == "the end was reached"
+
+
+def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
+    """The deformation of the tyre against the validity of its law; nothing is said where it holds."""
+    name, short = "nose_gear_rigid", "time.end=0.1"
+    err, results = run_of(tmp_path, name, short, "tire_laws.nose_tire.valid_deformation=0.05")
+    highest = results.extremes["elements/wheel/deformation"]
+    wanted = f"wheel 'wheel': deformation reached {highest.maximum:.4g} at t = {highest.maximum_time:.4g} s, but "
+    assert highest.maximum > 0.05 and wanted in results.reason and wanted in flowing(err)
+    assert results.status == "complete" and results.reason.startswith("the end was reached; ")
+    assert "0.05 m" in results.reason
+    results.close()
+    (tmp_path / "told.h5").unlink()
+    err, results = run_of(tmp_path, name, short)
+    assert results.reason == "the end was reached" and "deformation" not in err
+
+
+def test_chosen_defaults_are_stored_and_shown(tmp_path):
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
+    chosen = results.automatic
+    deck = input_deck("double_pendulum")
+    assert set(chosen) == {"length_scale", "minimum_step", "maximum_step", "k", "penalty", "increment_tolerance"}
+    positions = [node["position"] for node in deck.values["nodes"].values()]
+    assert chosen["length_scale"] == length_scale([type("Node", (), {"x": x}) for x in positions])
+    assert chosen["k"] > 0 and chosen["penalty"] == chosen["k"]
+    assert chosen["maximum_step"] == deck.values["time"]["step"]
+    shown = info(tmp_path)
+    assert f"automatic length scale {chosen['length_scale']:.4g}" in shown and f"k {chosen['k']:.4g}" in shown
+
+
+def test_values_of_the_deck_are_no_defaults(tmp_path):
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01", "time.scale={k: 123.0, penalty: 0.0}")
+    assert (results.automatic["k"], results.automatic["penalty"]) == (123.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"), [((), True), (("gravity=[0, 0, -1.62]",), False), (("gravity=null",), True)]
+)
+def test_check_shows_the_gravity_and_whether_it_was_chosen(overrides, told):
+    out = check(*overrides)
+    assert f"gravity [0, 0, {-9.81 if told else -1.62}] m/s2" in out
+    assert ("the default: the deck gives none" in out) == told
+
+
+AMOUNTS = [  # overrides of the pendulum, steps and saved times foreseen, made
+    ((), (2000, 201), (2000, 201)),
+    (("time.step=3.0e-3",), (667, 201), (667, 201)),
+    (("output.every=step",), (2000, 2001), (2000, 2001)),
+    (("output.every=0.3",), (2000, 8), (2000, 8)),
+    (("time.adaptive={tolerance: 1.0e-3}",), (None, 201), (None, 201)),
+    (("time.adaptive={tolerance: 1.0e-3}", "output.every=step"), (None, None), (None, None)),
+]
+
+
+@pytest.mark.parametrize(("overrides", "foreseen", "made"), AMOUNTS)
+def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_path):
+    values = input_deck("pendulum", *overrides).values
+    assert (steps(values), saved_times(values)) == foreseen
+    _, results = run_of(tmp_path, "pendulum", *overrides)
+    counts = len(results.steps), len(results.time)
+    assert all(wanted in (None, found) for wanted, found in zip(made, counts, strict=True)), counts
+    if None not in foreseen:
+        with h5py.File(tmp_path / "told.h5", locking=False) as file:
+            tables = [file[f"storage/{name}"] for name in ("output", "solver")]
+            row, history = (table.shape[1] for table in tables)
+            assert result_bytes(values, row, history) == sum(8 * table.size for table in tables)
+
+
+def test_absurd_amounts_are_warned_of_before_the_run():
+    out = check("time.step=1.0e-8")
+    assert "2e+08 steps of 1e-08 s are asked for: is 'time.step' meant so?" in out
+    assert "the results file will have some 14.4 GB" in out
+    out = check("output.every=1.0e-8")
+    assert "the results file will have some 56 GB" in out and "are asked for" not in out
+    assert "warning" not in check()
+    said = remarks(prepare(input_deck("pendulum", "time.step=1.0e-8")))
+    assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
