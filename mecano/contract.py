@@ -30,7 +30,9 @@ kind that borrows only, and there without multipliers or inertia of its own.
 
 ``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
-writes 0, Phi, dPhi/dt.
+writes 0, Phi, dPhi/dt. All constraints of one kind are on positions, or all on velocities (``Row.constraint_unit`` per
+second): then B = dPhi/dv stands in C, -k dPhi/dq in K, and the loops turn rows and penalty into those of a
+displacement. A constraint that is let go in some mode writes no levels there, and the rows -k_lambda: no reaction.
 
 ``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
 arrive zeroed: kinetic
@@ -69,7 +71,7 @@ class Row:
 
     name: str
     unit: str  # of k*lambda: N or N m
-    constraint_unit: str  # of Phi: m or rad
+    constraint_unit: str  # of Phi: m or rad; m/s or rad/s for a constraint on velocities
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,10 @@ class Event:
 
 @dataclass(frozen=True)
 class Part:
-    """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record."""
+    """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record.
+
+    A part that has the modes of its owner is in its owner's mode.
+    """
 
     kind: "Kind"
     nodes: tuple  # indices into the nodes of the owner
@@ -112,6 +117,7 @@ class Kind:
     optional: tuple = ()
     """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
     scalars: tuple = ()  # names of own scalar unknowns
+    relaxing: tuple = ()  # those of them, without inertia, whose rates follow from their own equations alone
     multipliers: tuple = ()  # Row
     borrowed: tuple = ()  # Row: multipliers of other parts of the same owner
     modes: tuple = ("",)
@@ -143,6 +149,11 @@ class Kind:
     sample: Callable | None = None
     """rng -> list of (values, nodes, mode): admissible samples for the generic tests, every mode among them. values:
     deck values without defaults (of a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
+
+    @property
+    def of_rates(self):
+        """True when its constraints are on velocities."""
+        return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
 
     @property
     def n_local(self):

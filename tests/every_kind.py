@@ -31,6 +31,7 @@ VALUES = {
     "nodes": ["base", "tip"],
     "attached": [],
     "axis": [0.0, 1.0, 0.0],
+    "radius": 0.3,
     "tire_law": "tyre",
     "ground": "runway",
 }
@@ -64,7 +65,9 @@ def row(declared, t):
     for node, x in (("base", (0.0, 0.0, 0.0)), ("tip", (1.0 + 0.5 * t, 0.0, 0.3 + 0.1 * np.sin(3.0 * t)))):
         values[declared.slices[f"nodes/{node}/position"]] = x
         values[declared.slices[f"nodes/{node}/rotation"]] = (np.cos(0.5 * t), 0.0, np.sin(0.5 * t), 0.0)
-    values[declared.slices["elements/one_wheel/loaded_radius"]] = 0.3 - 0.02 * np.sin(t) ** 2
+    for path, place in declared.slices.items():
+        if path.endswith("/loaded_radius"):
+            values[place] = 0.3 - 0.02 * np.sin(t) ** 2
     return values
 
 

@@ -161,7 +161,9 @@ def expand(kind, values, nodes, mode, gravity, rng):
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
     listed = [(kind, own, tuple(range(len(nodes))), kind.modes.index(mode))]
-    listed += [(part.kind, part.parameters, part.nodes, 0) for part in parts]
+    for part in parts:
+        follows = len(part.kind.modes) > 1 and part.kind.modes == kind.modes
+        listed.append((part.kind, part.parameters, part.nodes, kind.modes.index(mode) if follows else 0))
     instances = []
     for of, record, on, mode_number in listed:
         p = np.zeros(1, of.dtype)

@@ -41,7 +41,7 @@ def ground_of(normal, height=None, point=(0.2, -0.1, 0.3), direction=(1.0, 0.4, 
 def values_of(axis, ground, damping=0.0, eps=0.1, friction=FRICTION, radial=RADIAL):
     tire_law = {
         "radius": RADIUS, "radial": radial, "radial_damping": damping, "friction": friction,
-        "slip_regularization": eps, "valid_deformation": None,
+        "friction_by_speed": 1.0, "slip_regularization": eps, "valid_deformation": None, "lateral": None,
     }  # fmt: skip
     return {"node": "axle", "axis": list(axis), "tire_law": tire_law, "ground": ground}
 

@@ -1,12 +1,21 @@
 """The basic constraints of which joints are made; see orthogonal.py for the shortest complete one."""
 
+from mecano.constraints.blade import BLADE
 from mecano.constraints.distance import DISTANCE
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.in_plane import IN_PLANE
+from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.constraints.relative_angle import RELATIVE_ANGLE
 from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.constraints.rolling import ROLLING
+from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.constraints.upright_rolling import UPRIGHT_ROLLING
 
 CONSTRAINTS = {
-    kind.name: kind for kind in (DISTANCE, HELD_COORDINATE, IN_PLANE, ORTHOGONAL, RELATIVE_ANGLE, RIGID_OFFSET)
-}
+    kind.name: kind
+    for kind in (
+        DISTANCE, HELD_COORDINATE, IN_PLANE, LEVEL_AXIS, ORTHOGONAL, RELATIVE_ANGLE, RIGID_OFFSET,
+        BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING,
+    )
+}  # fmt: skip

@@ -1,14 +1,18 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
+from mecano.elements.adhesive_wheel import ADHESIVE_WHEEL
 from mecano.elements.beam import BEAM
+from mecano.elements.brake import BRAKE
 from mecano.elements.bushing import BUSHING
 from mecano.elements.cable import BAR, CABLE
 from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
+from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
 from mecano.elements.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
+from mecano.elements.paper_wheel import PAPER_WHEEL
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
@@ -16,6 +20,8 @@ from mecano.elements.prismatic import PRISMATIC
 from mecano.elements.rigid_body import RIGID_BODY
 from mecano.elements.rigid_link import RIGID_LINK
 from mecano.elements.rigid_rod import RIGID_ROD
+from mecano.elements.rigid_wheel import RIGID_WHEEL
+from mecano.elements.skate import SKATE
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
 from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
@@ -29,7 +35,7 @@ KINDS = {
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         BEAM, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING,
-        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
-        WHEEL,
+        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
+        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
     )
 }  # fmt: skip

@@ -9,13 +9,19 @@ F is continued by its tangent to w < 0, so that a step which ends at the lift-of
 Friction against the slip velocity v_C, with N the normal force, smooth at rest ((33)-(35); Oden and
 Martins 1985):
 
-    F_fr = mu(|v_C|) phi(|v_C|) N v_C/|v_C|,   phi(u) = (u/eps)(2 - u/eps) for u < eps, else 1
+    F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|,   phi(v) = (v/eps)(2 - v/eps) for v < eps, else 1
+
+sigma is a factor, 1 unless given, of the speed u = |(I - n n^T) v| of the axle over the ground: the paper's mu_0
+exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1, rate: kappa}}``.
 """
 
 from numba import njit
 
+from mecano.elements.lateral_law import LATERAL_TYPE
+from mecano.laws.friction import friction_factor
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, potential
+from mecano.maths.vec import ZERO, dot, norm, scale, sub
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
 TIRE_LAW_FIELDS = (
@@ -27,6 +33,9 @@ TIRE_LAW_FIELDS = (
     ),
     Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed; never below zero"),
     Field(
+        "friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0,
+    ),
+    Field(
         "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero",
         check=positive,
     ),
@@ -34,9 +43,13 @@ TIRE_LAW_FIELDS = (
         "valid_deformation", NUMBER, "m", "deformation up to which the law holds; a warning beyond",
         None, positive,
     ),
+    Field("lateral", LATERAL_TYPE, "-", "how the patch gives way sideways: flexible wheels", None),
 )  # fmt: skip
 
-TIRE_RECORD = {"radius": (), "radial": "i", "radial_damping": (), "friction": "i", "slip_regularization": ()}
+TIRE_RECORD = {
+    "radius": (), "radial": "i", "radial_damping": (), "friction": "i", "friction_by_speed": "i",
+    "slip_regularization": (),
+}  # fmt: skip
 
 
 def prepare_tire_law(law, context):
@@ -46,6 +59,7 @@ def prepare_tire_law(law, context):
         "radial": int(context.laws.add(law["radial"])),
         "radial_damping": law["radial_damping"],
         "friction": int(context.laws.add(law["friction"])),
+        "friction_by_speed": int(context.laws.add(law["friction_by_speed"])),
         "slip_regularization": law["slip_regularization"],
     }
 
@@ -85,3 +99,21 @@ def radial_force(p, laws, w, w1):
     if factor <= 0.0:
         return 0.0, 0.0, 0.0
     return F * factor, dF * factor, F * p.radial_damping
+
+
+@njit
+def speed_over_ground(n, v):
+    """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
+    along = sub(v, scale(dot(n, v), n))
+    u = norm(along)
+    return u, scale(1.0 / u, along) if u > 0.0 else ZERO
+
+
+@njit
+def gripping(p, laws, speed, u):
+    """``friction_factor`` for the speed u [m/s] of the axle, and the derivative of b by it."""
+    sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)
+    grip, b, b1 = friction_factor(laws, p.friction, p.slip_regularization, speed)
+    if sigma <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return sigma * grip, sigma * b, sigma * b1, sigma_u * b

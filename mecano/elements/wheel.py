@@ -7,7 +7,7 @@ taken at C), and the tyre law of tire_law.py:
     radial deformation   w = radius - r                  dw/dt = -n.(v + omega x r c)/q
     normal force         N = F_r(w, dw/dt)/q             F_r acts in the plane of the wheel
     slip velocity        v_C = (I - n n^T)(v + omega x r c)
-    friction             F_fr = mu(|v_C|) phi(|v_C|) N v_C/|v_C|
+    friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|,   u = |(I - n n^T) v|
 
 The whole ground force -(F_fr - N n) acts at C. Internal forces, with f = F_fr - N n (36):
 
@@ -32,24 +32,24 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
 from mecano.contract import Event, Kind, Output, record
-from mecano.elements.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
 from mecano.elements.tire_law import (
     TIRE_RECORD,
     check_tire_law,
     elastic_energy,
     elastic_force,
+    gripping,
     prepare_tire_law,
     radial_force,
+    speed_over_ground,
 )
-from mecano.laws.friction import friction_factor
+from mecano.maths.contact_force import add_columns, add_force, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import disc_variation
 from mecano.maths.vec import (
     EYE,
     ZERO,
     add,
-    add_mat,
-    add_vec,
     cross,
     dot,
     madd,
@@ -64,7 +64,6 @@ from mecano.maths.vec import (
     skew,
     sub,
     tmul,
-    transpose,
     vec,
 )
 from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
@@ -110,21 +109,25 @@ class Slip(NamedTuple):
     grip: float  # mu phi [-]
     b: float  # mu phi/|v_C| [s/m]
     b1: float  # |v_C| db/d|v_C| [s/m]
+    b_u: float  # db/d(speed of the axle) [s2/m2]
+    v: tuple  # velocity of the axle [m/s]
+    ahead: tuple  # its direction over the ground
 
 
 @njit
-def _slip(p, laws, g, u):
-    """The Slip of a wheel of record ``p`` in the Contact ``g``, whose point at C moves with ``u`` [m/s]."""
+def _slip(p, laws, g, u, v):
+    """The Slip of a wheel of record ``p`` in the Contact ``g``, whose point at C moves with ``u``, its axle with v."""
     along = dot(g.n, u)
     w1 = -along / g.q
     F, F_w, F_w1 = radial_force(p, laws, p.radius - g.r, w1)
     v_C = sub(u, scale(along, g.n))
     speed = norm(v_C)
-    grip, b, b1 = friction_factor(laws, p.friction, p.slip_regularization, speed)
+    axle_speed, ahead = speed_over_ground(g.n, v)
+    grip, b, b1, b_u = gripping(p, laws, speed, axle_speed)
     N = F / g.q
     f = scale(N, sub(scale(b, v_C), g.n))
     e = scale(1.0 / speed, v_C) if speed > 0.0 else ZERO
-    return Slip(f, u, v_C, e, w1, F, F_w, F_w1, N, grip, b, b1)
+    return Slip(f, u, v_C, e, w1, F, F_w, F_w1, N, grip, b, b1, b_u, v, ahead)
 
 
 @njit
@@ -143,7 +146,9 @@ def _by_contact(g, k, dw, by):
     dF = add(scale(k.F_w, dw), scale(k.F_w1, dw1))
     dN = add(scale(1.0 / g.q, dF), scale(k.N * g.s / g.q**2, by.s))
     dv_C = madd(outer(scale(-1.0, g.n), lift), mscale(k.w1 * g.q, by.n))
+    d_speed = scale(-dot(g.n, k.v), tmul(by.n, k.ahead))
     dv = madd(mscale(k.b, dv_C), outer(scale(k.b1, k.e), tmul(dv_C, k.e)))
+    dv = madd(dv, outer(scale(k.b_u, k.v_C), d_speed))
     return madd(outer(sub(scale(k.b, k.v_C), g.n), dN), mscale(k.N, madd(dv, mscale(-1.0, by.n))))
 
 
@@ -156,35 +161,19 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     axis = mul(Rn, vec(p.axis, 0))
     g = touch(p, laws, vec(q, 0), axis)
     omega = mul(Rn, vec(v, 3))
-    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, g.arm)))
-    moment = cross(g.arm, slip.f)
-    add_vec(f, 0, 1.0, slip.f)
-    add_vec(f, 3, 1.0, tmul(Rn, moment))
+    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, g.arm)), vec(v, 0))
+    add_force(f, Rn, g.arm, slip.f)
 
     arm, w = skew(g.arm), skew(omega)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
     f_u = _by_velocity(g, slip)
-    f_w = mscale(-1.0, matmul(f_u, arm))
-    _add_columns(C, 0, Rn, EYE, f_u, matmul(arm, f_u))
-    _add_columns(C, 3, Rn, Rn, f_w, matmul(arm, f_w))
+    add_velocity_tangent(C, Rn, g.arm, f_u)
+    by_speed = outer(scale(slip.N * slip.b_u, slip.v_C), slip.ahead)
+    add_columns(C, 0, Rn, EYE, by_speed, matmul(arm, by_speed))
     f_x = madd(_by_contact(g, slip, scale(-1.0 / g.q, g.n), by_x), matmul(f_u, matmul(w, by_x.arm)))
     u_t = madd(matmul(arm, w), matmul(w, by_t.arm))
     f_t = madd(_by_contact(g, slip, scale(-g.r / g.q, cross(g.c, g.n)), by_t), matmul(f_u, u_t))
-    _add_columns(K, 0, Rn, EYE, f_x, _moment_variation(g, slip, by_x.arm, f_x))
-    _add_columns(K, 3, Rn, Rn, f_t, madd(_moment_variation(g, slip, by_t.arm, f_t), skew(moment)))
-
-
-@njit
-def _moment_variation(g, slip, d_arm, df):
-    """d(arm x f), 3x3, from the derivatives of both."""
-    return madd(matmul(skew(g.arm), df), mscale(-1.0, matmul(skew(slip.f), d_arm)))
-
-
-@njit
-def _add_columns(A, j, Rn, frame, force_rows, moment_rows):
-    """Add three columns of a tangent from inertial derivatives; ``frame`` turns the variables."""
-    add_mat(A, 0, j, 1.0, matmul(force_rows, frame))
-    add_mat(A, 3, j, 1.0, matmul(transpose(Rn), matmul(moment_rows, frame)))
+    add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), slip.f, (f_x, f_t))
 
 
 @njit
@@ -195,7 +184,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     g = touch(p, laws, vec(q, 0), axis)
     radius = g.r if mode == CONTACT else p.radius
     arm = scale(radius, g.c)
-    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, arm)))
+    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, arm)), vec(v, 0))
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
     touching = mode == CONTACT and slip.F > 0.0
     F, N = (slip.F, slip.N) if touching else (0.0, 0.0)
@@ -261,7 +250,8 @@ def sample(rng):
             ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
         tire_law = {
             "radius": 12.0, "radial": radial, "radial_damping": 0.02, "friction": friction,
-            "slip_regularization": eps, "valid_deformation": None,
+            "friction_by_speed": (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),),
+            "slip_regularization": eps, "valid_deformation": None, "lateral": None,
         }  # fmt: skip
         lean = axis / np.linalg.norm(axis) + rng.uniform(-0.5, 0.5) * normal
         samples.append(({"axis": lean, "tire_law": tire_law, "ground": ground}, 1, mode))

@@ -9,6 +9,7 @@ from mecano.laws.dry_friction import DRY_FRICTION
 from mecano.laws.gas_spring import GAS_SPRING
 from mecano.laws.linear_forces import DAMPER, PRELOAD, SPRING
 from mecano.laws.polynomial import CONSTANT, LINEAR, POLYNOMIAL
+from mecano.laws.roads import BUMP, RANDOM
 from mecano.laws.stops import DEAD_BAND, STOP
 from mecano.laws.tabulated import TABLE
 from mecano.laws.time_functions import EXPONENTIAL, RAMP, SINE, STEP
@@ -24,6 +25,8 @@ TERMS = {
         RAMP,
         STEP,
         EXPONENTIAL,
+        BUMP,
+        RANDOM,
         SPRING,
         PRELOAD,
         DAMPER,

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from mecano.maths.vec import EYE, add, cross, dot, madd, mscale, outer, scale, sub, tmul
+from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub, tmul
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
 LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): finite in a hollow that is too narrow
@@ -111,6 +111,21 @@ def disc_variation(d, a, g):
         madd(swing, madd(outer(g.c, r_t), outer(slide, sigma_t))),
     )
     return by_x, by_t
+
+
+@njit
+def directions(a, g):
+    """Driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g`` of a disc of axis ``a``."""
+    t = scale(1.0 / g.q, cross(a, g.n))
+    return t, cross(g.n, t)
+
+
+@njit
+def directions_variation(a, g, t, by, da):
+    """Derivatives (dt, dl), 3x3, of the two directions by the variables of the Block ``by``, of which a has da, 3x3."""
+    turn = madd(mscale(-1.0, matmul(skew(g.n), da)), matmul(skew(a), by.n))
+    dt = madd(mscale(1.0 / g.q, turn), outer(scale(g.s / g.q**2, t), by.s))
+    return dt, madd(mscale(-1.0, matmul(skew(t), by.n)), matmul(skew(g.n), dt))
 
 
 @njit

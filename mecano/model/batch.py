@@ -23,6 +23,7 @@ class Batch:
     watched_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
     columns: np.ndarray  # (n_rotations,) local columns of the rotations
     multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
+    instances: list  # (n,) their numbers in the list of all instances
     first_mode: int  # of the modes of a state
     first_memory: int  # of the memory of a state
     entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
@@ -118,5 +119,6 @@ def _batch(members, of, places, sides, first_mode, first_memory):
         for rows in (dofs, rots, slots, watched, watched_slots, multipliers)
     ]
     names = [item.owner for _, item, *_ in members]
+    numbers = [number for number, *_ in members]
     paths = [(item.path, item.label) for _, item, *_ in members]
-    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], first_mode, first_memory)
+    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], numbers, first_mode, first_memory)

@@ -57,6 +57,7 @@ def residual(loops, batches, system, k, penalty):
 def assemble_residual(loops, batches, system, t, z, v, a, R, modes, memory, k, penalty):
     """Residual and its sizes."""
     aim(system, t, z, v, a, R, modes, memory)
+    system[0].lag = 1.0
     residual(loops, batches, system, k, penalty)
 
 
@@ -66,17 +67,18 @@ def assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty
     aim(system, t, z, v, a, R, modes, memory)
     s = system[0]
     s.T, s.cK, s.cC, s.cM = T.ctypes.data, cK, cC, cM
+    s.lag = cK / cC if cK * cC != 0.0 else 1.0
     floats(s.mass, s.n_slots)[:] = 0.0
     floats(s.data, s.n_data)[:] = 0.0
     residual(loops, batches, system, k, penalty)
 
 
 @njit(cache=True)
-def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, data):
-    """The tangent by the positions of some batches, added to ``data``; spoils the forces on the slots."""
+def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, cK, cC, data):
+    """The tangent cK K + cC C of some batches, added to ``data``; spoils the forces on the slots."""
     aim(system, t, z, v, a, R, modes, memory)
     s = system[0]
-    s.T, s.cK, s.cC, s.cM, s.k, s.penalty = T.ctypes.data, 1.0, 0.0, 0.0, k, penalty
+    s.T, s.cK, s.cC, s.cM, s.k, s.penalty, s.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
     own = s.data
     s.data = data.ctypes.data
     run(loops, batches, system)

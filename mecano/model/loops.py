@@ -30,7 +30,7 @@ BATCH = _fields(
 )
 # Addresses of the arrays of the system and of the state on which the loops work.
 SYSTEM = _fields(
-    floats="t k penalty cK cC cM",
+    floats="t k penalty lag cK cC cM",
     words="n_all n_rotations z v a R T modes memory memory_out "
     "n_laws laws n_slots force size mass slot_dof residual scale n_data data "
     "n_sides side_starts side_members transmitted energy n_levels levels",
@@ -100,7 +100,8 @@ def tangent(batch, system):
     slots, entries = integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
     q, v, a, R = work(b)
     f, K, C, M = floats(b.f, n), floats(b.K, (n, n)), floats(b.C, (n, n)), floats(b.M, (n, n))
-    T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    T, data_out, first_row = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data), n - b.n_multipliers
+    penalty = s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
     force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
     for e in range(b.n):
         f[:] = 0.0
@@ -108,7 +109,13 @@ def tangent(batch, system):
         C[:] = 0.0
         M[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], memory[e], mode[e], s.t, s.k, s.penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
+        function(p[e], memory[e], mode[e], s.t, s.k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
+        if of_rates:  # noqa: F821
+            for i in range(first_row, n):
+                f[i] *= s.lag
+                for j in range(n):
+                    K[i, j] *= s.lag
+                    C[i, j] *= s.lag
         for i in range(n):
             slot = slots[e, i]
             force_out[slot] += f[i]
@@ -135,12 +142,16 @@ def residual(batch, system):
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    penalty = s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
     for e in range(b.n):
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
         function(  # noqa: F821
-            p[e], memory[e], mode[e], s.t, s.k, s.penalty, laws, q, v, a, R, f, NOWHERE, NOWHERE, NOWHERE
+            p[e], memory[e], mode[e], s.t, s.k, penalty, laws, q, v, a, R, f, NOWHERE, NOWHERE, NOWHERE
         )
+        if of_rates:  # noqa: F821
+            for i in range(n - b.n_multipliers, n):
+                f[i] *= s.lag
         for i in range(n):
             slot = slots[e, i]
             force_out[slot] += f[i]
@@ -231,7 +242,9 @@ def loop_of(kind, template):
     if function is None:
         return None
     bound = types.FunctionType(
-        template.__code__, {**template.__globals__, "function": function, "parameters": kind.dtype}, name
+        template.__code__,
+        {**template.__globals__, "function": function, "parameters": kind.dtype, "of_rates": kind.of_rates},
+        name,
     )
     bound.__qualname__ = name
     return cfunc(LOOP, cache=True)(bound)

@@ -45,6 +45,7 @@ class Numbering:
     kind: np.ndarray  # (n_all,) TRANSLATION ... ANGLE_CONSTRAINT
     group: np.ndarray  # (n_q,) unknowns of one node have one number
     name: list  # (n_all,) names a user can read
+    of_rates: np.ndarray  # (n_l,) bool: constraints on velocities
 
     @property
     def n(self):
@@ -83,7 +84,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     entries.add(scalars, [SCALAR] * len(scalars))
     n_q = len(entries.name)
     units = [row.constraint_unit for _, row in multipliers]
-    kinds = [ANGLE_CONSTRAINT if unit == "rad" else LENGTH_CONSTRAINT for unit in units]
+    kinds = [ANGLE_CONSTRAINT if unit[:3] == "rad" else LENGTH_CONSTRAINT for unit in units]
     entries.add([text for text, _ in multipliers], kinds)
     for c in members:
         if c not in entries.first:
@@ -102,6 +103,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
         kind=np.array(entries.kind, np.int64),
         group=np.array(group, np.int64),
         name=entries.name,
+        of_rates=np.array([unit.endswith("/s") for unit in units], bool),
     )
 
 

@@ -36,6 +36,12 @@ class System:
         self._slots(len(names))
         sides = Sides(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, sides)
+        self.relaxing = np.zeros(self.n_q, bool)
+        for b in self.batches:
+            first = 3 * len(b.kind.layout)
+            for name in b.kind.relaxing:
+                self.relaxing[b.dofs[:, first + b.kind.scalars.index(name)]] = True
+        self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
         self.side_starts, self.side_members = sides.tables()
@@ -114,8 +120,14 @@ class System:
 
     @cached_property
     def _add_constraints(self):
-        constraints = lambda kind: kind.multipliers  # noqa: E731
-        return self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=constraints)
+        return self._adding(lambda kind: kind.multipliers and not kind.of_rates)
+
+    @cached_property
+    def _add_constraints_of_rates(self):
+        return self._adding(lambda kind: kind.of_rates)
+
+    def _adding(self, chosen):
+        return self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=chosen)
 
     @cached_property
     def _count_again(self):
@@ -126,7 +138,7 @@ class System:
     @cached_property
     def _add_borrowed(self):
         borrowing = lambda kind: kind.borrowed  # noqa: E731
-        add = self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=borrowing)
+        add = self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=borrowing)
         batches = [b for b in self.batches if b.kind.borrowed]
         self._borrowed_entries = [b.entries.copy() for b in batches]
         for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
@@ -176,9 +188,19 @@ class System:
         else:
             self._assemble(*_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
 
-    def add_constraints(self, s, k, penalty, data):
-        """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``."""
-        self._add_constraints(*_motion(s), self._no_turn, k, penalty, data)
+    def add_constraints(self, s, k, penalty, data, rates=True):
+        """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``.
+
+        B is the gradient by velocities of the constraints on velocities, which are left out without ``rates``.
+        """
+        self._add_constraints(*_motion(s), self._no_turn, k, penalty, 1.0, 0.0, data)
+        if rates and self.numbering.of_rates.any():
+            by_positions, plain, penalized = (np.zeros_like(data) for _ in range(3))
+            cases = (0.0, 1.0, 0.0, by_positions), (0.0, 0.0, 1.0, plain), (penalty, 0.0, 1.0, penalized)
+            for p, *weights, out in cases:
+                self._add_constraints_of_rates(*_motion(s), self._no_turn, k, p, *weights, out)
+            of_motions = np.where(self.rows >= self.n_q, plain[:-1], (penalized - plain)[:-1])
+            data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
 
     def scale_loads(self, s, factor, cK, cC, cM, T=None):
         """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
@@ -193,7 +215,7 @@ class System:
 
     def add_borrowed(self, s, k, data):
         """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
-        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, data)
+        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
@@ -234,6 +256,18 @@ class System:
             for name, p, dofs, rots in zip(b.names, b.p, b.watched, b.rots, strict=True)
             if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
         ]
+
+
+def _followers(instances, batches):
+    """(m, 2) places in the modes of a state: of parts that have the modes of their owner, and of these owners."""
+    place = {number: b.first_mode + e for b in batches for e, number in enumerate(b.instances)}
+    found = [
+        (place[part], place[owner])
+        for owner, item in enumerate(instances)
+        for part in range(owner + 1, owner + 1 + item.n_parts)
+        if len(item.kind.modes) > 1 and instances[part].kind.modes == item.kind.modes
+    ]
+    return np.array(found, np.int64).reshape(-1, 2)
 
 
 def _motion(s):

@@ -34,14 +34,16 @@ class Plan:
 
 
 WHEELS = Plan(
-    "wheels", "Wheels", ("wheel",),
+    "wheels", "Wheels", ("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel", "skate"),
     (
         View("height of the centre", ("height",)),
-        View("radial force", ("radial_force",)),
+        View("radial force", ("radial_force|normal_force",)),
         View("spin rate", ("spin_rate",), reference="rolling_rate"),
         View("slip velocity", ("longitudinal_slip", "lateral_slip")),
         View("radial deformation", ("deformation",)),
-        View("friction force", ("longitudinal_force", "lateral_force")),
+        View("force in the ground", ("longitudinal_force", "lateral_force")),
+        View("lateral displacement of the patch", ("y",)),
+        View("torsion of the patch", ("psi",)),
     ),
     lead=4,
 )  # fmt: skip

@@ -128,7 +128,7 @@ def _wheel(motion, name, d):
     other = np.cross(axis, spoke)
     e1, e2 = (motion.turned(d["node"], v / np.linalg.norm(v)) for v in (spoke, other))
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS)[:, None]
-    radius = motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
+    radius = d["radius"] if "radius" in d else motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
     rim = centre[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
     rim = _flattened(rim, motion.run.deck["grounds"][d["ground"]])
     return [Shape(WHEEL, name, np.concatenate([rim, centre[:, None]], axis=1))]
@@ -151,6 +151,6 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
-    "wheel": _wheel,
+    **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""

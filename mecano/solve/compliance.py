@@ -19,10 +19,15 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Compliance:
-    """The symmetric matrix c, which couples rows of one element only, and where it stands in the tangent."""
+    """The symmetric matrix c, which couples rows of one element only, and where it stands in the tangent.
 
-    matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)]
+    Constraints on velocities give way by c for each second: ``lag`` times c in a step, whose rows are displacements.
+    """
+
+    matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)], per second for constraints on velocities
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent
+    of_rates: np.ndarray  # (matrix.nnz,) bool
+    values: np.ndarray  # (matrix.nnz,) in a step
 
     @cached_property
     def largest_penalty(self):
@@ -32,11 +37,15 @@ class Compliance:
     @property
     def rows(self):
         """c by rows, as ``soften`` takes it: where each begins, columns, values."""
-        return self.matrix.indptr, self.matrix.indices, self.matrix.data
+        return self.matrix.indptr, self.matrix.indices, self.values
 
-    def soften_tangent(self, k, data):
-        """Put -k^2 c into the values of the tangent, where no element adds anything."""
-        data[self.places] = -k * k * self.matrix.data
+    def set_lag(self, lag):
+        """Set the values for steps in which rates count ``lag`` [s] times."""
+        self.values[:] = np.where(self.of_rates, lag, 1.0) * self.matrix.data
+
+    def soften_tangent(self, k, data, values=None):
+        """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
+        data[self.places] += -k * k * (self.matrix.data if values is None else values)
 
 
 NO_ROWS = np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0)
@@ -71,4 +80,6 @@ def compliance(system, s, length, dependent):
     matrix.sort_indices()
     entries = matrix.tocoo()
     codes = (system.n_q + entries.row.astype(np.int64)) * system.n + system.n_q + entries.col
-    return Compliance(matrix, np.searchsorted(system.rows * system.n + system.cols, codes))
+    of_rates = of.of_rates[entries.row]
+    places = np.searchsorted(system.rows * system.n + system.cols, codes)
+    return Compliance(matrix, places, of_rates, matrix.data.copy())

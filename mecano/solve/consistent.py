@@ -9,11 +9,17 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 """
 
 import numpy as np
+import scipy.sparse as sp
 
 from mecano.errors import AssemblyError
+from mecano.model.numbering import SCALAR
 from mecano.solve.increments import displaced, moved
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
+RATE_ITERATIONS = 100
+FIRST_REACH = 1e-3  # m/s or rad/s
+RATE_TOLERANCE = 1e-12  # of the forces at work
+LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
 RUBBING = 20  # iterations on the friction at most
 ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
@@ -34,7 +40,12 @@ class Consistent:
         self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
-        self.loose = loose & (diagonal <= 0.0)  # neither mass nor constraint: stays at rest
+        # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
+        self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
+        self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
+        if len(self.relaxing):
+            own = np.isin(system.rows, self.relaxing) | np.isin(system.cols, self.relaxing)
+            data[:-1][own] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -61,6 +72,28 @@ class Consistent:
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
         rate = self.system.levels(s)[:, 1]
         s.v[: self.system.n_q] += self.change(target - rate)
+
+    def settle_rates(self, s):
+        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
+        own, system, reach = self.relaxing, self.system, FIRST_REACH
+        if not len(own):
+            return
+        best = None
+        for _ in range(RATE_ITERATIONS):
+            system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+            r = system.residual[own].copy()
+            if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
+                return
+            size = np.linalg.norm(r)
+            # friction that slips does not fall with the slip: a step that leaves the force as it is goes on, further
+            if best is None or size < 0.99 * best[0] or (size <= best[0] and r @ best[1] > 0.0):
+                best, reach = (size, r, s.v[own].copy()), 2.0 * reach
+                C = sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
+            else:
+                reach = 0.25 * reach
+            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
+            s.v[own] = best[2] + change
+        s.v[own] = best[2]
 
     def project_acceleration(self, s, a, target=0.0):
         """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
@@ -106,6 +139,7 @@ class Consistent:
         """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
         n_q, n = self.system.n_q, self.system.n
         gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
+        gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
     def jerk_rate(self, s, h):

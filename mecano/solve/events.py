@@ -59,6 +59,7 @@ class Watch:
                 own[e] = batch.kind.modes.index(event.after)
                 happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
             first += n
+        modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
         return replace(s, modes=modes), happenings
 
     def settle(self, s):

@@ -96,6 +96,10 @@ class GeneralizedAlpha:
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
+        # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
+        self._exact_rates = system.numbering.of_rates.copy()
+        if compliance is not None and compliance.of_rates.any():
+            self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
         self._bind()
 
     def _bind(self):
@@ -126,7 +130,11 @@ class GeneralizedAlpha:
         s = s.copy()
         consistent = Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
+        consistent.settle_rates(s)
         consistent.accelerate(s)
+        if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
+            consistent.settle_rates(s)
+            consistent.accelerate(s)
         if self.compliance is not None:
             s = consistent.give_way(s, self.compliance)
         nothing = np.zeros(self.system.n)
@@ -151,7 +159,7 @@ class GeneralizedAlpha:
             rate = consistent.jerk_rate(s, h)
             consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
             shifted = s.copy()
-            consistent.project_velocity(shifted, c.error * h * h * rate)
+            consistent.project_velocity(shifted, c.error * h * h * np.where(self._exact_rates, 0.0, rate))
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
         return History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
@@ -164,9 +172,11 @@ class GeneralizedAlpha:
     def _scales(self, history, h):
         """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
         k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
+        weights = self._weights(h)
         if self.compliance is not None:
             penalty = min(penalty, self.compliance.largest_penalty)
-        return k, penalty, *self._weights(h)
+            self.compliance.set_lag(1.0 / weights[0])
+        return k, penalty, *weights
 
     def step(self, s0, history, h):
         """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
@@ -226,7 +236,7 @@ class GeneralizedAlpha:
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
-            self.compliance.soften_tangent(k, self.system.data)
+            self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
         """Factor the tangent of an earlier state again, as it was."""

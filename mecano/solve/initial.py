@@ -45,7 +45,7 @@ def _least_change(system, linear, s, phi, weight):
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
     data[system.diagonal[: system.n_q]] = weight
-    system.add_constraints(bare, 1.0, 0.0, data)
+    system.add_constraints(bare, 1.0, 0.0, data, rates=False)
     data[system.diagonal[system.n_q :]] -= REGULARIZATION
     b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
     status = linear.solve(data, b, x)

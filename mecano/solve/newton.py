@@ -52,6 +52,7 @@ def iterate(
     an earlier solution and is expected to do for two iterations. ``usable``: the factor may be used at all.
     """
     aim(system, t, z, v, a, R, modes, memory)
+    system[0].lag = 1.0 / cC
     while True:
         if pending:
             report[LAST] = report[WORST]

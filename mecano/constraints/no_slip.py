@@ -1,0 +1,108 @@
+r"""What all constraints on the velocity of a point of contact have in common.
+
+The point stands at ``arm`` from the node and moves, as one of the body, with u = v + omega x arm. Each constraint is
+:math:`\Phi = e \cdot u = 0` for a unit vector e; both arm and e depend on position and rotation. The gradient by the
+velocities is (e, arm x e): the multiplier is the force on the body along e at the contact ((22), (24) of Cardona,
+Geradin & Doan 1991).
+"""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from mecano.constraints.augmented import put_levels
+from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
+from mecano.maths.vec import (
+    ZERO,
+    add,
+    add_row,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    outer,
+    scale,
+    skew,
+    tmul,
+    vec,
+)  # fmt: skip
+
+CONTACT, AIR = 0, 1
+MULTIPLIERS = 6
+NO_MATRIX = (ZERO, ZERO, ZERO)
+
+
+class Place(NamedTuple):
+    """A point of contact, inertial: its arm, and the derivatives (by dx, by inertial dtheta), 3x3, of that."""
+
+    arm: tuple
+    d_arm: tuple
+
+
+class Direction(NamedTuple):
+    """A unit vector, inertial, and its derivatives (by dx, by inertial dtheta), 3x3."""
+
+    e: tuple
+    de: tuple
+
+
+@njit
+def velocity(place, Rn, v):
+    """u [m/s], its derivatives (by dx, by inertial dtheta), 3x3, and the inertial angular velocity."""
+    omega = mul(Rn, vec(v, 3))
+    w = skew(omega)
+    u = add(vec(v, 0), cross(omega, place.arm))
+    by_turn = madd(matmul(skew(place.arm), w), matmul(w, place.d_arm[1]))
+    return u, (matmul(w, place.d_arm[0]), by_turn), omega
+
+
+@njit
+def hold(k, penalty, place, directions, q, v, R, f, K, C):
+    """Add the constraints along the Directions ``directions``: a part's ``force`` while in contact."""
+    Rn = mat(R[0])
+    u, du, _ = velocity(place, Rn, v)
+    pull, pull_x, pull_t, by_u = ZERO, NO_MATRIX, NO_MATRIX, NO_MATRIX
+    for i in range(len(directions)):
+        e, de = directions[i]
+        row, Phi = MULTIPLIERS + i, dot(e, u)
+        size = penalty * Phi - q[row]
+        by_x = add(tmul(de[0], u), tmul(du[0], e))
+        by_t = add(tmul(de[1], u), tmul(du[1], e))
+        pull = add(pull, scale(size, e))
+        pull_x = madd(pull_x, madd(mscale(size, de[0]), outer(scale(penalty, e), by_x)))
+        pull_t = madd(pull_t, madd(mscale(size, de[1]), outer(scale(penalty, e), by_t)))
+        by_u = madd(by_u, outer(scale(penalty, e), e))
+        f[row] -= k * Phi
+        add_multiplier_column(K, row, k, Rn, place.arm, e)
+        add_row(K, row, 0, -k, by_x)
+        add_row(K, row, 3, -k, tmul(Rn, by_t))
+        add_row(C, row, 0, -k, e)
+        add_row(C, row, 3, -k, tmul(Rn, cross(place.arm, e)))
+    add_force(f, Rn, place.arm, pull)
+    add_velocity_tangent(C, Rn, place.arm, by_u)
+    add_position_tangent(K, Rn, place.arm, place.d_arm, pull, (pull_x, pull_t))
+
+
+@njit
+def let_go(n, k, q, f, K):
+    """No reactions: a part's ``force`` in the air, ``n`` constraints."""
+    for row in range(MULTIPLIERS, MULTIPLIERS + n):
+        f[row] -= q[row]
+        K[row, row] -= k
+
+
+@njit
+def put_rates(place, directions, v, a, R, g):
+    """Write the levels of the constraints: nothing, the velocity, its rate."""
+    Rn = mat(R[0])
+    u, _, omega = velocity(place, Rn, v)
+    x_rate = vec(v, 0)
+    arm_rate = add(mul(place.d_arm[0], x_rate), mul(place.d_arm[1], omega))
+    u_rate = add(vec(a, 0), add(cross(mul(Rn, vec(a, 3)), place.arm), cross(omega, arm_rate)))
+    for i in range(len(directions)):
+        e, de = directions[i]
+        e_rate = add(mul(de[0], x_rate), mul(de[1], omega))
+        put_levels(g, i, 0.0, dot(e, u), dot(e_rate, u) + dot(e, u_rate))

@@ -1,0 +1,76 @@
+r"""Rolling: the point of a disc that is nearest to the ground does not slip.
+
+:math:`u \cdot t = 0` and :math:`u \cdot l = 0` with u = v + omega x r c, the driving direction t = a x n/q and the
+lateral direction l = n x t, all at the contact C of surface.py, at any inclination. The multipliers are the driving and
+the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mode "air" the disc is let go.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.ground import GROUND_RECORD, touch
+from mecano.constraints.no_slip import AIR, NO_MATRIX, Direction, Place, hold, let_go, put_rates
+from mecano.constraints.rolling_radius import ground_below
+from mecano.contract import Kind, Row, record
+from mecano.maths.surface import directions, directions_variation, disc_variation
+from mecano.maths.vec import mat, mscale, mul, skew, vec
+
+RECORD = record(axis=3, radius=(), **GROUND_RECORD)
+ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s"))
+
+
+@njit
+def _geometry(p, laws, q, R):
+    """Place of the contact, (t, l)."""
+    axis = mul(mat(R[0]), vec(p.axis, 0))
+    g = touch(p, laws, vec(q, 0), axis)
+    by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
+    t, l = directions(axis, g)
+    t_x, l_x = directions_variation(axis, g, t, by_x, NO_MATRIX)
+    t_t, l_t = directions_variation(axis, g, t, by_t, mscale(-1.0, skew(axis)))
+    return Place(g.arm, (by_x.arm, by_t.arm)), (Direction(t, (t_x, t_t)), Direction(l, (l_x, l_t)))
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Tangential forces at C and their moment."""
+    if mode == AIR:
+        let_go(2, k, q, f, K)
+        return
+    place, along = _geometry(p, laws, q, R)
+    hold(k, penalty, place, along, q, v, R, f, K, C)
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Velocity of the contact and its rate."""
+    if mode == AIR:
+        g[:] = 0.0
+        return
+    place, along = _geometry(p, laws, q, R)
+    put_rates(place, along, v, a, R, g)
+
+
+def sample(rng):
+    """Leaning discs above a plane, rolling and let go."""
+    found = []
+    for mode in ("contact", "air"):
+        ground, level = ground_below(rng)
+        axis = level + rng.uniform(-0.5, 0.5) * ground["normal"]
+        values = {"axis": axis / np.linalg.norm(axis), "radius": 7.0, **ground}
+        found.append((values, [(rng.normal(size=3), np.eye(3))], mode))
+    return found
+
+
+ROLLING = Kind(
+    name="rolling",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    multipliers=ROWS,
+    modes=("contact", "air"),
+    force=force,
+    levels=levels,
+    sample=sample,
+)

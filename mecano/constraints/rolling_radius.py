@@ -1,0 +1,114 @@
+r"""Rolling radius: a disc of given radius touches the ground, :math:`r - radius = 0`.
+
+With axis a, contact C = x + r c and q = |n - (n.a) a| of surface.py. On a plane this is (18) of Cardona, Geradin & Doan
+1991 divided by q, (x - P).n - radius q = 0. The gradient is n/q at C, so the multiplier is the force in the plane of
+the disc and the normal force N = k lambda/q. In mode "air" the disc is let go.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.augmented import put_levels
+from mecano.constraints.ground import GROUND_RECORD, touch
+from mecano.contract import Kind, Row, record
+from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
+from mecano.maths.surface import disc_variation
+from mecano.maths.vec import (
+    add,
+    add_row,
+    cross,
+    dot,
+    madd,
+    mat,
+    mscale,
+    mul,
+    outer,
+    scale,
+    tmul,
+    vec,
+)  # fmt: skip
+
+RECORD = record(axis=3, radius=(), **GROUND_RECORD)
+CONTACT, AIR = 0, 1
+MULTIPLIER = 6
+
+
+@njit
+def _press(g, by):
+    """d(n/q), 3x3, by the variables of the Block ``by``."""
+    return madd(mscale(1.0 / g.q, by.n), outer(scale(g.s / g.q**3, g.n), by.s))
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Force n/q at C, and its moment."""
+    if mode == AIR:
+        f[MULTIPLIER] -= q[MULTIPLIER]
+        K[MULTIPLIER, MULTIPLIER] -= k
+        return
+    Rn = mat(R[0])
+    axis = mul(Rn, vec(p.axis, 0))
+    g = touch(p, laws, vec(q, 0), axis)
+    Phi, b = g.r - p.radius, scale(1.0 / g.q, g.n)
+    size = penalty * Phi - q[MULTIPLIER]
+    pull, b_turn = scale(size, b), cross(g.arm, b)
+    add_force(f, Rn, g.arm, pull)
+    f[MULTIPLIER] -= k * Phi
+    add_multiplier_column(K, MULTIPLIER, k, Rn, g.arm, b)
+    add_row(K, MULTIPLIER, 0, -k, b)
+    add_row(K, MULTIPLIER, 3, -k, tmul(Rn, b_turn))
+    by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
+    pull_x = madd(mscale(size, _press(g, by_x)), outer(scale(penalty, b), b))
+    pull_t = madd(mscale(size, _press(g, by_t)), outer(scale(penalty, b), b_turn))
+    add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), pull, (pull_x, pull_t))
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Value and rates, with the curvature of the ground."""
+    if mode == AIR:
+        put_levels(g, 0, 0.0, 0.0, 0.0)
+        return
+    Rn = mat(R[0])
+    axis, omega, alpha = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3)), mul(Rn, vec(a, 3))
+    at = touch(p, laws, vec(q, 0), axis)
+    by_x, by_t = disc_variation(vec(p.direction, 0), axis, at)
+    arm_rate = add(mul(by_x.arm, vec(v, 0)), mul(by_t.arm, omega))
+    b_rate = add(mul(_press(at, by_x), vec(v, 0)), mul(_press(at, by_t), omega))
+    u, b = add(vec(v, 0), cross(omega, at.arm)), scale(1.0 / at.q, at.n)
+    u_rate = add(vec(a, 0), add(cross(alpha, at.arm), cross(omega, arm_rate)))
+    put_levels(g, 0, at.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
+
+
+def ground_below(rng, wave=True):
+    """Values of GROUND_RECORD of a ground some 8 m from the origin, and a direction in its plane."""
+    normal = rng.normal(size=3)
+    normal /= np.linalg.norm(normal)
+    level = np.cross(normal, rng.normal(size=3))
+    level /= np.linalg.norm(level)
+    return {"point": -8.0 * normal, "normal": normal, "direction": level if wave else 0.0 * level, "height": 0}, level
+
+
+def sample(rng):
+    """Leaning discs above a plane, touching and let go."""
+    found = []
+    for mode in ("contact", "air"):
+        ground, level = ground_below(rng)
+        axis = level + rng.uniform(-0.5, 0.5) * ground["normal"]
+        values = {"axis": axis / np.linalg.norm(axis), "radius": 7.0, **ground}
+        found.append((values, [(rng.normal(size=3), np.eye(3))], mode))
+    return found
+
+
+ROLLING_RADIUS = Kind(
+    name="rolling_radius",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    multipliers=(Row("radial force of the ground", "N", "m"),),
+    modes=("contact", "air"),
+    force=force,
+    levels=levels,
+    sample=sample,
+)

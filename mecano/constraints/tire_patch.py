@@ -1,0 +1,202 @@
+r"""The patch of a tyre that is displaced sideways by y and turned by psi against the wheel: kinematics and forces.
+
+Section 3.4 of Cardona, Geradin & Doan 1991, equations (48)-(51), here for leaning wheels and uneven ground. With the
+axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r c - y a, and Q = 1 + psi hat(n):
+
+.. math::
+    v_C = (1 - n n^T)[v + Q (\omega \times \rho) - Q a \dot y] - \dot\psi\, y\, (n \times a), \qquad
+    \dot w = -n \cdot (v + \omega \times \rho - a \dot y)/q
+
+A force of the patch on the ground, F in the ground and -N n along its normal, with G = Q^T F - N n:
+
+.. math::
+    x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G, \quad \psi: -y\, (n \times a) \cdot F
+
+Derivatives come in blocks of three variables: X (dx), T (inertial dtheta), S (dy, dpsi, unused), each 3x3 or 3; those
+by the velocities likewise.
+"""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from mecano.constraints.ground import touch
+from mecano.maths.surface import Contact, disc_variation
+from mecano.maths.vec import (
+    EYE,
+    ZERO,
+    add,
+    add_vec,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    outer,
+    scale,
+    skew,
+    sub,
+    tmul,
+    transpose,
+    vec,
+)  # fmt: skip
+
+Y, PSI = 6, 7  # local unknowns
+NO_MATRIX = (ZERO, ZERO, ZERO)
+OF_Y, OF_PSI = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # derivatives of y and psi in the block S
+
+
+class Patch(NamedTuple):
+    """The patch in motion; 3-vectors in the inertial frame."""
+
+    g: Contact
+    a: tuple  # axis
+    across: tuple  # n x a
+    omega: tuple
+    rho: tuple
+    y: float
+    psi: float
+    psi1: float
+    z: tuple  # omega x rho - a dy/dt [m/s]
+    u: tuple  # v + Q z [m/s]
+    lift: float  # n.u [m/s]
+    v_C: tuple  # [m/s]
+    w1: float  # dw/dt [m/s]
+
+
+class Variation(NamedTuple):
+    """Derivatives by three variables, 3x3 or 3; zero where the variables are velocities: those of geometry."""
+
+    n: tuple
+    a: tuple
+    s: tuple
+    across: tuple
+    rho: tuple
+    y: tuple
+    psi: tuple
+    w: tuple  # of the deformation
+    v_C: tuple
+    w1: tuple
+
+
+@njit
+def columns(a, b):
+    """The matrix (a, b, 0)."""
+    return transpose((a, b, ZERO))
+
+
+@njit
+def patch(p, laws, q, v, R):
+    """The Patch of a wheel of record ``p`` (GROUND_RECORD, axis, radius), local unknowns q and v."""
+    Rn = mat(R[0])
+    a, omega, y, psi = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3)), q[Y], q[PSI]
+    g = touch(p, laws, sub(vec(q, 0), scale(y, a)), a)
+    rho, across = sub(g.arm, scale(y, a)), cross(g.n, a)
+    z = sub(cross(omega, rho), scale(v[Y], a))
+    u = add(vec(v, 0), add(z, scale(psi, cross(g.n, z))))
+    lift = dot(g.n, u)
+    v_C = sub(sub(u, scale(lift, g.n)), scale(v[PSI] * y, across))
+    return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, -lift / g.q)
+
+
+@njit
+def by_positions(p, k, y1):
+    """Variations of the Patch ``k`` by X, T and S; ``y1`` = dy/dt."""
+    at_x, at_t = disc_variation(vec(p.direction, 0), k.a, k.g)
+    turn, y_turn, w = skew(k.a), mscale(k.y, skew(k.a)), skew(k.omega)
+    # x' moves by dx - a dy + y a x dtheta
+    n_t, s_t = madd(at_t.n, matmul(at_x.n, y_turn)), add(at_t.s, tmul(y_turn, at_x.s))
+    arm_t = madd(at_t.arm, matmul(at_x.arm, y_turn))
+    n_y, s_y = columns(scale(-1.0, mul(at_x.n, k.a)), ZERO), (-dot(at_x.s, k.a), 0.0, 0.0)
+    arm_y = scale(-1.0, mul(at_x.arm, k.a))
+    X = _variation(k, y1, at_x.n, NO_MATRIX, at_x.s, at_x.arm, at_x.arm, NO_MATRIX, ZERO, ZERO)
+    T = _variation(k, y1, n_t, mscale(-1.0, turn), s_t, arm_t, madd(arm_t, y_turn), matmul(skew(k.rho), w), ZERO, ZERO)
+    rho_y = columns(sub(arm_y, k.a), ZERO)
+    S = _variation(k, y1, n_y, NO_MATRIX, s_y, columns(arm_y, ZERO), rho_y, NO_MATRIX, OF_Y, OF_PSI)
+    return X, T, S
+
+
+@njit
+def _variation(k, y1, n, a, s, arm, rho, z_turned, y, psi):
+    """The Variation from those of normal, axis, s, r c, rho, y and psi; ``z_turned`` is that of z by dR Omega."""
+    g = k.g
+    z = madd(madd(matmul(skew(k.omega), rho), z_turned), mscale(-y1, a))
+    swing = madd(mscale(-1.0, matmul(skew(k.z), n)), matmul(skew(g.n), z))
+    u = madd(z, madd(mscale(k.psi, swing), outer(cross(g.n, k.z), psi)))
+    lift = add(tmul(n, k.u), tmul(u, g.n))
+    across = madd(mscale(-1.0, matmul(skew(k.a), n)), matmul(skew(g.n), a))
+    aside = madd(mscale(k.y, across), outer(k.across, y))
+    v_C = madd(madd(u, outer(scale(-1.0, g.n), lift)), madd(mscale(-k.lift, n), mscale(-k.psi1, aside)))
+    w1 = add(scale(-1.0 / g.q, lift), scale(k.w1 * g.s / g.q**2, s))
+    return Variation(n, a, s, across, rho, y, psi, scale(-1.0, tmul(arm, g.c)), v_C, w1)
+
+
+@njit
+def by_velocities(k):
+    """Variations of the Patch ``k`` by v, inertial omega, and (dy/dt, dpsi/dt)."""
+    V = _by_velocity(k, EYE, NO_MATRIX)
+    W = _by_velocity(k, _with_psi(k, mscale(-1.0, skew(k.rho))), NO_MATRIX)
+    aside = columns(ZERO, scale(-k.y, k.across))
+    return V, W, _by_velocity(k, _with_psi(k, columns(scale(-1.0, k.a), ZERO)), aside)
+
+
+@njit
+def _with_psi(k, z):
+    """Q z for a matrix z."""
+    return madd(z, mscale(k.psi, matmul(skew(k.g.n), z)))
+
+
+@njit
+def _by_velocity(k, u, aside):
+    lift = tmul(u, k.g.n)
+    v_C = madd(madd(u, outer(scale(-1.0, k.g.n), lift)), aside)
+    no = NO_MATRIX
+    return Variation(no, no, ZERO, no, no, ZERO, ZERO, ZERO, v_C, scale(-1.0 / k.g.q, lift))
+
+
+@njit
+def add_patch_force(f, Rn, k, F, N):
+    """Add the force of the patch: F in the ground, N against it [N]. Returns G."""
+    G = sub(sub(F, scale(k.psi, cross(k.g.n, F))), scale(N, k.g.n))
+    add_vec(f, 0, 1.0, sub(F, scale(N, k.g.n)))
+    add_vec(f, 3, 1.0, tmul(Rn, cross(k.rho, G)))
+    f[Y] -= dot(k.a, G)
+    f[PSI] -= k.y * dot(k.across, F)
+    return G
+
+
+@njit
+def patch_column(k, F):
+    """What a force F (inertial, in the ground) does on x, theta (inertial) and (y, psi, 0)."""
+    G = sub(F, scale(k.psi, cross(k.g.n, F)))
+    return F, cross(k.rho, G), (-dot(k.a, G), -k.y * dot(k.across, F), 0.0)
+
+
+@njit
+def add_patch_tangent(A, j, n_columns, Rn, frame, k, F, N, G, dF, dN, d, moment):
+    """Add the derivatives of ``add_patch_force`` by three variables, to the ``n_columns`` of A from j on.
+
+    ``dF`` 3x3 and ``dN`` (3,) are those of F and N, ``d`` the Variation, ``frame`` turns the variables; ``moment``
+    3x3 is what the turning of the node itself adds.
+    """
+    n = k.g.n
+    dP = madd(dF, mscale(-1.0, madd(outer(n, dN), mscale(N, d.n))))
+    swing = madd(mscale(-1.0, matmul(skew(F), d.n)), matmul(skew(n), dF))
+    dG = madd(dP, madd(mscale(-k.psi, swing), outer(scale(-1.0, cross(n, F)), d.psi)))
+    turn = madd(madd(matmul(skew(k.rho), dG), mscale(-1.0, matmul(skew(G), d.rho))), moment)
+    side = add(tmul(d.a, G), tmul(dG, k.a))
+    yaw = add(scale(k.y, add(tmul(d.across, F), tmul(dF, k.across))), scale(dot(k.across, F), d.y))
+    _add(A, 0, j, 3, n_columns, matmul(dP, frame))
+    _add(A, 3, j, 3, n_columns, matmul(transpose(Rn), matmul(turn, frame)))
+    _add(A, Y, j, 2, n_columns, mscale(-1.0, matmul((side, yaw, ZERO), frame)))
+
+
+@njit
+def _add(A, i, j, n_rows, n_columns, B):
+    """A[i:i+n_rows, j:j+n_columns] += the first rows and columns of B."""
+    for r in range(n_rows):
+        row = B[r]
+        for c in range(n_columns):
+            A[i + r, j + c] += row[c]

@@ -1,0 +1,236 @@
+r"""Wheel that deforms radially, sideways and in torsion, and slips on the ground, at any lean and heading.
+
+Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Two unknowns of its own: the patch is
+displaced by y against the wheel plane (contact at x + r c - y a, on the ground) and turned by psi; with Q = 1 + psi
+hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced by y:
+
+    radial deformation   w = radius - r                  dw/dt = -n.(v + omega x rho - a dy/dt)/q
+    normal force         N = F_r(w, dw/dt)/q
+    patch velocity       v_C = (I - n n^T)[v + Q (omega x rho) - Q a dy/dt] - dpsi/dt y (n x a)
+    friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|
+    tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}            lateral_law.py
+
+v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling
+straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
+
+    x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G      psi: M - y (n x a).F_fr
+
+Upright this is the paper's (51) and the overturning moment y N about t, which it leaves out. Their power is F_fr.v_C +
+F_r dw/dt + F dy/dt + M dpsi/dt. The law stores the energy of the symmetric part of A0; the rest of its power counts as
+dissipated or, where negative (its unsymmetric part draws on the rolling), as given.
+
+In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
+from mecano.constraints.tire_patch import (
+    PSI,
+    Y,
+    add_patch_force,
+    add_patch_tangent,
+    by_positions,
+    by_velocities,
+    patch,
+)
+from mecano.contract import Event, Kind, record
+from mecano.elements.lateral_law import LATERAL_RECORD, Lateral, check_lateral, lateral_law, prepare_lateral, relax
+from mecano.elements.patch_outputs import FIELDS, OUTPUTS, limits, patch_sample, put_patch
+from mecano.elements.tire_law import (
+    TIRE_RECORD,
+    check_tire_law,
+    gripping,
+    prepare_tire_law,
+    radial_force,
+    speed_over_ground,
+)
+from mecano.maths.vec import (
+    EYE,
+    ZERO,
+    add,
+    add_vec,
+    dot,
+    madd,
+    mat,
+    mscale,
+    mul,
+    norm,
+    outer,
+    scale,
+    skew,
+    sub,
+    tmul,
+    vec,
+)  # fmt: skip
+
+AIR, CONTACT = 0, 1
+
+
+class Load(NamedTuple):
+    """Forces in the patch and their derivatives."""
+
+    radial: float  # F_r [N]
+    F_w: float
+    F_w1: float
+    N: float
+    F: tuple  # F_fr [N]
+    e: tuple  # direction of the slip, zero at rest
+    grip: float
+    b: float  # F_fr = N b v_C [s/m]
+    b1: float
+    b_u: float
+    v: tuple  # of the axle [m/s]
+    ahead: tuple  # its direction over the ground
+    law: Lateral
+
+
+@njit
+def load_of(p, laws, k, q, v):
+    """The Load of the Patch ``k``."""
+    radial, F_w, F_w1 = radial_force(p, laws, p.radius - k.g.r, k.w1)
+    slip, N = norm(k.v_C), radial / k.g.q
+    axle, ahead = speed_over_ground(k.g.n, vec(v, 0))
+    grip, b, b1, b_u = gripping(p, laws, slip, axle)
+    e = scale(1.0 / slip, k.v_C) if slip > 0.0 else ZERO
+    law = lateral_law(p, laws, (q[Y], q[PSI]), (v[Y], v[PSI]), N, axle)
+    return Load(radial, F_w, F_w1, N, scale(N * b, k.v_C), e, grip, b, b1, b_u, vec(v, 0), ahead, law)
+
+
+@njit
+def _add_block(A, j, n_columns, Rn, frame, k, load, G, d, d_speed, by_law, moment):
+    """Add the derivatives by one block of variables; ``by_law`` those of (F, M, turn) through y, psi or their rates."""
+    n, law = k.g.n, load.law
+    d_radial = add(scale(load.F_w, d.w), scale(load.F_w1, d.w1))
+    dN = add(scale(1.0 / k.g.q, d_radial), scale(load.N * k.g.s / k.g.q**2, d.s))
+    grown = add(scale(load.b, dN), scale(load.N * load.b_u, d_speed))
+    slid = madd(mscale(load.b, d.v_C), outer(scale(load.b1, load.e), tmul(d.v_C, load.e)))
+    dF = madd(outer(k.v_C, grown), mscale(load.N, slid))
+    aligned = madd(outer(scale(-1.0, n), by_law[2]), mscale(-law.turn, d.n))
+    add_patch_tangent(A, j, n_columns, Rn, frame, k, load.F, load.N, G, dF, dN, d, madd(moment, aligned))
+    side = tmul(frame, add(by_law[0], add(scale(law.F_N, dN), scale(law.F_u, d_speed))))
+    yaw = tmul(frame, add(by_law[1], add(scale(law.M_N, dN), scale(law.M_u, d_speed))))
+    for c in range(n_columns):
+        A[Y, j + c] += side[c]
+        A[PSI, j + c] += yaw[c]
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Forces of ground and tyre law, and their derivatives; see the contract."""
+    if mode == AIR:
+        relax(p, q, v, f, K, C, Y)
+        return
+    Rn = mat(R[0])
+    place = patch(p, laws, q, v, R)
+    load = load_of(p, laws, place, q, v)
+    law = load.law
+    G = add_patch_force(f, Rn, place, load.F, load.N)
+    add_vec(f, 3, -law.turn, tmul(Rn, place.g.n))
+    f[Y] += law.F
+    f[PSI] += law.M
+
+    none, nothing, b = (ZERO, ZERO, ZERO), (ZERO, ZERO, ZERO), p.aligning
+    by_q = ((law.F_q[0], law.F_q[1], 0.0), (law.M_q[0], law.M_q[1], 0.0), (b[0], b[1], 0.0))
+    by_v = ((law.F_v[0], law.F_v[1], 0.0), (law.M_v[0], law.M_v[1], 0.0), (b[2], b[3], 0.0))
+    turning = _turned(place, G, law.turn)
+    rise, frames = -dot(place.g.n, load.v), (EYE, Rn, EYE)
+    by_place, by_motion = by_positions(p, place, v[Y]), by_velocities(place)
+    laws_of_place, laws_of_motion = (nothing, nothing, by_q), (nothing, nothing, by_v)
+    moments, ahead = (none, turning, none), (load.ahead, ZERO, ZERO)
+    for i in range(3):
+        n_columns, d = 3 if i < 2 else 2, by_place[i]
+        climb = scale(rise, tmul(d.n, load.ahead))
+        _add_block(K, 3 * i, n_columns, Rn, frames[i], place, load, G, d, climb, laws_of_place[i], moments[i])
+        d = by_motion[i]
+        _add_block(C, 3 * i, n_columns, Rn, frames[i], place, load, G, d, ahead[i], laws_of_motion[i], none)
+
+
+@njit
+def _turned(k, G, turn):
+    """hat of the inertial moment on the node: what its material components change by when the node turns."""
+    return skew(sub(mul(skew(k.rho), G), scale(turn, k.g.n)))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Outputs and energies; see OUTPUTS and the contract."""
+    k = patch(p, laws, q, v, R)
+    load = load_of(p, laws, k, q, v)
+    put_patch(
+        p,
+        laws,
+        mode == CONTACT,
+        k,
+        q,
+        v,
+        load.radial,
+        scale(-1.0, load.F),
+        load.grip,
+        dot(load.F, k.v_C),
+        load.law,
+        y,
+        e,
+    )
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Write w for the touch-down, -w for the lift-off [m]."""
+    axis = mul(mat(R[0]), vec(p.axis, 0))
+    contact = touch(p, laws, sub(vec(q, 0), scale(q[Y], axis)), axis)
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the node's frame, ground, tyre law."""
+    axis = np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float)
+    return {
+        "axis": axis / np.linalg.norm(axis),
+        **prepare_ground(d["ground"], context),
+        **prepare_tire_law(d["tire_law"], context),
+        **prepare_lateral(d["tire_law"]["lateral"], context),
+    }
+
+
+def check(d, nodes):
+    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
+    law = d["tire_law"]
+    texts = check_ground(d["ground"]) + check_tire_law(law) + check_lateral(law["lateral"])
+    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
+
+
+def sample(rng):
+    """Large wheels that touch the ground from near the origin: plane, profile, slip, stick, air."""
+    return [
+        patch_sample(rng, *case) for case in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
+    ]
+
+
+FLEXIBLE_WHEEL = Kind(
+    name="flexible_wheel",
+    section="elements",
+    doc=__doc__,
+    dtype=record(**LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    layout=("x0", "R0"),
+    scalars=("lateral displacement", "torsion"),
+    relaxing=("lateral displacement", "torsion"),
+    fields=FIELDS,
+    outputs=OUTPUTS,
+    modes=("air", "contact"),
+    events=(
+        Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"),
+        Event("lift_off", "contact", "air", "the deformation returns to zero"),
+    ),
+    prepare=prepare,
+    check=check,
+    limits=limits,
+    force=force,
+    observe=observe,
+    event_values=event_values,
+    sample=sample,
+)

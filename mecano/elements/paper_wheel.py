@@ -1,0 +1,80 @@
+r"""Rigid wheel of Cardona, Geradin and Doan (1991) to the letter: for comparison, not for use.
+
+The small-inclination equations of section 3.2 of CMAME 89, kept as they stand however the wheel leans, on a plane:
+
+    (x - P).n - radius = 0           the centre keeps its height (18)
+    u.t = 0, u.l = 0                 the point x - radius n below the centre does not slip (22), (25)
+
+The contact does not move sideways over the rim as the wheel leans, so gravity does not tip the wheel: an upright
+thin disc wobbles with omega^2 = C (C + m r^2) n^2/(A (A + m r^2)) at any spin n and has no critical speed, whereas the
+exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of inertia about a diameter and the axis.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
+from mecano.constraints.ground import check_axle
+from mecano.constraints.held_coordinate import HELD_COORDINATE
+from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
+from mecano.contract import Kind, Part
+from mecano.maths.surface import directions, disc_contact
+from mecano.maths.vec import ZERO, dot, mat, mul, scale, vec
+
+HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
+    Rn, n = mat(R[0]), vec(p.normal, 0)
+    axis = mul(Rn, vec(p.axis, 0))
+    along, across = directions(axis, disc_contact(n, ZERO, p.radius, axis))
+    spin = dot(mul(Rn, vec(v, 3)), axis)
+    put_outputs(y, q, q[HEIGHT], q[DRIVING], q[LATERAL], (n, along, across), p.radius, scale(-p.radius, n), spin)
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the node's frame, radius, normal."""
+    normal = np.array(d["ground"]["plane"]["normal"], float)
+    return {"axis": carried_axis(d, nodes), "radius": d["radius"], "normal": normal / np.linalg.norm(normal)}
+
+
+def parts(d, nodes, context):
+    """The centre keeps its height, the point below it does not slip."""
+    p = prepare(d, nodes, context)
+    origin = np.array(d["ground"]["plane"]["point"], float) + d["radius"] * p["normal"]
+    height = {"direction": p["normal"], "origin": origin, "offset": 0.0, "law": 0}
+    return [Part(HELD_COORDINATE, (0,), height), Part(UPRIGHT_ROLLING, (0,), p)]
+
+
+def check(d, nodes):
+    """Texts on a ground that is no plane, a wheel that lies flat or starts below the ground."""
+    if d["ground"].get("profile"):
+        return ["the paper's wheel rolls on a plane only; use rigid_wheel on a ground with a profile"]
+    return check_axle(d["ground"], nodes[0][0], d["axis"])
+
+
+def sample(rng):
+    """A wheel that leans on a slope."""
+    normal = rng.normal(size=3)
+    normal /= np.linalg.norm(normal)
+    axis = np.cross(normal, rng.normal(size=3))
+    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+    return [({"radius": 8.0, "axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground}, 1, "")]
+
+
+PAPER_WHEEL = Kind(
+    name="paper_wheel",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    fields=FIELDS,
+    outputs=OUTPUTS,
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    sample=sample,
+)

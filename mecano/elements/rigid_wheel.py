@@ -1,0 +1,131 @@
+r"""Rigid wheel that rolls without slip, exact at any inclination and on any smooth ground.
+
+With the axis a = R a0, the contact C = x + r c, its normal n and q = |n - (n.a) a| of surface.py, and the velocity
+u = v + omega x r c of the wheel at C:
+
+    r - radius = 0                   it touches the ground; on a plane (18), (x - P).n - radius q = 0
+    u.t = 0, u.l = 0                 it does not slip (22), along t = a x n/q and l = n x t
+    a.n = 0                          with ``axle: level`` (19): the axle stays parallel to the plane of the ground
+
+Equation numbers are those of Cardona, Geradin and Doan, CMAME 89 (1991), whose wheel this is for small inclinations;
+here the contact moves over the rim as the wheel leans (``paper_wheel`` is theirs to the letter). The reactions are the
+radial force, N = F_r/q, the driving and the lateral force at C (24), and the moment that keeps the axle level.
+
+With ``unilateral`` the wheel leaves the ground when N falls to zero and comes down again without rebound: at
+the instant of touch-down the velocities jump to the nearest, by kinetic energy, that roll. The energy
+of this shock is lost.
+
+The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, touch
+from mecano.constraints.level_axis import LEVEL_AXIS
+from mecano.constraints.rolling import ROLLING
+from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.contract import Event, Kind, Part, record
+from mecano.maths.surface import directions
+from mecano.maths.vec import dot, mat, mul, scale, vec
+from mecano.schema import BOOLEAN, Field, choice
+
+RECORD = record(axis=3, radius=(), unilateral=(), **GROUND_RECORD)
+CONTACT, AIR = 0, 1
+RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
+
+OPTIONS = (
+    Field("axle", choice("free", "level"), "-", "free to lean, or kept parallel to the plane of the ground", "free"),
+    Field("unilateral", BOOLEAN, "-", "whether it may leave the ground", False),
+)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
+    Rn = mat(R[0])
+    axis = mul(Rn, vec(p.axis, 0))
+    g = touch(p, laws, vec(q, 0), axis)
+    along, across = directions(axis, g)
+    arm = scale(p.radius if mode == AIR else g.r, g.c)
+    spin = dot(mul(Rn, vec(v, 3)), axis)
+    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Depth of the rim below the ground [m] for the touch-down, -F_r [N] for the lift-off."""
+    g[:] = -1.0
+    if p.unilateral == 0.0:
+        return
+    if mode == AIR:
+        g[0] = p.radius - touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0))).r
+    else:
+        g[1] = -q[RADIAL]
+
+
+def prepare(d, nodes, context):
+    """Record: that of the parts, and whether it may lift off."""
+    return {**disc_record(d, nodes, context), "unilateral": float(d["unilateral"])}
+
+
+def parts(d, nodes, context):
+    """It touches, does not slip, and keeps its axle level if asked."""
+    disc = disc_record(d, nodes, context)
+    found = [Part(ROLLING_RADIUS, (0,), disc), Part(ROLLING, (0,), disc)]
+    if d["axle"] == "level":
+        found.append(Part(LEVEL_AXIS, (0,), {"axis": disc["axis"], "normal": disc["normal"]}))
+    return found
+
+
+def check(d, nodes):
+    """Texts on an unusable ground, a wheel that lies flat or starts below the ground."""
+    texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
+    if d["axle"] == "level" and d["unilateral"]:
+        texts.append("'axle' must not be level in a wheel that may leave the ground")
+    return texts
+
+
+def sample(rng):
+    """Wheels that lean on a slope and on waves, one level, one in the air."""
+    wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    found = []
+    for profile, axle, unilateral, mode in (
+        (None, "free", False, "contact"), (wave, "free", True, "contact"), (None, "level", False, "contact"),
+        (wave, "free", True, "air"),
+    ):  # fmt: skip
+        normal = rng.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        axis = np.cross(normal, rng.normal(size=3))
+        ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+        if profile:
+            ground["profile"] = {"direction": rng.normal(size=3), "height": profile}
+        values = {
+            "radius": 8.0, "axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground, "axle": axle,
+            "unilateral": unilateral,
+        }  # fmt: skip
+        found.append((values, 1, mode))
+    return found
+
+
+RIGID_WHEEL = Kind(
+    name="rigid_wheel",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    fields=(*FIELDS, *OPTIONS),
+    outputs=OUTPUTS,
+    modes=("contact", "air"),
+    events=(
+        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock"),
+        Event("lift_off", "contact", "air", "the normal force falls to zero"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    event_values=event_values,
+    sample=sample,
+)

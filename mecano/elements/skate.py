@@ -1,0 +1,84 @@
+r"""Skate: a blade, or a wheel that turns freely, that moves along itself only.
+
+At its node, where it touches the ground, the velocity across the blade is zero,
+
+    v.l = 0,   l = (a - s n)/q,   s = n.a,
+
+with the direction a across the blade, carried by the node, laid into the plane of the ground. The reaction is the
+force on the blade along l. Nothing keeps the node on the ground, and the blade may turn about any axis.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.blade import BLADE, RECORD
+from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import check_axle
+from mecano.contract import Kind, Output, Part
+from mecano.maths.surface import directions, disc_contact
+from mecano.maths.vec import ZERO, dot, mat, mul, put, scale, vec
+from mecano.schema import DIRECTION, GROUND, NODE, Field
+
+LATERAL = 6  # multiplier of the part, behind the own unknowns
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reaction and speed."""
+    axis = mul(mat(R[0]), vec(p.axis, 0))
+    along, across = directions(axis, disc_contact(vec(p.normal, 0), ZERO, 0.0, axis))
+    y[0] = q[LATERAL]
+    put(y, 1, scale(q[LATERAL], across))
+    y[4] = dot(along, vec(v, 0))
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the node's frame, normal."""
+    normal = np.array(d["ground"]["plane"]["normal"], float)
+    return {"axis": carried_axis(d, nodes), "normal": normal / np.linalg.norm(normal)}
+
+
+def parts(d, nodes, context):
+    """No velocity across the blade."""
+    return [Part(BLADE, (0,), prepare(d, nodes, context))]
+
+
+def check(d, nodes):
+    """Texts on a ground that is no plane, or a blade that lies flat."""
+    if d["ground"].get("profile"):
+        return ["a skate moves on a plane only"]
+    point = np.array(d["ground"]["plane"]["point"]) + np.array(d["ground"]["plane"]["normal"])
+    return check_axle(d["ground"], point, d["axis"])
+
+
+def sample(rng):
+    """A leaning blade on a slope."""
+    normal = rng.normal(size=3)
+    normal /= np.linalg.norm(normal)
+    axis = np.cross(normal, rng.normal(size=3))
+    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+    return [({"axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground}, 1, "")]
+
+
+SKATE = Kind(
+    name="skate",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    fields=(
+        Field("node", NODE, "-", "where the blade touches the ground"),
+        Field("axis", DIRECTION, "-", "direction across the blade at the start, inertial; forward is axis x normal"),
+        Field("ground", GROUND, "-", "plane it moves on"),
+    ),
+    outputs=(
+        Output("lateral_force", "N", "force of the ground on the blade along l"),
+        Output("contact_force", "N", "the same, inertial", (3,)),
+        Output("speed", "m/s", "velocity of the node along the blade, t = a x n/|a x n|"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,110 @@
+"""Curves that are mostly heights of roads: a bump, and a random road of given spectrum."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
+
+
+@njit
+def bump(a, i, s):
+    """Numbers: start, length, height."""
+    w, k = s - a[i], 2.0 * math.pi / a[i + 1]
+    if w <= 0.0 or w >= a[i + 1]:
+        return 0.0, 0.0, 0.0
+    half = 0.5 * a[i + 2]
+    return half * (1.0 - math.cos(k * w)), half * k * math.sin(k * w), half * k * k * math.cos(k * w)
+
+
+@njit
+def bump_integral(a, i, s):
+    """Antiderivative, zero before the bump."""
+    w, k = min(max(s - a[i], 0.0), a[i + 1]), 2.0 * math.pi / a[i + 1]
+    return 0.5 * a[i + 2] * (w - math.sin(k * w) / k)
+
+
+@njit
+def waves(a, i, s):
+    """Numbers: how many; of each its amplitude, angular frequency, phase."""
+    y, d, h = 0.0, 0.0, 0.0
+    for j in range(int(a[i])):
+        A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
+        c, s_ = math.cos(w * s + phase), math.sin(w * s + phase)
+        y, d, h = y + A * c, d - A * w * s_, h - A * w * w * c
+    return y, d, h
+
+
+@njit
+def waves_integral(a, i, s):
+    """Antiderivative, zero at s = 0."""
+    total = 0.0
+    for j in range(int(a[i])):
+        A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
+        total += A / w * (math.sin(w * s + phase) - math.sin(phase))
+    return total
+
+
+def pack_random(values):
+    """Waves at the middles of bands that grow in proportion, each with the mean square of its band; random phases."""
+    low, high, n = values["lowest"], values["highest"], values["waves"]
+    edges = low * (high / low) ** (np.arange(n + 1) / n)
+    frequency = np.sqrt(edges[:-1] * edges[1:])
+    square = values["density"] * (frequency / values["reference"]) ** -values["exponent"] * np.diff(edges)
+    phase = np.random.default_rng(values["seed"]).uniform(0.0, 2.0 * math.pi, n)
+    return [n, *np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1).ravel()]
+
+
+def check_random(values):
+    """Check: a range of frequencies."""
+    return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
+
+
+def some(number):
+    """Check: from 1 to 2000."""
+    return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
+
+
+BUMP_FIELDS = (
+    Field("start", NUMBER, ARGUMENT, "where the bump begins"),
+    Field("length", NUMBER, ARGUMENT, "its length", check=positive),
+    Field("height", NUMBER, VALUE, "its height; negative for a dip"),
+)
+BUMP = Term(
+    name="bump",
+    doc="A single bump y = (height/2) (1 - cos(2 pi (s - start)/length)), zero outside; without corners.",
+    role="curve",
+    fields=BUMP_FIELDS,
+    pack=numbers_of(BUMP_FIELDS),
+    evaluate=bump,
+    integral=bump_integral,
+    breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
+)
+
+PER_ARGUMENT = "1 / unit of the argument"
+RANDOM = Term(
+    name="random",
+    doc=(
+        "A random road: a sum of cosines whose power spectral density is G(n) = density (n/reference)^-exponent for "
+        "frequencies n from 'lowest' to 'highest' (ISO 8608: reference 0.1/m, exponent 2), the same for the same seed."
+    ),
+    role="curve",
+    fields=(
+        Field(
+            "density", NUMBER, "(unit of the value)^2 unit of the argument", "one-sided density at 'reference'",
+            check=not_negative,
+        ),
+        Field("reference", NUMBER, PER_ARGUMENT, "frequency at which the density is given, in waves", 0.1, positive),
+        Field("exponent", NUMBER, "-", "how the density falls with the frequency", 2.0),
+        Field("lowest", NUMBER, PER_ARGUMENT, "lowest frequency", 0.011, positive),
+        Field("highest", NUMBER, PER_ARGUMENT, "highest frequency", 2.83, positive),
+        Field("waves", INTEGER, "-", "how many cosines", 100, some),
+        Field("seed", INTEGER, "-", "chooses the phases", 1, not_negative),
+    ),
+    pack=pack_random,
+    evaluate=waves,
+    integral=waves_integral,
+    check=check_random,
+)  # fmt: skip

@@ -1,0 +1,333 @@
+"""The wheel whose patch gives way sideways and in torsion: shimmy, relaxation, touch-down; roads and brakes.
+
+Reference b1_shimmy: a trailing wheel with Moreland's tyre, characteristic polynomial
+(I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1 + C1 s); roots found a second way to 1e-9.
+"""
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+from scipy.optimize import brentq
+from small_motions import eigenvalues
+
+from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
+from mecano.elements.lateral_law import check_lateral, matrices
+from mecano.laws.probe import curve_at
+
+# (c, k, D, C1): speed -> eigenvalues with positive or no imaginary part; I = 1, L = 0.1, K = 2e5, C = 1/6e4
+UNDAMPED = (
+    (0.0, 0.0, 0.0, 0.0),
+    {
+        1.0: [-9.700433047915645, 3.1835498572911582 + 45.2949073825838j],
+        20.0: [-92.10422194845353, 12.718777640893416 + 64.66172695514139j],
+        80.0: [-279.9392779163, 6.636305624816851 + 75.30926010086841j],
+    },
+)
+DAMPED = (
+    (20.0, 0.0, 0.0, 0.0),
+    {
+        1.0: [-10.350423679338075, -6.491454826997639 + 43.475844619584954j],
+        20.0: [-95.57801859820677, 4.455675965770043 + 64.53843541386249j],
+        80.0: [-280.8407513207005, -2.9129576729830413 + 75.4234285088978j],
+    },
+)
+MORELAND = (
+    (4.0, 50000.0, 0.0, 0.001),
+    {
+        1.0: [-996.6618613422507, -3.601335116943836, -1.8684017704026559 + 228.0410971577739j],
+        40.0: [-841.8357905390401, -165.95183211876565, 1.8938113289024443 + 231.17671652377732j],
+        80.0: [-503.6245817100345 + 130.9767769489729j, 1.624581710034514 + 234.82782870661936j],
+    },
+)
+
+
+def caster(V, c=20.0, k=0.0, D=0.0, C1=0.0, kind="adhesive_wheel", eps=0.01, kap=1.0e4):
+    """Overrides of caster_shimmy.yaml for straight running at V [m/s]."""
+    law = f"{{spring: {{stiffness: {k}}}, damper: {{coefficient: {c}}}}}"
+    constants = (
+        f"lateral_stiffness: 2.0e5, yaw_coefficient: {1 / 6e4!r}, lateral_damping: {D}, yaw_time: {C1}, "
+        f"torsional_stiffness: {kap}"
+    )
+    return (
+        f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", "parameters.swing=0",
+        f"elements.damper.law={law}", f"elements.tire.type={kind}", f"tire_laws.rubber.slip_regularization={eps!r}",
+        f"tire_laws.rubber.lateral={{moreland: {{{constants}}}}}",
+    )  # fmt: skip
+
+
+def shimmy(*arguments, **values):
+    """Eigenvalues of small motions, those with negative imaginary part and free motions left out."""
+    found = eigenvalues(input_deck("caster_shimmy", *caster(*arguments, **values)), largest=1e4)
+    return found[(found.imag > -1e-9) & (abs(found) > 1e-6)]
+
+
+@pytest.mark.parametrize("case", [UNDAMPED, DAMPED, MORELAND], ids=["undamped", "damped", "moreland"])
+def test_eigenvalues_of_the_trailing_wheel(case):
+    (c, k, D, C1), table = case
+    for V, expected in table.items():
+        found = np.sort_complex(shimmy(V, c, k, D, C1))
+        np.testing.assert_allclose(found, np.sort_complex(np.array(expected, complex)), rtol=1e-8)
+
+
+def test_torsional_stiffness_does_not_matter_in_free_rolling():
+    for kap in (1e3, 1e5):
+        found = shimmy(20.0, 4.0, 5e4, 300.0, 1e-3, kap=kap)
+        I, L, K, D, C, C1, V = 1.0, 0.1, 2e5, 300.0, 1 / 6e4, 1e-3, 20.0
+        left = np.polymul([I, 4.0, 5e4], [C1, 1 + V * C * D, V * C * K])
+        right = L * np.polymul(np.polymul([D, K], [L, V]), [C1, 1.0])
+        roots = np.roots(np.polyadd(left, right))
+        np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(roots[roots.imag > -1e-9]), rtol=1e-8)
+
+
+@pytest.mark.slow
+def test_critical_speeds():
+    def growth(V):
+        return shimmy(V).real.max()
+
+    for low, high, expected in ((3.0, 4.0, 3.5692509722800376), (50.0, 51.0, 50.430749027719955)):
+        assert brentq(growth, low, high, xtol=1e-9) == pytest.approx(expected, rel=1e-6)
+
+
+def test_creep_shifts_the_eigenvalues_as_the_regularization():
+    exact = 4.455675965770043 + 64.53843541386249j
+    shifts = [abs(shimmy(20.0, kind="flexible_wheel", eps=eps)[-2:] - exact).min() for eps in (1e-1, 1e-2, 1e-3)]
+    assert shifts[0] / shifts[1] == pytest.approx(10.0, rel=0.2)
+    assert shifts[1] / shifts[2] == pytest.approx(10.0, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["adhesive_wheel", "flexible_wheel"])
+def test_growth_of_shimmy_in_time(kind):
+    """Growth rate and frequency of a small swing, to 1 percent."""
+    march = March(input_deck("caster_shimmy", f"elements.tire.type={kind}", "time.step=5e-4", "time.end=0.6",
+                             "tire_laws.rubber.slip_regularization=1e-4"))  # fmt: skip
+    angle = march["joints/caster/angle"]
+    peaks = [i for i in range(1, len(angle) - 1) if angle[i - 1] < angle[i] >= angle[i + 1] and march.time[i] > 0.1]
+    rate = np.polyfit(march.time[peaks], np.log(angle[peaks]), 1)[0]
+    assert rate == pytest.approx(4.455675965770043, rel=0.01)
+    assert 2 * np.pi / np.diff(march.time[peaks]).mean() == pytest.approx(64.538, rel=0.01)
+
+
+def test_the_lateral_force_builds_up_over_the_relaxation_length():
+    march = March(input_deck("step_steer", "tire_laws.rubber.slip_regularization=1e-3"))
+    force = march["elements/tire/tire_force"]
+    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
+    assert np.abs(np.abs(force) - expected).max() < 5e-3 * 1200.0
+    assert np.abs(force[-1]) == pytest.approx(expected[-1], rel=2e-3)
+    assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/kinetic"][0]
+
+
+DROP = """
+    mecano: 1
+    nodes:
+      hub: {{position: [0, 0, 0.33]}}
+    elements:
+      rim: {{type: rigid_body, node: hub, mass: 20.0, inertia: [0.6, 1.0, 0.6]}}
+      tire: {{type: {kind}, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}}
+    tire_laws:
+      rubber:
+        radius: 0.3
+        radial: {{polynomial: {{coefficients: [0, 2.0e5, 5.0e5]}}}}
+        friction: {{exponential: {{start: 0.8, limit: 0.4, rate: 0.05}}}}
+        friction_by_speed: {{exponential: {{start: 1.0, rate: 0.01}}}}
+        slip_regularization: 0.2
+        radial_damping: 0.1
+        {lateral}
+    grounds:
+      road:
+        plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}
+        profile: {{direction: [1, 0, 0], height: {{random: {{density: {rough}, highest: 0.5}}}}}}
+    initial:
+      velocities: [{{nodes: [hub], velocity: [20, 1, 0], angular_velocity: [0, 50, 0]}}]
+    time: {{end: 0.3, step: {step}, {control}}}
+"""
+MORELAND_LAW = "lateral_stiffness: 1.0e5, lateral_damping: 500, yaw_coefficient: 3.0e-5, yaw_time: 2.0e-3"
+LATERAL = f"lateral: {{moreland: {{{MORELAND_LAW}}}}}"
+
+
+def drop(kind="flexible_wheel", rough=0.0, step=2e-4, control="rho_inf: 0.8", lateral=LATERAL):
+    return March(deck(DROP.format(kind=kind, rough=rough, step=step, control=control, lateral=lateral)))
+
+
+def test_energy_across_touch_down_slip_and_lift_off():
+    """Dropped spinning on rough ground and sideways: the budget closes at second order."""
+    leaks = []
+    for step in (2e-4, 1e-4, 5e-5):
+        march = drop(rough=1e-5, step=step)
+        assert [h.name for h in march.happenings][:2] == ["touch_down", "lift_off"]
+        leaks.append(np.ptp(march["energy/balance"]))
+    assert leaks[2] < leaks[1] < leaks[0]
+    assert leaks[2] < 1e-4 * march["energy/total"][0]
+
+
+def test_y_and_psi_relax_in_the_air():
+    """dy/dt = -(K/D) y; M = 0 likewise with F = 0: dpsi/dt = -psi/C1."""
+    march = drop(step=5e-5)
+    up = next(h.t for h in march.happenings if h.name == "lift_off")
+    later = (march.time > up) & (march.time < up + 0.006)
+    y, psi, t = (v[later] for v in (march["elements/tire/y"], march["elements/tire/psi"], march.time))
+    assert abs(y[0]) > 1e-4
+    np.testing.assert_allclose(y / y[0], np.exp(-(1e5 / 500) * (t - t[0])), atol=2e-3)
+    np.testing.assert_allclose(psi / psi[0], np.exp(-(t - t[0]) / 2e-3), atol=5e-3)
+
+
+def test_an_adhesive_wheel_is_spun_up_at_once():
+    march = drop("adhesive_wheel", step=1e-4)
+    touching = march["elements/tire/normal_force"] > 0.0
+    for name in ("longitudinal_slip", "lateral_slip"):
+        assert np.abs(march[f"elements/tire/{name}"][touching]).max() < 1e-9
+    before, after = (march["elements/tire/spin_rate"][i] for i in (0, np.argmax(touching)))
+    assert before == pytest.approx(50.0) and after == pytest.approx(50 + 0.3 * 5 / (1 / 20 + 0.3**2), abs=0.05)
+
+
+def test_moreland_and_relaxation_are_cases_of_the_matrices():
+    none = {"matrices": None, "moreland": None, "relaxation": None}
+    moreland = {"lateral_stiffness": 2e5, "lateral_damping": 3.0, "yaw_coefficient": 1e-5, "yaw_time": 0.1,
+                "torsional_stiffness": 50.0}  # fmt: skip
+    A0, A1 = matrices({**none, "moreland": moreland})
+    np.testing.assert_allclose(A0, [[2e5, 0.0], [-100.0, 50.0]])
+    np.testing.assert_allclose(A1, [[3.0, 0.0], [-1.5e-3, 5.0]])
+    relaxation = {"cornering_stiffness": 6e4, "relaxation_length": 0.3, "torsional_stiffness": 1e4}
+    A0, A1 = matrices({**none, "relaxation": relaxation})
+    np.testing.assert_allclose(A0, [[2e5, 0.0], [-2e5 / 6, 1e4]])
+    assert not A1.any()
+
+
+def test_what_cannot_be_is_refused():
+    none = {"matrices": None, "moreland": None, "relaxation": None}
+    grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
+    singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
+    assert "no 'lateral' law" in check_lateral(None)[0]
+    assert "one of" in check_lateral(none)[0]
+    assert "grow in the air" in check_lateral({**none, "matrices": grows})[0]
+    assert "singular" in check_lateral({**none, "matrices": singular})[0]
+
+
+def test_warnings_name_what_is_exceeded():
+    for values, _, _ in FLEXIBLE_WHEEL.sample(np.random.default_rng(1)):
+        tire_law = {**values["tire_law"], "valid_deformation": 0.12}
+        limits = FLEXIBLE_WHEEL.limits({**values, "tire_law": tire_law})
+        assert [(name, value) for name, value, _ in limits] == [("deformation", 0.12), ("divergence", 1.0)]
+
+
+def test_friction_falls_with_the_speed_of_the_axle():
+    """mu_0 exp(-kappa u): a sliding wheel that does not turn slows down by v' = -g mu_0 exp(-kappa v)."""
+    text = """
+        mecano: 1
+        nodes:
+          hub: {position: [0, 0, 0.2999019]}
+        elements:
+          rim: {type: rigid_body, node: hub, mass: 20.0, inertia: [1, 1, 1]}
+          tire: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+        joints:
+          upright: {type: held_rotation, nodes: [ground, hub]}
+        tire_laws:
+          rubber:
+            radius: 0.3
+            radial: {linear: {slope: 2.0e6}}
+            friction: 0.6
+            friction_by_speed: {exponential: {start: 1.0, rate: 0.05}}
+            slip_regularization: 0.1
+        grounds:
+          road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+        initial:
+          velocities: [{nodes: [hub], velocity: [20, 0, 0]}]
+        time: {end: 2.0, step: 2.0e-3}
+        """
+    march = March(deck(text))
+    expected = np.log(np.exp(0.05 * 20.0) - 0.05 * 0.6 * 9.81 * march.time) / 0.05
+    np.testing.assert_allclose(march["nodes/hub/velocity"][:, 0], expected, rtol=1e-5)
+
+
+def test_a_brake_keeps_its_bound_and_holds_a_stopped_wheel():
+    text = """
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes:
+          post: {position: [0, 0, 0], fixed: true}
+          hub: {position: [0, 0, 0]}
+        elements:
+          rim: {type: rigid_body, node: hub, mass: 1, inertia: [1, 2.0, 1]}
+        joints:
+          bearing: {type: hinge, nodes: [post, hub], axis: [0, 1, 0]}
+        loads:
+          drive: {type: couple, nodes: [post, hub], axis: [0, 1, 0], value: 5.0}
+          brake:
+            {type: brake, nodes: [post, hub], axis: [0, 1, 0], torque: 40.0, bound: 25.0, rate_regularization: 0.01}
+        initial:
+          velocities: [{nodes: [hub], angular_velocity: [0, 10, 0]}]
+        time: {end: 2.0, step: 1.0e-3}
+        """
+    march = March(deck(text))
+    torque, rate = march["loads/brake/torque"], march["loads/brake/rate"]
+    least = 0.5 * (65 - np.sqrt(15**2 + 4 * 0.02**2 * 1000))  # the smaller of 40 and 25 N m, smooth
+    assert torque.max() == pytest.approx(least, rel=1e-9) and 24.9 < least < 25.0
+    moving = march.time < 0.9
+    np.testing.assert_allclose(rate[moving], 10 - (least - 5.0) / 2.0 * march.time[moving], rtol=1e-7)
+    # creeps at the rate whose friction balances 5 N m: T x (2 - x) = 5
+    x = 1 - np.sqrt(1 - 5.0 / least)
+    assert rate[-1] == pytest.approx(0.01 * x, rel=1e-6) and torque[-1] == pytest.approx(5.0, rel=1e-6)
+
+
+def test_the_random_road_has_its_spectrum():
+    """Mean square of ISO 8608's density G = G0 (n/n0)^-2 over the waves: G0 n0^2 (1/n1 - 1/n2); the seed decides."""
+    values = {"density": 64e-6, "reference": 0.1, "exponent": 2.0, "lowest": 0.011, "highest": 2.83, "waves": 200}
+    values["seed"] = 3
+    road = (("random", values),)
+    s = np.linspace(0.0, 4000.0, 20001)
+    height = np.array([curve_at(road, x)[0] for x in s[::10]])
+    assert np.mean(height**2) == pytest.approx(64e-6 * 0.01 * (1 / 0.011 - 1 / 2.83), rel=0.1)
+    same, other = (curve_at((("random", {**values, "seed": seed}),), 1.0)[0] for seed in (3, 4))
+    assert same == curve_at(road, 1.0)[0] != other
+
+
+LANDING = [0.0, 469064.3846532291, 19244229.974871956, -219455084.02402905, 843323797.0102023]
+LANDING_FORCE = {0.02: 15640.085902495546, 0.06: 60326.04562391141, 0.10: 105012.00534532724, 0.12: 127354.98520603517}
+
+
+def test_the_quartic_of_the_landing_gear_tyre():
+    """c1_landing: a surrogate of Smiley & Horne's curve, to 1.4 percent, up to 0.12 m; it warns beyond."""
+    law = (("polynomial", {"coefficients": LANDING}),)
+    for w, F in LANDING_FORCE.items():
+        assert curve_at(law, w)[0] == pytest.approx(F, rel=0.03)
+    assert all(curve_at(law, w)[1] > 0.0 for w in np.linspace(0.0, 0.12, 25))
+
+
+def test_a_wheel_at_rest_under_braking_stays():
+    """A flexible wheel rolls to a stop under a brake and stays: no drift, energy closed."""
+    text = """
+        mecano: 1
+        nodes:
+          leg: {position: [0, 0, 0.3]}
+          hub: {position: [0, 0, 0.3]}
+        elements:
+          load: {type: rigid_body, node: leg, mass: 90, inertia: [10, 10, 10]}
+          rim: {type: rigid_body, node: hub, mass: 10, inertia: [0.2, 0.4, 0.2]}
+          tire: {type: flexible_wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+        joints:
+          upright: {type: held_rotation, nodes: [ground, leg]}
+          bearing: {type: hinge, nodes: [leg, hub], axis: [0, 1, 0]}
+        loads:
+          brake: {type: brake, nodes: [leg, hub], axis: [0, 1, 0], torque: 100}
+        tire_laws:
+          rubber:
+            radius: 0.301
+            radial: {linear: {slope: 9.81e5}}
+            friction: 0.8
+            slip_regularization: 0.05
+            radial_damping: 1.0
+            lateral:
+              moreland: {lateral_stiffness: 1.0e5, lateral_damping: 100, yaw_coefficient: 3.0e-5, yaw_time: 1e-3}
+        grounds:
+          road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+        initial:
+          velocities:
+            - {nodes: all, velocity: [3, 0, 0]}
+            - {nodes: [hub], angular_velocity: [0, 10, 0]}
+        time: {end: 1.5, step: 1.0e-3, adaptive: {tolerance: 1.0e-4}}
+        """
+    march = March(deck(text))
+    v = march["nodes/leg/velocity"][:, 0]
+    decel = 100 / 0.3 / (100 + 0.4 / 0.09)
+    i = np.searchsorted(march.time, 0.5)
+    assert v[i] == pytest.approx(3.0 - decel * march.time[i], rel=0.02)
+    assert abs(v[-1]) < 1e-3 and np.ptp(march["energy/balance"]) < 1e-3 * march["energy/kinetic"][0]

@@ -1,0 +1,362 @@
+"""Rolling without slip: rigid wheel, the wheel of the paper, skate; constraints on velocities in the solver.
+
+References: a1_rolling_disc (a thin disc, from three quasi-velocity equations and again from Newton-Euler equations with
+multipliers, to 1e-9), a3_a4 (Chaplygin's sleigh, closed form; braking), a6 (the paper's equations taken literally).
+"""
+
+import numpy as np
+import pytest
+from convergence import at_times, check_second_order
+from marching import March, deck, input_deck
+from scipy.optimize import brentq
+from small_motions import eigenvalues
+
+TIMES = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
+CENTRE = [
+    [0.9624148165043946, 0.3331484723178318, 0.30556510781523577],
+    [1.6751455383002716, 1.0253372968729695, 0.3038575940659686],
+    [1.9503266230011491, 1.9805650581997196, 0.3111851238303117],
+    [1.7258423673230077, 2.94932980797236, 0.3074697694084281],
+    [1.0546031802571636, 3.6819235700789, 0.30270815581234184],
+    [0.10744479253345018, 3.983043524829879, 0.31023395893100997],
+    [-0.8668737122851882, 3.783629443060484, 0.309224725646207],
+    [-1.6184365870566735, 3.133489571173387, 0.30238412078289073],
+]
+CONTACT = [
+    [1.0192477490099334, 0.24708900062131137],
+    [1.7646817037091078, 0.9648386389347758],
+    [2.0348666084873646, 1.9757630210586674],
+    [1.8082302119737943, 3.0011065783788453],
+    [1.117001247262459, 3.7740132200874306],
+    [0.11700482783506012, 4.070620613449131],
+    [-0.9128516775704492, 3.8628275854456144],
+    [-1.7114683180098424, 3.1960610545681036],
+]
+REACTION = [
+    [-1.1377592778916468, 1.810796577920909, 9.894950362809205],
+    [-1.8721907715619055, 1.212892419547684, 10.055933611808715],
+    [-1.8746079203941621, 0.09901511643347642, 9.536021838548116],
+    [-1.7514125125398263, -1.0520297438938548, 9.741560525991432],
+    [-1.268370315012806, -1.9143748384547026, 10.175817917584352],
+    [-0.1900892928435541, -1.9078725967460026, 9.575312538762327],
+    [0.9607919006133911, -1.7101640236358742, 9.627547970000489],
+    [1.918990039080964, -1.2957539006360832, 10.211211845137548],
+]
+
+
+def test_a_disc_released_leaning_converges_to_the_reference():
+    """Centre, contact and reactions, multipliers of constraints on velocities among them, at second order."""
+    quantities = (
+        ("nodes/centre/position", CENTRE, 1e-6),
+        ("elements/rim/contact_force", REACTION, 2e-6),
+    )
+    marches = [March(input_deck("rolling_disc", f"time.step={h}")) for h in (2e-3, 1e-3)]
+    for path, reference, left in quantities:
+        coarse, fine = (at_times(march, march[path], TIMES) for march in marches)
+        check_second_order(coarse, fine, reference, left)
+    contact = [at_times(march, march["elements/rim/contact_point"][:, :2], TIMES) for march in marches]
+    check_second_order(*contact, CONTACT, 1e-6)
+    leaks = [np.ptp(march["energy/total"]) for march in marches]
+    assert leaks[0] / leaks[1] == pytest.approx(4.0, abs=0.1) and leaks[1] < 2e-6
+
+
+def test_reactions_are_of_second_order_from_the_first_step_on():
+    """Errors of the first eight steps fall fourfold with the step, each against its own; a fine run as reference."""
+    fine = March(input_deck("rolling_disc", "time.step=1.25e-4", "time.end=0.032"))
+    errors = []
+    for h in (4e-3, 2e-3):
+        march = March(input_deck("rolling_disc", f"time.step={h}", "time.end=0.032"))
+        times = np.arange(1, 9) * h
+        reaction = [at_times(m, m["elements/rim/contact_force"], times) for m in (march, fine)]
+        errors.append(np.linalg.norm(reaction[0] - reaction[1], axis=1))
+    assert errors[0].max() / errors[1].max() == pytest.approx(4.0, abs=0.1)
+
+
+def test_reactions_stay_of_second_order_with_steps_that_change():
+    """Adaptive steps, which change by factors up to two: errors follow the square of the step, as positions do."""
+    errors = []
+    for tolerance in (1e-3, 1e-5):
+        step = f"time={{end: 4.0, step: 1e-3, adaptive: {{tolerance: {tolerance}}}}}"
+        march = March(input_deck("rolling_disc", step))
+        i = np.searchsorted(march.time, 4.0 - 1e-9)
+        errors.append(
+            [
+                np.abs(march["nodes/centre/position"][i] - CENTRE[-1]).max(),
+                np.abs(march["elements/rim/contact_force"][i] - REACTION[-1]).max(),
+            ]
+        )
+    (x0, f0), (x1, f1) = errors
+    assert x1 < 1e-4 and f1 < 3e-4
+    assert f0 / f1 > 0.3 * x0 / x1  # reactions converge as the positions do
+
+
+UPRIGHT = """
+    mecano: 1
+    nodes:
+      centre: {{position: [0, 0, 0.3225]}}
+    elements:
+      disc: {{type: rigid_body, node: centre, mass: 1.0, inertia: [0.0260015625, 0.052003125, 0.0260015625]}}
+      rim: {{type: {kind}, node: centre, radius: 0.3225, axis: [0, 1, 0], ground: floor}}
+    grounds:
+      floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+    initial:
+      velocities: [{{nodes: [centre], velocity: [{v}, 0, 0], angular_velocity: [0, {w}, 0]}}]
+    time: {{end: 1.0, step: 1.0e-3}}
+"""
+
+
+def upright(kind, v):
+    """Eigenvalues of a thin disc that rolls upright at v [m/s]."""
+    return eigenvalues(deck(UPRIGHT.format(kind=kind, v=v, w=v / 0.3225)))
+
+
+def test_wobble_of_the_upright_disc():
+    """omega^2 = (12/5) (v/r)^2 - (4/5) g/r; falls below v^2 = g r/3."""
+    assert abs(upright("rigid_wheel", 2.0)[-1].imag) == pytest.approx(8.244225954135265, rel=1e-9)
+    slow, fast = (upright("rigid_wheel", 1.0269250216057646 * factor)[-2:] for factor in (0.999, 1.001))
+    assert slow.real.max() > 0.1 and abs(slow.imag).max() < 1e-6
+    assert abs(fast.real).max() < 1e-6 and abs(fast.imag).max() > 0.1
+
+
+def test_the_wheel_of_the_paper_has_no_critical_speed():
+    """omega = sqrt(C (C + m r^2)/(A (A + m r^2))) v/r at any speed (a6)."""
+    for v, omega in ((2.0, 9.607400548731578), (5.0, 24.018501371828943), (0.5, 9.607400548731578 / 4)):
+        assert abs(upright("paper_wheel", v)[-1].imag) == pytest.approx(omega, rel=1e-9)
+
+
+def test_the_paper_disc_wobbles_in_time():
+    march = March(input_deck("paper_disc"))
+    rate = march["nodes/centre/angular_velocity"][:, 2]
+    crossings = march.time[1:][np.diff(np.sign(rate)) != 0]
+    period = 2 * np.diff(crossings).mean()
+    assert period == pytest.approx(2 * np.pi / 9.607400548731578, rel=2e-3)
+
+
+def steady(theta_deg, psidot, w3):
+    """March of a thin disc that rolls on a circle."""
+    theta = np.radians(theta_deg)
+    c, s, r = np.cos(theta), np.sin(theta), 0.3225
+    lean, w2 = np.pi / 2 - theta, psidot * s
+    return March(
+        deck(f"""
+        mecano: 1
+        nodes:
+          centre: {{position: [0, {float(r * c)!r}, {float(r * s)!r}], orientation: [{float(-lean)!r}, 0, 0]}}
+        elements:
+          disc: {{type: rigid_body, node: centre, mass: 1.0, inertia: [0.0260015625, 0.052003125, 0.0260015625]}}
+          rim: {{type: rigid_wheel, node: centre, radius: {r}, axis: [0, {float(s)!r}, {float(-c)!r}], ground: floor}}
+        grounds:
+          floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+        initial:
+          velocities:
+            - nodes: [centre]
+              velocity: [{float(-w3 * r)!r}, 0, 0]
+              angular_velocity: [0, {float(w2 * c - w3 * s)!r}, {float(w2 * s + w3 * c)!r}]
+        time: {{end: 0.2, step: 5.0e-4}}
+        """)
+    )
+
+
+def test_steady_circles():
+    """Reactions and friction of steady motions at 80 and 30 degrees (a1, steady)."""
+    for theta, psidot, w3, friction, needed in (
+        (80.0, 1.0, -3.5468057807248496, 1.143844864283764, 0.11659988422872211),
+        (30.0, 8.0, -3.2358468575511594, 8.348484892481991, 0.8510178279798156),
+    ):
+        march = steady(theta, psidot, w3)
+        rim = {name: march[f"elements/rim/{name}"] for name in ("normal_force", "lateral_force", "friction_needed")}
+        np.testing.assert_allclose(rim["normal_force"], 9.81, rtol=1e-4)
+        np.testing.assert_allclose(np.abs(rim["lateral_force"]), friction, rtol=1e-4)
+        np.testing.assert_allclose(rim["friction_needed"], needed, rtol=1e-4)
+        np.testing.assert_allclose(march["nodes/centre/position"][:, 2], 0.3225 * np.sin(np.radians(theta)), rtol=1e-5)
+
+
+SLEIGH_TIMES = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0]
+SLEIGH_EDGE = [
+    [-0.4886554864345279, -0.05465369848759357],
+    [-0.836368040031133, -0.27944219013033056],
+    [-0.8814379291620312, -0.37108006262115245],
+    [-1.2142977039023377, -0.35638099248806404],
+    [-1.9580121333987388, -0.9816222633941071],
+    [-2.572661837498485, -1.7763076606538581],
+    [-3.762749309810773, -3.3962356463333894],
+]
+SLEIGH_TURN = [
+    0.2736374535524882, 1.0406919561496941, 2.4434171187442537, 3.4767593963509125, 4.0145623311244165,
+    4.0732914827360664, 4.080260757568924,
+]  # fmt: skip
+
+
+def sleigh_force(t):
+    """Force on the knife of Chaplygin's sleigh, closed form: m (v w + a dw/dt)."""
+    m, a, E = 2.0, 0.25, 1.010125
+    J, K = 0.1 + m * a * a, np.sqrt(2 * E / m)
+    rate, s0 = a * m * K / J, np.arctanh(-1.0 / K)
+    v, w = K * np.tanh(rate * t + s0), np.sqrt(2 * E / J) / np.cosh(rate * t + s0)
+    return m * (v * w - a * rate * w * np.tanh(rate * t + s0))
+
+
+def test_chaplygins_sleigh():
+    marches = [March(input_deck("sleigh", f"time.step={h}")) for h in (4e-3, 2e-3)]
+    at = [[at_times(m, m[path], SLEIGH_TIMES) for m in marches] for path in (
+        "nodes/edge/position", "joints/turning/angle", "elements/knife/lateral_force",
+    )]  # fmt: skip
+    check_second_order(*(values[:, :2] for values in at[0]), SLEIGH_EDGE, 2e-6)
+    check_second_order(*at[1], SLEIGH_TURN, 9e-7)
+    check_second_order(*at[2], sleigh_force(np.array(SLEIGH_TIMES)), 2.5e-6)
+    assert np.ptp(marches[1]["energy/total"]) < 1e-4 * 1.010125
+
+
+def test_eigenvalues_of_the_benchmark_bicycle():
+    """Meijaard, Papadopoulos, Ruina & Schwab 2007, table 2, at 0 and 5 m/s."""
+    fast = eigenvalues(input_deck("bicycle", "parameters.lean_rate=0"))
+    expected = [-0.322866429004087, -0.775341882195845 - 4.464867713788229j, -0.775341882195845 + 4.464867713788229j,
+                -14.078389692798215]  # fmt: skip
+    np.testing.assert_allclose(fast[-4:], expected, rtol=1e-8)
+    at_rest = [f"parameters.{name}=0" for name in ("lean_rate", "speed", "rear_spin", "front_spin")]
+    slow = eigenvalues(input_deck("bicycle", *at_rest))
+    np.testing.assert_allclose(
+        np.sort(slow[-4:].real), [-5.53094371765393, -3.13164324790656, 3.13164324790656, 5.53094371765393], rtol=1e-8
+    )
+
+
+def bicycle_growth(v):
+    """Largest real parts of the oscillating and of the other eigenvalues at the speed v."""
+    speeds = {"speed": v, "rear_spin": v / 0.3, "front_spin": v / 0.35, "lean_rate": 0.0}
+    found = eigenvalues(input_deck("bicycle", *(f"parameters.{name}={value!r}" for name, value in speeds.items())))[-4:]
+    turning = abs(found.imag) > 1e-6
+    return found[turning].real.max(), found[~turning].real.max()
+
+
+@pytest.mark.slow
+def test_critical_speeds_of_the_bicycle():
+    weave = brentq(lambda v: bicycle_growth(v)[0], 4.28, 4.30, xtol=1e-10)
+    capsize = brentq(lambda v: bicycle_growth(v)[1], 6.01, 6.04, xtol=1e-10)
+    assert weave == pytest.approx(4.2923825363, rel=1e-8)
+    assert capsize == pytest.approx(6.0242620154, rel=1e-8)
+
+
+def test_the_bicycle_rights_itself():
+    march = March(input_deck("bicycle"))
+    lean = march["nodes/frame/angular_velocity"][:, 0]
+    assert np.abs(lean[march.time > 4.0]).max() < 0.1 * np.abs(lean).max()
+    assert np.ptp(march["energy/total"]) < 1e-6 * march["energy/total"][0]
+
+
+def test_an_axle_goes_across_the_slope_on_a_cycloid():
+    """Lateral constraints of both wheels repeat one another; their compliance leaves the motion as it is."""
+    g, times = 0.981 * 30.0 / (30.0 + 2 * 0.1 / 0.0625), np.arange(1, 9) * 0.5
+    path = np.stack([g / 4 * (1 - np.cos(2 * times)), g / 2 * (times - np.sin(2 * times) / 2)], axis=1)
+    marches = [March(input_deck("axle_on_slope", f"time.step={h}")) for h in (1e-2, 5e-3)]
+    assert [group.count for group in marches[0].prepared.analysis.redundant] == [1]
+    coarse, fine = (at_times(m, m["nodes/axle/position"][:, :2], times) for m in marches)
+    check_second_order(coarse, fine, path, 3e-7)
+    lateral = sum(marches[1][f"elements/{side}_wheel/lateral_force"] for side in ("left", "right"))
+    later = marches[1].time > 1.0  # before, rows of positions and of velocities that repeat one another settle
+    expected = 30.0 * (g + 0.981) * np.sin(marches[1].time)
+    np.testing.assert_allclose(lateral[later], expected[later], atol=2e-3)
+
+
+def test_a_trailing_wheel_follows_the_curve_parallel_to_the_bump():
+    march = March(input_deck("trailing_wheel_bump"))
+    hub = march["nodes/hub/position"]
+
+    def curve(s):
+        inside = 1.0 < s < 2.0
+        H = 0.025 * (1 - np.cos(2 * np.pi * (s - 1))) if inside else 0.0
+        H1 = 0.05 * np.pi * np.sin(2 * np.pi * (s - 1)) if inside else 0.0
+        length = np.sqrt(1 + H1 * H1)
+        return s - 0.3 * H1 / length, H + 0.3 / length
+
+    for i in range(0, len(hub), 40):
+        s = brentq(lambda s, i=i: curve(s)[0] - hub[i, 0], hub[i, 0] - 0.3, hub[i, 0] + 0.3, xtol=1e-14)
+        assert hub[i, 2] == pytest.approx(curve(s)[1], abs=1e-10)
+    speed = np.linalg.norm(march["nodes/hub/velocity"], axis=1)
+    np.testing.assert_allclose(march["elements/wheel/spin_rate"], speed / 0.3, rtol=2e-5)
+    assert np.ptp(march["energy/balance"]) < 5e-4 * march["energy/kinetic"][0]  # the curvature of the bump jumps
+
+
+def test_braking_without_slip():
+    """a = T r/(m r^2 + I), and the force of the ground (a3_a4, braking_no_slip)."""
+    march = March(input_deck("braked_wheel"))
+    braked = march.time > 0.75
+    np.testing.assert_allclose(march["loads/brake/torque"][braked], 3000.0, rtol=1e-12)
+    np.testing.assert_allclose(march["elements/wheel/longitudinal_force"][braked], -9274.631856716338, rtol=1e-8)
+    v = march["nodes/leg/velocity"][braked, 0]
+    np.testing.assert_allclose(np.diff(v) / np.diff(march.time[braked]), -1.4401602261982, rtol=1e-7)
+    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/kinetic"][0]
+
+
+def test_a_unilateral_wheel_leaves_a_crest_and_lands():
+    """A disc at 4 m/s on a bump whose crest is too narrow: it flies a parabola."""
+    march = March(
+        deck("""
+        mecano: 1
+        nodes:
+          centre: {position: [0, 0, 0.3]}
+        elements:
+          disc: {type: rigid_body, node: centre, mass: 10.0, inertia: [0.25, 0.45, 0.25]}
+          rim: {type: rigid_wheel, node: centre, radius: 0.3, axis: [0, 1, 0], ground: floor, unilateral: true}
+        grounds:
+          floor:
+            plane: {point: [0, 0, 0], normal: [0, 0, 1]}
+            profile: {direction: [1, 0, 0], height: {bump: {start: 0.5, length: 2.0, height: 0.2}}}
+        initial:
+          velocities:
+            - {nodes: [centre], velocity: [4, 0, 0], angular_velocity: [0, 13.333333333333334, 0]}
+        time: {end: 1.0, step: 1.0e-3}
+        """)
+    )
+    names = [happening.name for happening in march.happenings]
+    assert names[:2] == ["lift_off", "touch_down"]
+    up, down = (happening.t for happening in march.happenings[:2])
+    flight = (march.time > up + 1e-9) & (march.time < down - 1e-9)
+    v = march["nodes/centre/velocity"][flight]
+    np.testing.assert_allclose(np.diff(v[:, 2]) / np.diff(march.time[flight]), -9.81, rtol=1e-6)
+    assert np.ptp(v[:, 0]) < 1e-9 and flight.sum() > 20
+    assert not march["elements/rim/normal_force"][flight].any()
+    on = march["elements/rim/normal_force"][~flight]
+    assert on.min() > -1e-3
+    assert march["energy/total"][-1] < march["energy/total"][0]  # the shock takes energy
+
+
+def test_what_cannot_be_is_refused():
+    from mecano.elements.paper_wheel import PAPER_WHEEL
+    from mecano.elements.rigid_wheel import RIGID_WHEEL
+
+    flat = {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "profile": None}
+    wavy = {
+        **flat,
+        "profile": {"direction": [1, 0, 0], "height": (("bump", {"start": 0, "length": 1, "height": 0.1}),)},
+    }
+    node, low = [(np.array([0, 0, 0.3]), np.eye(3))], [(np.array([0, 0, -0.3]), np.eye(3))]
+    values = {"radius": 0.3, "axis": [0, 1, 0], "ground": flat, "axle": "free", "unilateral": False}
+    assert RIGID_WHEEL.check(values, node) == [] == RIGID_WHEEL.check({**values, "ground": wavy}, node)
+    assert "below the ground" in RIGID_WHEEL.check(values, low)[0]
+    assert "lies flat" in RIGID_WHEEL.check({**values, "axis": [0, 0, 1]}, node)[0]
+    assert "'axle'" in RIGID_WHEEL.check({**values, "axle": "level", "unilateral": True}, node)[0]
+    assert "plane only" in PAPER_WHEEL.check({**values, "ground": wavy}, node)[0]
+
+
+def test_a_level_axle_needs_a_moment():
+    """A towed wheel whose mass hangs at the side: without ``axle: level`` it would fall."""
+    march = March(
+        deck("""
+        mecano: 1
+        nodes:
+          centre: {position: [0, 0, 0.3]}
+        elements:
+          disc: {type: rigid_body, node: centre, mass: 10.0, inertia: [0.25, 0.45, 0.25]}
+          rim: {type: rigid_wheel, node: centre, radius: 0.3, axis: [0, 1, 0], ground: floor, axle: level}
+        grounds:
+          floor: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+        initial:
+          velocities: [{nodes: [centre], velocity: [1, 0, 0], angular_velocity: [0, 3.3333333333333335, 0.5]}]
+        time: {end: 2.0, step: 2.0e-3}
+        """)
+    )
+    # turns at 0.5 rad/s on a circle of 2 m, upright
+    x = march["nodes/centre/position"]
+    np.testing.assert_allclose(np.hypot(x[:, 0], x[:, 1] - 2.0), 2.0, rtol=1e-5)
+    np.testing.assert_allclose(x[:, 2], 0.3, rtol=1e-12)
+    np.testing.assert_allclose(march["elements/rim/lateral_force"], 10.0 * 1.0 * 0.5, rtol=3e-5)
