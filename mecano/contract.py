@@ -109,6 +109,9 @@ class Kind:
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
+    divide: Callable | None = None
+    """(deck values, nodes) -> ([(x, R)] of the nodes between, [values of each element]) of a member that its value
+    ``mesh`` divides into several elements of the kind"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing

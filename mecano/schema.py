@@ -24,6 +24,7 @@ BOOLEAN = Type("boolean", "true or false")
 TEXT = Type("text", "a text")
 VECTOR = Type("vector", "a list of 3 numbers")  # inertial components
 NODE_VECTOR = Type("vector", "a list of 3 numbers, in the axes of the node")
+POINT = Type("vector", "a list of 3 numbers, a point")  # inertial
 DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
 INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
 NODE = Type("node", "the name of a node")
@@ -34,6 +35,8 @@ LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
 GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
+
+SECTION = Type("section", "the name of a cross section")
 
 
 def pair_of(type_):

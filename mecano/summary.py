@@ -29,7 +29,11 @@ def summary(deck):
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
-    for group in analysis.mechanisms:
+    alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
+    if alone:
+        text = f"{len(alone)} unknown(s) that no constraint ties: {some(alone, MOST_NAMES)}"
+        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    for group in (group for group in analysis.mechanisms if len(group.names) > 1):
         text = f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}"
         lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)

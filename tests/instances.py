@@ -13,7 +13,7 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.schema import DIRECTION, GROUND, VECTOR
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
@@ -194,6 +194,8 @@ def turned_values(kind, values, Q, shift):
         value = values.get(field.name)
         if value is not None and field.type in (VECTOR, DIRECTION):
             out[field.name] = Q @ np.asarray(value, float)
+        if value is not None and field.type == POINT:
+            out[field.name] = Q @ np.asarray(value, float) + shift
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
     return out

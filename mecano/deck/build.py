@@ -33,7 +33,7 @@ def set_velocities(deck, system, s):
     v, omega, named = np.zeros((n_nodes, 3)), np.zeros((n_nodes, 3)), np.zeros(n_nodes, bool)
     index = {node.name: i for i, node in enumerate(system.nodes)}
     for entry in deck.values["initial"]["velocities"]:
-        names = list(deck.values["nodes"]) if entry["nodes"] == "all" else entry["nodes"]
+        names = list(index) if entry["nodes"] == "all" else entry["nodes"]
         for i in (index[name] for name in names):
             x = system.nodes[i].x
             about = x if entry["about"] in (None, "own") else np.array(entry["about"])

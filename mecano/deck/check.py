@@ -7,6 +7,7 @@ from mecano.deck.physics import check_model
 from mecano.deck.resolve import resolve
 from mecano.deck.scope import INVALID, Scope
 from mecano.deck.wording import found
+from mecano.elements.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
 from mecano.schema import Field
 from mecano.schema import mapping as mapping_type
@@ -31,11 +32,13 @@ CHECKS = {
     "vector": values.vector,
     "direction": values.direction,
     "inertia": values.inertia,
+    "matrix": values.matrix,
     "points": values.points,
     "node": values.node_name,
     "nodes": values.node_names,
     "ground": values.name_in("grounds"),
     "tire_law": values.name_in("tire_laws"),
+    "section": values.name_in("sections"),
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,
@@ -54,7 +57,7 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     Raises DeckError with all problems of the first step that finds any.
     """
     _check_version(root, problems)
-    scope = Scope(CHECKS, kinds, terms, folder, problems)
+    scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems)
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _stop_at(problems)
     resolve(result, scope)

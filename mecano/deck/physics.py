@@ -6,6 +6,8 @@ import numpy as np
 
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
+from mecano.model.mesh import divides, place_members
+from mecano.model.model import Element
 
 SECTIONS_OF_KINDS = ("elements", "joints", "loads")
 
@@ -42,6 +44,7 @@ def poses(nodes):
 def check_model(values, root, scope):
     """Note everything in the elements, joints, loads and nodes that cannot be."""
     at, used, owners = poses(values["nodes"]), set(), {}
+    left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS_OF_KINDS:
         for name, element in values[section].items():
             key, node = root.value[section][1].value[name]
@@ -54,8 +57,24 @@ def check_model(values, root, scope):
             names = element_nodes(kind, element)
             if section != "loads":
                 used.update(names)
-            _check_element(kind, element, names, at, key, node, scope)
+            if name in left:
+                scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
+            elif all(node in at for node in names if node != "ground"):
+                _check_element(kind, element, names, at, key, node, scope)
     _check_unused(values["nodes"], used, root, scope)
+
+
+def _place_members(elements, at, kinds):
+    """Add the nodes of members to ``at``; names of those that end at nodes of no member."""
+    members = [
+        Element(name, kinds[d["type"]], element_nodes(kinds[d["type"]], d), d)
+        for name, d in elements.items()
+        if divides(kinds[d["type"]], d)
+    ]
+    members = [member for member in members if "ground" not in member.nodes and len(set(member.nodes)) == 2]
+    with np.errstate(all="ignore"):
+        _, left = place_members(members, at)
+    return {member.name for member in left}
 
 
 def _check_element(kind, element, names, at, key, node, scope):

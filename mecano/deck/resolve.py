@@ -3,13 +3,15 @@
 from mecano.deck.containers import singular
 from mecano.deck.laws import fits
 from mecano.deck.wording import quoted
+from mecano.model.mesh import divides, inner_names
 
 
 def resolve(values, scope):
     """Look up every reference of the scope in the checked values, which are changed in place."""
+    nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     for reference in scope.references:
         scope.subject = reference.subject
-        known = values[reference.section]
+        known = nodes if reference.section == "nodes" else values[reference.section]
         if reference.name not in known:
             _unknown(reference, known, scope)
             continue
@@ -19,6 +21,12 @@ def resolve(values, scope):
         if reference.home:
             container, key = reference.home
             container[key] = found
+
+
+def _nodes_of_members(elements, kinds):
+    """Names of the nodes between the elements of members."""
+    members = {name: d for name, d in elements.items() if divides(kinds[d["type"]], d)}
+    return [node for name, d in members.items() for node in inner_names(name, d)]
 
 
 def _unknown(reference, known, scope):

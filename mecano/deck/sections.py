@@ -1,5 +1,6 @@
 """The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
 
+from mecano.elements.cross_section import check_section
 from mecano.elements.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
     BOOLEAN,
@@ -168,6 +169,7 @@ SECTIONS = (
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
     Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
+    Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field("initial", mapping(*INITIAL_FIELDS), "-", "velocities at the start", {}),
     Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", check=check_time),
     Field("output", mapping(*OUTPUT_FIELDS), "-", "what is saved", {}),

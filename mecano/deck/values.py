@@ -14,6 +14,7 @@ from mecano.schema import NODE, NUMBER, NUMBERS, Field
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
+SIX = replace(NUMBERS, expects="six numbers")
 
 
 def plain_number(node, scope):
@@ -106,6 +107,20 @@ def inertia(node, field, scope):
     if size == 3 and all(type(row.value) is list and len(row.value) == 3 for row in node.value):
         return items(node, field, scope, ROW)
     return scope.refuse_value(node, field)
+
+
+def matrix(node, field, scope):
+    """A symmetric matrix of six rows of six numbers."""
+    if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
+        return scope.refuse_value(node, field)
+    rows = items(node, field, scope, SIX)
+    if rows is INVALID or all(rows[i][j] == rows[j][i] for i in range(6) for j in range(i)):
+        return rows
+    return scope.refuse_value(node, field, "is not symmetric")
+
+
+def _listed(node):
+    return node.value if type(node.value) is list else ()
 
 
 def points(node, field, scope):

@@ -1,5 +1,6 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
+from mecano.elements.beam import BEAM
 from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
@@ -26,7 +27,7 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
-        SPRING_DAMPER, TORSION_SPRING_DAMPER,
+        BEAM, SPRING_DAMPER, TORSION_SPRING_DAMPER,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
         WHEEL,
     )

@@ -121,6 +121,12 @@ def skew(a):
 
 
 @njit
+def cross_columns(A, b):
+    """A hat(b) for a 3x3 matrix A: its rows crossed with b."""
+    return (cross(A[0], b), cross(A[1], b), cross(A[2], b))
+
+
+@njit
 def add_vec(out, i, s, a):
     """out[i:i+3] += s a"""
     out[i] += s * a[0]
@@ -139,11 +145,15 @@ def put(out, i, a):
 @njit
 def add_mat(out, i, j, s, A):
     """out[i:i+3, j:j+3] += s A"""
-    for r in range(3):
-        row = A[r]
-        out[i + r, j] += s * row[0]
-        out[i + r, j + 1] += s * row[1]
-        out[i + r, j + 2] += s * row[2]
+    out[i, j] += s * A[0][0]
+    out[i, j + 1] += s * A[0][1]
+    out[i, j + 2] += s * A[0][2]
+    out[i + 1, j] += s * A[1][0]
+    out[i + 1, j + 1] += s * A[1][1]
+    out[i + 1, j + 2] += s * A[1][2]
+    out[i + 2, j] += s * A[2][0]
+    out[i + 2, j + 1] += s * A[2][1]
+    out[i + 2, j + 2] += s * A[2][2]
 
 
 @njit

@@ -10,6 +10,7 @@ from mecano.model.batch import batches
 from mecano.model.conduct import direct
 from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
+from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
@@ -20,7 +21,7 @@ class System:
     """Equations of a model; built once, never changed by solving."""
 
     def __init__(self, model):
-        model = with_ground(model)
+        model = with_ground(divided(model))
         self.nodes = model.nodes
         self.context = Context(model.laws, np.asarray(model.gravity, float))
         instances, shared, used = expand(model, self.context)

@@ -1,0 +1,72 @@
+"""The strain-free line of a beam: straight or a circular arc, twisted or not. NumPy, once per beam.
+
+A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes there, columns 1, 2, 3, inertial.
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mecano.constraints.joint_frame import PLACE, at_one_place, triad
+
+MOST_TURN = 3.0  # rad between the ends of one element
+PARALLEL = 1e-6  # sine of the angle between directions that count as parallel
+UPRIGHT = 1e-3  # sine of the angle to the vertical below which a beam is upright
+FLAT = 1e-9  # of the length: an arc of less rise is straight
+
+
+def stations(d, nodes):
+    """Stations at the ends of each of the ``mesh`` elements, mesh + 1 in all."""
+    (x_1, _), (x_2, _) = nodes
+    axis, about, angle, centre = _arc(x_1, d["via"], x_2)
+    A = _section_axes(axis, d["up"])
+    found = []
+    for s in np.linspace(0.0, 1.0, d["mesh"] + 1):
+        turned = Rotation.from_rotvec(s * angle * about).as_matrix()
+        x = x_1 + s * (x_2 - x_1) if centre is None else centre + turned @ (x_1 - centre)
+        found.append((x, turned @ A @ Rotation.from_rotvec([s * d["twist"], 0.0, 0.0]).as_matrix()))
+    return found
+
+
+def _arc(x_1, via, x_2):
+    """Tangent at the start, axis, angle [rad] and centre of the arc; the centre is None where it is straight."""
+    chord = np.subtract(x_2, x_1)
+    if via is not None:
+        first, second = np.subtract(via, x_1), np.subtract(x_2, via)
+        normal = np.cross(first, second)
+        if np.linalg.norm(normal) > FLAT * chord @ chord:
+            about = normal / np.linalg.norm(normal)
+            half = np.arctan2(np.linalg.norm(normal), first @ second)  # angles at the rim: half of those at the centre
+            rise = np.cross(about, chord)
+            centre = np.asarray(x_1) + 0.5 * (chord + rise / np.tan(half))
+            return np.cross(about, x_1 - centre), about, 2.0 * half, centre
+    return chord, np.zeros(3), 0.0, None
+
+
+def _section_axes(axis, up):
+    """Section axes (3, 3) with 1 along ``axis`` and 3 towards ``up``: z, or x for an upright beam, when absent."""
+    if up is None:
+        upright = np.hypot(axis[0], axis[1]) <= UPRIGHT * np.linalg.norm(axis)
+        up = (1.0, 0.0, 0.0) if upright else (0.0, 0.0, 1.0)
+    third, _, first = triad(axis, np.asarray(up, float))
+    return np.stack([first, np.cross(third, first), third], axis=1)
+
+
+def check_line(d, nodes, is_round):
+    """Texts: what keeps the values from being a beam."""
+    if texts := at_one_place(nodes):
+        return texts
+    (x_1, _), (x_2, _) = nodes
+    if d["via"] is not None and min(np.linalg.norm(np.subtract(d["via"], x)) for x in (x_1, x_2)) <= PLACE:
+        return ["'via' must lie between the nodes, not on one of them"]
+    axis, _, angle, centre = _arc(x_1, d["via"], x_2)
+    if d["via"] is not None and centre is None and np.dot(np.subtract(d["via"], x_1), np.subtract(x_2, d["via"])) < 0:
+        return ["'via' lies on the line of the nodes, but not between them"]
+    if d["up"] is None and not is_round:
+        return ["missing 'up': the direction of axis 3 of a section that is not round"]
+    axis = axis / np.linalg.norm(axis)
+    if d["up"] is not None and np.linalg.norm(np.cross(axis, d["up"])) <= PARALLEL * np.linalg.norm(d["up"]):
+        return ["'up' must not be parallel to the beam"]
+    turn = np.hypot(angle, d["twist"]) / d["mesh"]
+    if turn > MOST_TURN:
+        return [f"'mesh' is too small: an element turns by {turn:.3g} rad, {MOST_TURN:g} at most"]
+    return []

@@ -1,0 +1,126 @@
+r"""The rotation vector between two frames: its variation and the derivatives of that, on tuples.
+
+With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\Theta_i` of both frames
+(:math:`\delta\Theta_1` in the axes of :math:`R_1`),
+
+.. math::  \delta\varphi = H \delta\Theta_2 - H^T \delta\Theta_1, \qquad
+    H = T^{-1}(\varphi) = I + \tfrac12 \hat\varphi + c\, \hat\varphi^2, \qquad
+    c = \frac{1 - \frac\theta2 \cot\frac\theta2}{\theta^2}, \quad \theta = |\varphi| < 2\pi
+
+``c1`` and ``c2`` below are :math:`c'/\theta` and :math:`c_1'/\theta`.
+"""
+
+import math
+
+from numba import njit
+
+from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub
+
+SERIES = 1.0  # squared angle [rad2] below which eleven terms of the series are exact to round-off
+A1, A2, A3, A4 = 1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1209600.0  # |B_2k|/(2k)!
+A5, A6, A7 = 1.0 / 47900160.0, 691.0 / 1307674368000.0, 1.0 / 74724249600.0
+A8, A9 = 3617.0 / 10670622842880000.0, 43867.0 / 5109094217170944000.0
+A10, A11 = 174611.0 / 802857662698291200000.0, 77683.0 / 14101100039391805440000.0
+
+
+@njit
+def inverse_coefficients(t2):
+    """c, c1 and c2 for t2 = theta^2; theta < 2 pi."""
+    if t2 < SERIES:
+        c = A7 + t2 * (A8 + t2 * (A9 + t2 * (A10 + t2 * A11)))
+        c = A1 + t2 * (A2 + t2 * (A3 + t2 * (A4 + t2 * (A5 + t2 * (A6 + t2 * c)))))
+        c1 = 12.0 * A7 + t2 * (14.0 * A8 + t2 * (16.0 * A9 + t2 * (18.0 * A10 + t2 * 20.0 * A11)))
+        c1 = 2.0 * A2 + t2 * (4.0 * A3 + t2 * (6.0 * A4 + t2 * (8.0 * A5 + t2 * (10.0 * A6 + t2 * c1))))
+        c2 = 120.0 * A7 + t2 * (168.0 * A8 + t2 * (224.0 * A9 + t2 * (288.0 * A10 + t2 * 360.0 * A11)))
+        c2 = 8.0 * A3 + t2 * (24.0 * A4 + t2 * (48.0 * A5 + t2 * (80.0 * A6 + t2 * c2)))
+        return c, c1, c2
+    t = math.sqrt(t2)
+    s = 1.0 / t2
+    cot = 1.0 / math.tan(0.5 * t)
+    square = 1.0 + cot * cot
+    g = 1.0 - 0.5 * t * cot
+    g1 = 0.25 * square - 0.5 * cot / t
+    g2 = (0.25 * square + 0.5 * cot / t - 0.25 * square * cot * t) * s
+    return g * s, (g1 - 2.0 * g * s) * s, (g2 - 4.0 * g1 * s + 8.0 * g * s * s) * s
+
+
+@njit
+def inverse_tangent(phi, c):
+    """H, 3x3."""
+    return madd(add_half(phi), mscale(c, square_hat(phi)))
+
+
+@njit
+def add_half(phi):
+    """I + hat(phi)/2."""
+    return (
+        (1.0, -0.5 * phi[2], 0.5 * phi[1]),
+        (0.5 * phi[2], 1.0, -0.5 * phi[0]),
+        (-0.5 * phi[1], 0.5 * phi[0], 1.0),
+    )
+
+
+@njit
+def square_hat(phi):
+    """hat(phi)^2 = phi phi^T - theta^2 I."""
+    xx, yy, zz = phi[0] * phi[0], phi[1] * phi[1], phi[2] * phi[2]
+    xy, xz, yz = phi[0] * phi[1], phi[0] * phi[2], phi[1] * phi[2]
+    return ((-yy - zz, xy, xz), (xy, -xx - zz, yz), (xz, yz, -xx - yy))
+
+
+@njit
+def first_derivative(phi, z, half, c, c1):
+    """d(H z)/dphi with half = -1/2, d(H^T z)/dphi with half = 1/2; 3x3, its column j by phi_j."""
+    zz = scale(dot(phi, z), phi)
+    twice = sub(zz, scale(dot(phi, phi), z))  # phi x (phi x z)
+    along = sub(scale(c1, twice), scale(2.0 * c, z))
+    d = c * dot(phi, z)
+    u = scale(half, z)
+    cz = scale(c, z)
+    return (
+        (d + phi[0] * cz[0] + along[0] * phi[0], -u[2] + phi[0] * cz[1] + along[0] * phi[1],
+         u[1] + phi[0] * cz[2] + along[0] * phi[2]),
+        (u[2] + phi[1] * cz[0] + along[1] * phi[0], d + phi[1] * cz[1] + along[1] * phi[1],
+         -u[0] + phi[1] * cz[2] + along[1] * phi[2]),
+        (-u[1] + phi[2] * cz[0] + along[2] * phi[0], u[0] + phi[2] * cz[1] + along[2] * phi[1],
+         d + phi[2] * cz[2] + along[2] * phi[2]),
+    )  # fmt: skip
+
+
+@njit
+def second_form(phi, p, y, c, c1, c2):
+    """Second derivative of p . H y by phi, 3x3 symmetric."""
+    py, fy, fp = dot(p, y), dot(phi, y), dot(phi, p)
+    t2 = dot(phi, phi)
+    q = fy * fp - t2 * py  # p . phi x (phi x y)
+    slope = sub(add(scale(fp, y), scale(fy, p)), scale(2.0 * py, phi))
+    w = add(scale(c1, slope), scale(0.5 * c2 * q, phi))
+    u = scale(c, p)
+    d = c1 * q - 2.0 * c * py
+    xx = d + 2.0 * (u[0] * y[0] + w[0] * phi[0])
+    yy = d + 2.0 * (u[1] * y[1] + w[1] * phi[1])
+    zz = d + 2.0 * (u[2] * y[2] + w[2] * phi[2])
+    xy = u[0] * y[1] + u[1] * y[0] + w[0] * phi[1] + w[1] * phi[0]
+    xz = u[0] * y[2] + u[2] * y[0] + w[0] * phi[2] + w[2] * phi[0]
+    yz = u[1] * y[2] + u[2] * y[1] + w[1] * phi[2] + w[2] * phi[1]
+    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+
+@njit
+def inverse_tangent_rate(phi, rate, c, c1):
+    """dH/dt for dphi/dt = rate, 3x3."""
+    F, W = skew(phi), skew(rate)
+    both = madd(matmul(F, W), matmul(W, F))
+    return madd(mscale(0.5, W), madd(mscale(c, both), mscale(c1 * dot(phi, rate), square_hat(phi))))
+
+
+@njit
+def second_derivative(phi, rate, y, c, c1, c2):
+    """d/dphi [d(H y)/dphi rate], 3x3, for fixed rate and y."""
+    f, fy, ry = dot(phi, rate), dot(phi, y), dot(rate, y)
+    twice = cross(phi, cross(phi, y))
+    mixed = sub(add(scale(fy, rate), scale(ry, phi)), scale(2.0 * f, y))
+    out = mscale(c * ry + c1 * f * fy, EYE)
+    out = madd(out, outer(add(scale(c, rate), scale(c1 * f, phi)), y))
+    out = madd(out, outer(add(scale(c1, mixed), sub(scale(c2 * f, twice), scale(2.0 * c1 * f, y))), phi))
+    return madd(out, outer(sub(scale(c1, twice), scale(2.0 * c, y)), rate))

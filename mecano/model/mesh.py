@@ -1,0 +1,60 @@
+"""Members that are divided into several elements: leg -> elements leg.1 ... leg.n between nodes leg.1 ... leg.(n-1).
+
+No name that a user gives holds a dot, so these cannot be taken.
+"""
+
+from mecano.model.model import Element, Model, Node
+
+
+def divides(kind, values):
+    """True when an element of this kind and these values becomes several."""
+    return kind.divide is not None and values["mesh"] > 1
+
+
+def inner_names(name, values):
+    """Names of the nodes between the elements of the member ``name``."""
+    return [f"{name}.{i}" for i in range(1, values["mesh"])]
+
+
+def piece_names(name, values):
+    """Names of the elements of the member ``name``."""
+    return [f"{name}.{i}" for i in range(1, values["mesh"] + 1)] if values.get("mesh", 1) > 1 else [name]
+
+
+def place_members(members, at):
+    """Divide ``members``, a list of Elements; adds the nodes between their elements, name -> (x, R), to ``at``.
+
+    A member may end at a node of another one. Returns {name: [values of each element]}, without those to which their
+    kind objects, and the members whose end nodes are nowhere.
+    """
+    pieces, left = {}, list(members)
+    while ready := [member for member in left if all(node in at for node in member.nodes)]:
+        left = [member for member in left if not any(member is one for one in ready)]
+        for member in ready:
+            ends = [at[node] for node in member.nodes]
+            if not member.kind.check(member.values, ends):
+                inner, pieces[member.name] = member.kind.divide(member.values, ends)
+                at.update(zip(inner_names(member.name, member.values), inner, strict=True))
+    return pieces, left
+
+
+def divided(model):
+    """The Model with every member divided. Raises ValueError for a member at a node that does not exist."""
+    members = [element for element in model.elements if divides(element.kind, element.values)]
+    at = {node.name: (node.x, node.R) for node in model.nodes}
+    pieces, _ = place_members(members, at)
+    if len(pieces) < len(members):
+        wrong = ", ".join(member.name for member in members if member.name not in pieces)
+        raise ValueError(f"members that cannot be divided: {wrong}")
+    known, elements = {node.name for node in model.nodes}, []
+    for element in model.elements:
+        elements += _pieces(element, pieces[element.name]) if element.name in pieces else [element]
+    nodes = [*model.nodes, *(Node(name, x, R) for name, (x, R) in at.items() if name not in known)]
+    return Model(nodes, elements, model.laws, model.gravity)
+
+
+def _pieces(member, values):
+    ends = [member.nodes[0], *inner_names(member.name, member.values), member.nodes[1]]
+    names = piece_names(member.name, member.values)
+    pairs = zip(ends[:-1], ends[1:], strict=True)
+    return [Element(name, member.kind, pair, d) for name, pair, d in zip(names, pairs, values, strict=True)]

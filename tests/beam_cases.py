@@ -1,0 +1,111 @@
+"""Exact answers for beams at rest, each with a function that gives the error with n elements.
+
+Numbers of reference/e1 of the project's collection: exact Reissner-Simo rods by shooting, residuals below 1e-10.
+"""
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.sparse.linalg import eigsh
+from static_solution import Equilibrium
+
+LEAST = "EA: {EA}, GA2: {GA}, GA3: {GA}, GJ: {GJ}, EI2: {EI2}, EI3: {EI3}, mass_per_length: 1, rotary_inertia: [2, 1, 1]"
+
+ELASTICA = {  # P L^2/EI: angle [rad], deflection/L, shortening/L of an inextensible cantilever under a dead tip force
+    1.0: (0.4613519497118786, 0.30172077379981355, 0.056433236283377264),
+    4.0: (1.1212393474875761, 0.6699641812776667, 0.32894124224684596),
+    10.0: (1.4302855388038587, 0.8106090248802966, 0.5549955977537513),
+}
+BEND = {  # tip of the 45 degree bend, R = 100, EA = 1e7, GA = 5e6, EI = GJ = 1e7/12, dead force across its plane
+    300.0: (22.24478094536791, 58.779122489683395, 40.191891670149815),
+    600.0: (15.684800534039004, 47.15043857362944, 53.47485879182518),
+}
+PRINCETON = {  # 8.896 N at an angle [deg] from the height of the section: flapwise and edgewise displacement, shortening
+    0: (0.0, 0.01071531427764692, 0.0001355782180204601),
+    15: (0.04212502452222174, 0.010625626804972942, 0.002240812714878415),
+    30: (0.07945579698221386, 0.010147003767340172, 0.007660756273497826),
+    45: (0.10904131677603779, 0.008888564440882716, 0.01438924698727001),
+    60: (0.12992333902480285, 0.006654096119399095, 0.020473126258912844),
+    75: (0.14221431051674369, 0.00356873456484159, 0.024583862440217763),
+    90: (0.14625990368034736, 0.0, 0.026024205484200036),
+}
+FLAP, EDGE = 2.428734443353508, 36.27936354403289  # bending stiffnesses of the Princeton beam [N m2]
+BUCKLING = 4.012599343578901  # P L^2/sqrt(EI_min GJ), lateral buckling of a cantilever; J_{-1/4}(P/2) = 0
+
+
+def straight(section, length, n, loads, more=""):
+    """Deck of a cantilever along x, clamped at the origin."""
+    return f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        sections: {{rod: {section}}}
+        nodes: {{root: {{position: [0, 0, 0], fixed: true}}, tip: {{position: [{length}, 0, 0]}}}}
+        elements: {{leg: {{type: beam, nodes: [root, tip], section: rod, up: [0, 0, 1], mesh: {n}{more}}}}}
+        loads: {{{loads}}}
+        time: {{end: 1, step: 1}}
+    """
+
+
+def stiffness(**values):
+    """Section of given stiffnesses."""
+    return f"{{type: stiffness, {LEAST.format(**values)}}}"
+
+
+def dead_force(x, y, z):
+    """Force at the tip that grows with the time to (x, y, z)."""
+    size = float(np.linalg.norm([x, y, z]))
+    return f"pull: {{type: force, node: tip, direction: [{x}, {y}, {z}], value: {{linear: {{slope: {size}}}}}}}"
+
+
+def relative(found, expected, size=None):
+    """Length of the error over that of the answer."""
+    expected = np.asarray(expected)
+    return float(np.linalg.norm(found - expected) / (size or np.linalg.norm(expected)))
+
+
+def roll_up(n):
+    """Distance of the tip of a rod bent to a full circle from its root, over its length."""
+    section = stiffness(EA=1e4, GA=5e3, GJ=100.0, EI2=100.0, EI3=100.0)
+    size = 2.0 * np.pi * 100.0 / 10.0
+    load = f"turn: {{type: moment, node: tip, direction: [0, -1, 0], value: {{linear: {{slope: {size}}}}}}}"
+    return float(np.linalg.norm(Equilibrium(straight(section, 10.0, n, load), steps=24).position("tip")) / 10.0)
+
+
+def elastica(n, load):
+    """Error of the tip displacement; extensible by 1e-8 of the bending."""
+    section = stiffness(EA=1e8, GA=1e8, GJ=1.0, EI2=1.0, EI3=1.0)
+    found = Equilibrium(straight(section, 1.0, n, dead_force(0, 0, load)), steps=10)
+    x, _, z = found.position("tip")
+    _, deflection, shortening = ELASTICA[load]
+    return relative([z, 1.0 - x], [deflection, shortening])
+
+
+def bend(n, load):
+    """Error of the tip displacement of the 45 degree bend."""
+    tip, via = 100.0 * np.array([1 - np.sqrt(0.5), np.sqrt(0.5), 0]), 100.0 * np.array(
+        [1 - np.cos(np.pi / 8), np.sin(np.pi / 8), 0]
+    )
+    text = straight(stiffness(EA=1e7, GA=5e6, GJ=1e7 / 12, EI2=1e7 / 12, EI3=1e7 / 12), 1.0, n, dead_force(0, 0, load))
+    text = text.replace("[1.0, 0, 0]", str(tip.tolist())).replace("up: [0, 0, 1]", f"up: [0, 0, 1], via: {via.tolist()}")
+    return relative(Equilibrium(text, steps=10).position("tip") - tip, BEND[load] - tip)
+
+
+def princeton(n, degrees):
+    """Error of the tip displacement of the Princeton beam: axis 3 along its height."""
+    section = stiffness(EA=2841908.71416, GA=922098.8689682027, GJ=3.103796359580112, EI2=EDGE, EI3=FLAP)
+    angle = np.radians(degrees)
+    load = dead_force(0, 8.896 * np.sin(angle), 8.896 * np.cos(angle))
+    found = Equilibrium(straight(section, 0.508, n, load), steps=3).position("tip")
+    flap, edge, shortening = PRINCETON[degrees]
+    return relative(found - [0.508, 0, 0], [-shortening, flap, edge])
+
+
+def lateral_buckling(n):
+    """Relative error of the load at which the tangent of a narrow cantilever becomes singular; EI_2/EI_3 = 1e6."""
+    section = stiffness(EA=1e9, GA=1e9, GJ=1.0, EI2=1e6, EI3=1.0)
+
+    def smallest(load):
+        found = Equilibrium(straight(section, 1.0, n, dead_force(0, 0, load)))
+        K = found.tangent()[0]
+        return eigsh(0.5 * (K + K.T).tocsc(), 1, sigma=0.0, v0=np.ones(K.shape[0]))[0][0]
+
+    return abs(brentq(smallest, 0.9 * BUCKLING, 1.1 * BUCKLING, xtol=1e-9) / BUCKLING - 1.0)

@@ -1,0 +1,115 @@
+"""Beams at rest against exact answers: errors with n elements, orders, and what the goals of the project ask."""
+
+import numpy as np
+import pytest
+from beam_cases import BEND, ELASTICA, PRINCETON, bend, elastica, lateral_buckling, princeton, roll_up, stiffness, straight
+from scipy.linalg import eigh
+from static_solution import Equilibrium
+
+CASES = {
+    **{f"elastica_{load:g}": (elastica, load) for load in ELASTICA},
+    **{f"bend_{load:g}": (bend, load) for load in BEND},
+    **{f"princeton_{angle}": (princeton, angle) for angle in PRINCETON},
+}
+TIMOSHENKO = (3.7975628699347963, 23.792645105269827, 66.59173371319504, 130.41213633808454)
+"""Bending frequencies [rad/s] of a cantilever, EI = 14000, GA = 1e7, rhoA = 1.2, rhoI = 6e-4, L = 10: transcendental
+equation of the beam of Timoshenko."""
+
+
+def test_roll_up_closes():
+    """A circular arc is in the space of the helix: exact with any number of elements that turn by less than pi."""
+    assert roll_up(4) < 1e-12
+    assert roll_up(16) < 1e-12
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_error_with_few_elements(case):
+    """0.25 % asked with 16 elements: 25 times better with half as many."""
+    error, parameter = CASES[case]
+    assert error(8, parameter) < 1e-4 if "princeton" not in case else 5e-4
+
+
+@pytest.mark.parametrize(("case", "order"), [("elastica_4", 4.0), ("bend_600", 4.0), ("princeton_90", 4.0)])
+def test_order_four_in_bending(case, order):
+    error, parameter = CASES[case]
+    coarse, fine = error(4, parameter), error(8, parameter)
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
+
+
+def test_order_two_where_bending_couples_with_torsion():
+    coarse, fine = princeton(4, 45), princeton(8, 45)
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+def test_lateral_buckling_load():
+    coarse, fine = lateral_buckling(4), lateral_buckling(8)
+    assert fine < 0.01 and np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_error_with_16_and_64_elements(case):
+    error, parameter = CASES[case]
+    assert error(16, parameter) <= 2.5e-3 and error(64, parameter) <= 2e-4
+
+
+@pytest.mark.slow
+def test_lateral_buckling_load_with_16_and_64_elements():
+    assert lateral_buckling(16) <= 2.5e-3 and lateral_buckling(64) <= 2e-4
+
+
+def frequencies(n):
+    """The lowest frequencies [rad/s] of the cantilever, each twice."""
+    section = stiffness(EA=1e9, GA=1e7, GJ=1e5, EI2=14000.0, EI3=14000.0)
+    section = section.replace("mass_per_length: 1, rotary_inertia: [2, 1, 1]",
+                              "mass_per_length: 1.2, rotary_inertia: [1.2e-3, 6e-4, 6e-4]")  # fmt: skip
+    at_rest = Equilibrium(straight(section, 10.0, n, ""), steps=0)
+    K, M = at_rest.tangent()[0].toarray(), at_rest.tangent(0.0, 1.0)[0].toarray()
+    np.testing.assert_allclose(K, K.T, atol=1e-9 * K.max())
+    np.testing.assert_allclose(M, M.T, atol=1e-12 * M.max())
+    return np.sqrt(eigh(K, M, eigvals_only=True))[:8]
+
+
+@pytest.mark.parametrize(("n", "tolerance"), [(8, 2e-3), (16, 2e-4), (64, 5e-6)])
+def test_frequencies_of_a_cantilever(n, tolerance):
+    found = frequencies(n)
+    np.testing.assert_allclose(found[::2], found[1::2], rtol=1e-7)
+    np.testing.assert_allclose(found[::2], TIMOSHENKO, rtol=tolerance)
+
+
+def test_linear_statics_of_one_element_are_exact():
+    """Tip of a curved, twisted element of full section stiffness: one element and sixteen agree to a small load."""
+    rng = np.random.default_rng(3)
+    A = rng.normal(size=(6, 6))
+    C = (A @ A.T + 6 * np.eye(6)).tolist()
+    section = f"{{type: matrix, stiffness: {C}, mass: {np.eye(6).tolist()}}}"
+    loads = "pull: {type: force, node: tip, direction: [1, 2, 3], value: 1.0e-7}, " \
+            "turn: {type: moment, node: tip, direction: [3, -1, 2], value: 1.0e-7}"  # fmt: skip
+    tips = []
+    for n in (1, 16):
+        text = straight(section, 1.0, n, loads, ", via: [0.5, 0.2, 0.1]")
+        found = Equilibrium(text)
+        tips.append((found.position("tip") - [1, 0, 0]) / 1e-7)
+        assert len(found.iterations) == 1
+    np.testing.assert_allclose(tips[0], tips[1], rtol=1e-5)
+
+
+def test_section_forces_are_those_of_statics():
+    """A cantilever under a tip force: moment linear to the root, shear and stress as in the textbook; light load."""
+    section = "{type: rectangle, width: 0.02, height: 0.04, E: 2.0e11, nu: 0.3, density: 7800}"
+    found = Equilibrium(straight(section, 1.0, 4, dead_small()))
+    P = 10.0
+    force, strain = found.output("elements/leg.1/force"), found.output("elements/leg.1/strain")
+    np.testing.assert_allclose(force, [0, 0, P], atol=1e-4 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment_start"), [0, -P, 0], atol=1e-4 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment"), [0, -0.875 * P, 0], atol=1e-4 * P)
+    np.testing.assert_allclose(found.output("elements/leg.1/moment_end"), [0, -0.75 * P, 0], atol=1e-4 * P)
+    shear = P / (10 * 1.3 / (12 + 11 * 0.3) * 2e11 / 2.6 * 0.0008)
+    assert strain[2] == pytest.approx(shear, rel=1e-4)
+    assert found.output("elements/leg.1/normal_stress")[0] == pytest.approx(6 * P / (0.02 * 0.04**2), rel=1e-4)
+    assert found.output("elements/leg.4/moment_end")[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def dead_small():
+    """A force of 10 N upwards at the tip."""
+    return "pull: {type: force, node: tip, direction: [0, 0, 1], value: 10.0}"
