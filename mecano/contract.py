@@ -9,7 +9,7 @@ A kind is a record of data and functions. The local unknowns of one element are,
     m       (n_memory,) memory, read only: what ``commit`` wrote on the last accepted step
     mode    index into ``modes``
     t       time [s]
-    laws    flat table of all laws of the model (see mecano.laws)
+    laws    flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
     # state in
     q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m]
     v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0
@@ -105,6 +105,9 @@ class Kind:
     memory: tuple = ()  # names of the numbers kept from step to step
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    sized: Callable | None = None
+    """deck values -> Kind: the kind of one element, where layout, scalars and outputs depend on the values; this one
+    then stands for all of them in decks"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing

@@ -13,6 +13,7 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
+from mecano.model.instances import of_size
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
@@ -154,6 +155,7 @@ def samples(kind):
 def expand(kind, values, nodes, mode, gravity, rng):
     """[Instance]: the element and its parts, with random scalars and multipliers."""
     context = Context(LawTable(), gravity)
+    kind = of_size(kind, values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()

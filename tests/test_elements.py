@@ -175,7 +175,7 @@ def test_forces_turn_with_the_whole_model(kind):
                 instance.scalars, instance.multipliers = original.scalars, 0.0 * original.multipliers
             forces.append(force_on_nodes(instances, motion))
             owner = instances[0]
-            energies.append(owner.observe(motion.t, owner.local(motion), np.zeros(3 * len(kind.layout)))[1])
+            energies.append(owner.observe(motion.t, owner.local(motion), np.zeros(3 * len(owner.kind.layout)))[1])
         np.testing.assert_allclose(energies[1][[0, 2, 3]], energies[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
         expected, actual = forces
         expected[0] = expected[0] @ Q.T

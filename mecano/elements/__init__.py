@@ -17,6 +17,7 @@ from mecano.elements.rigid_link import RIGID_LINK
 from mecano.elements.rigid_rod import RIGID_ROD
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
+from mecano.elements.superelement import SUPERELEMENT
 from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.universal import UNIVERSAL
 from mecano.elements.wheel import WHEEL
@@ -27,7 +28,7 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
-        BEAM, SPRING_DAMPER, TORSION_SPRING_DAMPER,
+        BEAM, SUPERELEMENT, SPRING_DAMPER, TORSION_SPRING_DAMPER,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
         WHEEL,
     )

@@ -16,12 +16,17 @@ class Instance:
     n_parts: int = 0  # parts that follow it in the list
 
 
+def of_size(kind, values):
+    """The kind of an element with these deck values."""
+    return kind.sized(values) if kind.sized else kind
+
+
 def expand(model, context):
     """Elements and their parts; shared unknowns (what, i, j, element name); used unknowns."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared, used = [], [], set()
     for element in model.elements:
-        kind, nodes = element.kind, tuple(index[name] for name in element.nodes)
+        kind, nodes = of_size(element.kind, element.values), tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
         title = f"{kind.name} '{element.name}'"
         record = kind.prepare(element.values, frames, context)

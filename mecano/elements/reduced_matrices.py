@@ -1,0 +1,107 @@
+"""What a superelement is given: stiffness, mass and damping over boundary nodes and modes, and what they must fulfil.
+
+The matrices are plain lists, as a deck writes them, with 6 rows for each boundary node (3 displacements, 3 rotations),
+in the order of ``positions``, then a row for each mode.
+"""
+
+import numpy as np
+
+SYMMETRY = 1e-8  # of the largest entry
+RIGID = 1e-6  # of the largest force that a rigid motion could cause
+NEGATIVE = 1e-8  # of the largest eigenvalue
+PLACE = 1e-6  # of the size of the superelement
+
+
+def rigid_motions(positions, n):
+    """Translations (n, 3) and rotations (n, 3) of a superelement with n coordinates, about the mean of its nodes."""
+    X = np.asarray(positions, float)
+    X = X - X.mean(axis=0)
+    translations, rotations = np.zeros((n, 3)), np.zeros((n, 3))
+    for i, (x, y, z) in enumerate(X):
+        translations[6 * i : 6 * i + 3] = np.eye(3)
+        rotations[6 * i : 6 * i + 3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+        rotations[6 * i + 3 : 6 * i + 6] = np.eye(3)
+    return translations, rotations
+
+
+def mass_moments(mass, positions):
+    """Mass [kg], first moment [kg m] about the mean of the nodes (3,), inertia [kg m2] about it (3, 3), loads M r (n, 3)."""
+    M = np.asarray(mass, float)
+    translations, rotations = rigid_motions(positions, len(M))
+    loads = M @ translations
+    C = translations.T @ M @ rotations  # -hat(S)
+    S = 0.5 * np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]])
+    return np.trace(translations.T @ loads) / 3.0, S, rotations.T @ M @ rotations, loads
+
+
+def problems(reduced):
+    """What is wrong with the values of a file, as texts that go on after its name."""
+    n_nodes = len(reduced["positions"])
+    matrices = {key: reduced[key] for key in ("stiffness", "mass", "damping") if reduced.get(key) is not None}
+    sizes = {key: (len(rows), *{len(row) for row in rows}) for key, rows in matrices.items()}
+    n = sizes["stiffness"][0]
+    for key, size in sizes.items():
+        if len(size) != 2 or size[0] != size[1]:
+            return [f"'{key}' is not square"]
+        if size[0] != n:
+            return [f"'{key}' has {size[0]} rows, 'stiffness' {n}"]
+    if n < 6 * n_nodes:
+        return [f"the matrices have {n} rows, but {n_nodes} boundary nodes alone need {6 * n_nodes}"]
+    arrays = {key: np.array(rows, float) for key, rows in matrices.items()}
+    found = [text for key, A in arrays.items() for text in _quadratic_form(key, A)]
+    return found or _rigid(arrays, reduced["positions"], n)
+
+
+def _quadratic_form(key, A):
+    largest = np.abs(A).max(initial=0.0)
+    gap = np.abs(A - A.T)
+    if gap.max(initial=0.0) > SYMMETRY * largest:
+        i, j = np.unravel_index(np.argmax(gap), A.shape)
+        yield f"'{key}' is not symmetric: entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {A[i, j]:.6g} and {A[j, i]:.6g}"
+        return
+    # the unit of rows of rotations and of amplitudes is another one: a scaling to equal diagonals takes that out
+    scale = np.sqrt(np.maximum(np.diag(A), 1e-30 * largest + 1e-300))
+    lowest, *_, highest = np.linalg.eigvalsh(A / np.outer(scale, scale)) if len(A) > 1 else (A[0, 0], A[0, 0])
+    if lowest < -NEGATIVE * max(highest, 1.0):
+        yield f"'{key}' is not positive semi-definite: with unit diagonal its lowest eigenvalue is {lowest:.3g}"
+
+
+def _rigid(arrays, positions, n):
+    translations, rotations = rigid_motions(positions, n)
+    K, M = arrays["stiffness"], arrays["mass"]
+    mass = mass_moments(M, positions)[0]
+    if mass <= 0.0:
+        return [f"'mass' has no mass in rigid translations; {EXPECTED}"]
+    found = []
+    for name, motions in (("translation", translations), ("rotation", rotations)):
+        for axis, r in zip("xyz", motions.T, strict=True):
+            forces = K @ r
+            if np.any(np.abs(forces) > RIGID * (np.abs(K) @ np.abs(r))):
+                found.append(f"'stiffness' resists a rigid {name} along {axis}; {EXPECTED}")
+    block = translations.T @ M @ translations
+    if np.abs(block - mass * np.eye(3)).max() > RIGID * mass:
+        found.append(f"'mass' is not the same along x, y and z: {', '.join(f'{m:.6g}' for m in np.diag(block))}; {EXPECTED}")
+    C = translations.T @ M @ rotations
+    if np.abs(C + C.T).max() > RIGID * max(np.abs(C).max(), np.sqrt(mass * np.abs(rotations.T @ M @ rotations).max())):
+        found.append(f"'mass' does not move as one body in rigid rotations; {EXPECTED}")
+    return found[:1]
+
+
+EXPECTED = (
+    "expected are displacements x, y, z and rotations x, y, z of each node in the order of 'positions', then the "
+    "modes, in SI units"
+)
+
+
+def misplaced(reduced, nodes):
+    """Which node is not where the superelement has it, as a text, or ""; ``nodes`` are (x (3,), R (3, 3)) of a model."""
+    X = np.array(reduced["positions"], float)
+    x = np.array([place for place, _ in nodes])
+    off = np.linalg.norm((x - x[0]) - (X - X[0]) @ nodes[0][1].T, axis=1)
+    worst, size = int(np.argmax(off)), np.ptp(X, axis=0).max(initial=0.0)
+    if off[worst] <= PLACE * size:
+        return ""
+    return (
+        f"'nodes': number {worst + 1} is {off[worst]:.3g} m from where the superelement has it; its axes are those of "
+        "the first node"
+    )
