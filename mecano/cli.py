@@ -30,6 +30,7 @@ def commands():
     \b
     mecano check deck.yaml          look at a deck without running it
     mecano run deck.yaml            solve it into deck.h5
+    mecano modes deck.yaml          modes of small motions about its start or equilibrium
     mecano post deck.h5             draw the pictures an engineer wants
     mecano info deck.h5             say what is in a file and how the run went
     mecano list, mecano explain     what a deck can contain
@@ -53,19 +54,54 @@ overrides = click.option(
 def run(deck, output, force, quiet, overrides):
     """Solve a deck into a results file."""
     from mecano.deck.read import read_deck
-    from mecano.progress import Progress
+    from mecano.progress import Progress, StaticProgress
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
-    progress = Progress(checked.values["time"], quiet, path)
+    static = checked.values["static"]
+    progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
     progress.compiling(kinds)
-    from mecano.run import run as solve
+    from importlib import import_module
 
+    solve = import_module("mecano.static_run" if static else "mecano.run").run
     for number in STOPPED:
         signal.signal(number, _stop)
     final = solve(checked, path, force=force, observers=(progress,), announce=progress.note)
     progress.done(final)
+
+
+@commands.command()
+@click.argument("deck", type=click.Path())
+@click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
+@click.option("--number", type=click.IntRange(1), default=10, show_default=True, help="Modes of lowest frequency.")
+@click.option(
+    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
+    help="Axes in which the motions are seen: that turn with a node, or with an angular velocity [rad/s].",
+)  # fmt: skip
+@click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
+@click.option("-o", "--output", type=click.Path(), help="File of modes; default: the deck's name with _modes.h5, here.")
+@click.option("--plot", is_flag=True, help="Draw the shapes into a picture beside the file.")
+@click.option("--force", is_flag=True, help="Replace an existing file of modes.")
+@overrides
+def modes(deck, at, number, frame, solver, output, plot, force, overrides):
+    """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
+
+    With 'static' or 'initial: static' in the deck: about the static equilibrium. Complex eigenvalues with constraints,
+    damping, gyroscopic and follower terms; a table here, shapes in the file and, with --plot, in a picture.
+    """
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(deck, overrides)
+    path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
+    from mecano.modes_run import modes as find
+
+    text, _, _ = find(checked, path, at=at, number=number, frame=frame, method=solver, force=force)
+    _show(text)
+    if plot:
+        from mecano.post.mode_shapes import draw_modes
+
+        _show(str(draw_modes(path)))
 
 
 @commands.command()

@@ -46,9 +46,10 @@ class Prepared:
 def prepare(deck):
     """Build the model of a checked deck and assemble its positions; raises AssemblyError."""
     system = System(build(deck))
-    of, values = system.numbering, deck.values["time"]
+    of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
-    length = _given((values["adaptive"] or {}).get("length_scale", AUTOMATIC), length_scale(system.nodes))
+    wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
+    length = given(wanted, length_scale(system.nodes))
     state, displacement = assemble_positions(system, linear, system.initial_state(values["start"]), length)
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
@@ -69,7 +70,7 @@ def march_of(prepared, observers=()):
     )
     method = GeneralizedAlpha(
         system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
-        k=_given(scale["k"], None), penalty=_given(scale["penalty"], None), compliance=prepared.compliance,
+        k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
     )  # fmt: skip
     return March(system, method, _control(values), tuple(observers), time_breakpoints(deck))
 
@@ -81,12 +82,13 @@ def _control(values):
     duration = values["end"] - values["start"]
     return AdaptiveStep(
         adaptive["tolerance"], duration,
-        minimum=_given(adaptive["minimum_step"], SMALLEST_STEP * step),
-        maximum=_given(adaptive["maximum_step"], duration / 20),
+        minimum=given(adaptive["minimum_step"], SMALLEST_STEP * step),
+        maximum=given(adaptive["maximum_step"], duration / 20),
     )  # fmt: skip
 
 
-def _given(value, otherwise):
+def given(value, otherwise):
+    """The value, or ``otherwise`` where the deck leaves it automatic."""
     return otherwise if value == AUTOMATIC else value
 
 
@@ -104,7 +106,7 @@ def remarks(prepared, start=None):
         )
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
-    return texts + amount_warnings(prepared)
+    return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 
 def amount_warnings(prepared):

@@ -53,11 +53,14 @@ class Progress:
 
     def done(self, run):
         """The last lines: how it went and where the results are."""
-        elapsed = time.monotonic() - self.begun
-        self.note(
+        self.finished(
             f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
-            f"steps, in {elapsed:.2f} s"
+            "steps"
         )
+
+    def finished(self, text):
+        """The last lines: what was done, in how long, and where the results are."""
+        self.note(f"{text}, in {time.monotonic() - self.begun:.2f} s")
         self.note(f"results in {self.path}")
 
     def _share(self, run):
@@ -78,3 +81,31 @@ class Progress:
         except BrokenPipeError:
             self.quiet = True
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+class StaticProgress(Progress):
+    """Observer of the points of a path of equilibria; a line for each of the first, then ever fewer."""
+
+    def __init__(self, values, quiet, path):
+        super().__init__({"start": 0.0, "end": values["end"]}, quiet, path)
+        self.what = "t =" if values["over"] == "time" else "load factor"
+        self.points, self.iterations, self.rejected = -1, 0, 0
+
+    def __call__(self, point):
+        """Show where the path is, and how the point was found."""
+        self.points += 1
+        self.iterations += point.iterations
+        self.rejected += point.rejected
+        now = time.monotonic()
+        if not self.quiet and (self.points <= LINES or now - self.drawn >= 1.0):
+            self.drawn = now
+            unstable = point.stability.unstable
+            text = f", {unstable} unstable direction(s)" if unstable > 0 else ""
+            self._say(f"{self.what} {point.parameter:.6g}: {point.iterations} iterations{text}\n")
+
+    def done(self, point):
+        """The last line."""
+        self.finished(
+            f"{self.points} steps, {self.rejected} rejected, {self.iterations} Newton iterations; "
+            f"{self.what} {point.parameter:.6g}"
+        )

@@ -9,6 +9,7 @@ from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
+from mecano.statics import equilibrium
 
 
 class Recorder:
@@ -68,13 +69,14 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
 
     ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Whatever
     stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the start),
-    ConvergenceError, NonFiniteError (the march), ResultsError (the file).
+    ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
     refuse_existing(path, force)
     values, prepared = deck.values["time"], prepare(deck)
+    found = equilibrium(prepared) if deck.values["initial"]["static"] else ()
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
-    notes = remarks(prepared, start)
+    notes = [*remarks(prepared, start), *found]
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
         automatic=chosen(prepared, march, start), remarks=notes,

@@ -74,6 +74,12 @@ def either(type_, *words):
     return Type("either", " or ".join([type_.expects, *(f"'{word}'" for word in words)]), (type_, words))
 
 
+def shorthand(type_, words):
+    """A value of the given type, or a word (or true) that stands for one: {word: value}."""
+    expects = " or ".join([type_.expects, *("true" if word is True else f"'{word}'" for word in words)])
+    return Type("shorthand", expects, (type_, tuple(words.items())))
+
+
 def one_of_kinds(section):
     """One element, joint or load: a mapping whose ``type`` names the kind, with the fields of that kind."""
     return Type("kind", "a mapping with the key 'type'", (section,))

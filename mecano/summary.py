@@ -4,6 +4,7 @@ from textwrap import wrap
 
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, prepare, some
+from mecano.statics import start_in_words
 
 MOST_NAMES = 12  # names printed of one mechanism
 WIDTH = 110
@@ -24,17 +25,16 @@ def summary(deck):
         _gravity(deck),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
-        *_amounts(prepared),
+        *(_statics(prepared) if values["static"] else _amounts(prepared)),
     ]
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
     alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
-    if alone:
-        text = f"{len(alone)} unknown(s) that no constraint ties: {some(alone, MOST_NAMES)}"
-        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    texts = [f"{len(alone)} unknown(s) that no constraint ties: {some(alone, MOST_NAMES)}"] if alone else []
     for group in (group for group in analysis.mechanisms if len(group.names) > 1):
-        text = f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}"
+        texts.append(f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}")
+    for text in texts:
         lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
@@ -44,6 +44,19 @@ def summary(deck):
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
     return "\n".join(lines)
+
+
+def _statics(prepared):
+    """How equilibrium is reached, and how stable the start is."""
+    static = prepared.deck.values["static"]
+    what = "load factor" if static["over"] == "load_factor" else "time"
+    yield f"equilibrium      {what} up to {static['end']:g} by {static['method']}"
+    yield from _start(prepared)
+
+
+def _start(prepared):
+    for text in start_in_words(prepared):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
 
 
 def _counts(values):
@@ -66,5 +79,8 @@ def _amounts(prepared):
     kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"
     yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
     yield f"saved times      {'every step' if saved is None else saved}"
+    if first := values["initial"]["static"]:
+        yield f"initial          the static equilibrium, found by {first['method']}"
+        yield from _start(prepared)
     for text in amount_warnings(prepared):
         yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)

@@ -26,9 +26,10 @@ def input_deck(name, *overrides):
 class March:
     """A deck marched to its end: ``time`` (n,), ``self[path]`` (n, ...) at every accepted step, the start first."""
 
-    def __init__(self, deck, *, change=lambda march, run: run):
-        """``change(march, run)`` may alter march and RunState before the first step."""
+    def __init__(self, deck, *, start=lambda prepared: None, change=lambda march, run: run):
+        """``start(prepared)`` may alter the state, ``change(march, run)`` march and RunState before the first step."""
         prepared = prepare(deck)
+        start(prepared)
         self.prepared, self.system = prepared, prepared.system
         self.sampler = Sampler(prepared.system)
         self.columns = {c.path: c for c in self.sampler.columns}

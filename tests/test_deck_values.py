@@ -45,7 +45,7 @@ def test_defaults_are_filled_in():
         "laws": {},
         "grounds": {},
         "tire_laws": {},
-        "initial": {"velocities": []},
+        "initial": {"static": None, "velocities": []},
         "time": {
             "start": 0.0,
             "end": 1.0,
@@ -56,6 +56,7 @@ def test_defaults_are_filled_in():
             "newton": {"force_tolerance": 1e-7, "constraint_tolerance": 1e-10, "maximum_iterations": 15},
             "scale": {"k": "automatic", "penalty": "automatic"},
         },
+        "static": None,
         "output": {"every": "step"},
     }
 

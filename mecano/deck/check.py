@@ -1,7 +1,7 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
 from mecano.deck import values
-from mecano.deck.containers import either, filled, kind, list_, mapping, named
+from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.physics import check_model
 from mecano.deck.resolve import resolve
@@ -47,6 +47,7 @@ CHECKS = {
     "named": named,
     "list": list_,
     "either": either,
+    "shorthand": shorthand,
     "kind": kind,
 }
 
@@ -59,6 +60,10 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     _check_version(root, problems)
     scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems)
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
+    _check_process(root, sections, scope)
+    _stop_at(problems)
+    if result.get("static") and result["initial"]["static"]:
+        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
     _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
@@ -70,6 +75,20 @@ def checked_values(root, sections, kinds, terms, folder, problems):
 def _stop_at(problems):
     if problems:
         raise DeckError(problems)
+
+
+def _check_process(root, sections, scope):
+    """A deck says either how time goes on or how an equilibrium is reached."""
+    fields = {section.name: section for section in sections}
+    if "static" not in fields:
+        return
+    time, static = (key in root.value and root.value[key][1].value is not None for key in ("time", "static"))
+    if not time and not static:
+        time = fields["time"]
+        scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
+    elif time and static:
+        hint = "for a march that starts from an equilibrium write 'initial: static'"
+        scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
 
 def _check_version(root, problems):

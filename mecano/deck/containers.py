@@ -137,6 +137,18 @@ def either(node, field, scope):
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 
 
+def shorthand(node, field, scope):
+    """What a word of the type stands for, or a value of its type."""
+    type_, words = field.type.options
+    for word, meaning in words:
+        if type(node.value) is type(word) and node.value == word:
+            node = node_of(meaning)
+            break
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, field)
+    return scope.checks[type_.name](node, replace(field, type=type_), scope)
+
+
 def kind(node, field, scope):
     """An element, joint or load: {"type": name of the kind, and the fields of the kind}."""
     if type(node.value) is not dict:

@@ -54,7 +54,7 @@ class Deck:
         names = {}
         for section in ("laws", "grounds", "tire_laws", "sections"):
             names |= {id(value): name for name, value in self.values[section].items()}
-        return {key: _plain_section(value, names) for key, value in self.values.items()}
+        return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 
     def resolved_text(self):
         """The resolved deck as JSON, one line for each named thing."""

@@ -69,6 +69,6 @@ def _default(field):
 def _inner(type_):
     if type_.name == "mapping":
         return type_.options
-    if type_.name in ("named", "list", "either"):
+    if type_.name in ("named", "list", "either", "shorthand"):
         return _inner(type_.options[0])
     return ()

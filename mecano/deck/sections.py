@@ -1,5 +1,14 @@
 """The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
 
+from mecano.deck.limits import (
+    AUTOMATIC,
+    above_rounding,
+    at_least_one,
+    below_one,
+    not_empty,
+    spectral_radius,
+)  # fmt: skip
+from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
 from mecano.elements.cross_section import check_section
 from mecano.elements.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
@@ -18,39 +27,14 @@ from mecano.schema import (
     list_of,
     mapping,
     named,
-    not_negative,
     one_of_kinds,
     positive,
+    shorthand,
 )  # fmt: skip
 
 PARAMETER = Type("parameter", "a number")
 LAW_IN_PLACE = Type("law_in_place", "a number or a mapping of terms")
 ZERO = (0.0, 0.0, 0.0)
-
-
-def not_empty(value):
-    """Check: at least one."""
-    return None if value else "must not be empty"
-
-
-def spectral_radius(value):
-    """Check: in [0, 1]."""
-    return None if 0.0 <= value <= 1.0 else "must lie between 0 and 1"
-
-
-def below_one(value):
-    """Check: a relative tolerance."""
-    return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
-
-
-def above_rounding(value):
-    """Check: a relative tolerance that rounding lets one meet."""
-    return None if 1e-14 <= value < 1.0 else "must lie between 1e-14 and 1"
-
-
-def at_least_one(value):
-    """Check: >= 1."""
-    return None if value >= 1 else "must be at least 1"
 
 
 def check_time(time):
@@ -77,8 +61,6 @@ def check_velocity(entry):
         return "'about' is missing: the point about which the nodes turn, or 'own' for each about itself"
     return None
 
-
-AUTOMATIC = "automatic"
 
 NODE_FIELDS = (
     Field("position", VECTOR, "m", "position at the start, inertial"),
@@ -112,6 +94,10 @@ VELOCITY_FIELDS = (
 )  # fmt: skip
 INITIAL_FIELDS = (
     Field(
+        "static", shorthand(mapping(*INITIAL_STATIC_FIELDS), {True: {}}), "-",
+        "start from the static equilibrium at the start time, with the velocities below", None,
+    ),
+    Field(
         "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
         "rigid-body motions of sets of nodes, v = velocity + angular_velocity x (x - about), added one to the other",
         (),
@@ -130,10 +116,6 @@ NEWTON_FIELDS = (
         "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, above_rounding
     ),
     Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 15, at_least_one),
-)
-SCALE_FIELDS = (
-    Field("k", either(NUMBER, AUTOMATIC), "N/m", "scale of the constraint equations", AUTOMATIC, positive),
-    Field("penalty", either(NUMBER, AUTOMATIC), "N/m", "penalty of the constraints", AUTOMATIC, not_negative),
 )
 TIME_FIELDS = (
     Field("start", NUMBER, "s", "time at the start", 0.0),
@@ -170,7 +152,11 @@ SECTIONS = (
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
     Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
-    Field("initial", mapping(*INITIAL_FIELDS), "-", "velocities at the start", {}),
-    Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", check=check_time),
+    Field(
+        "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
+        "the start: velocities, static equilibrium ('initial: static')", {},
+    ),
+    Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", None, check_time),
+    Field("static", mapping(*STATIC_FIELDS), "-", "how a static equilibrium is reached", None, check_static),
     Field("output", mapping(*OUTPUT_FIELDS), "-", "what is saved", {}),
-)
+)  # fmt: skip

@@ -84,6 +84,23 @@ def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, dat
 
 
 @njit(cache=True)
+def count_again(loops, batches, system, t, z, v, a, R, modes, memory, T, cK, cC, cM, times, force, size):
+    """Add forces and tangent of some batches so many times to what is there; force, size (n_slots,) are for work."""
+    aim(system, t, z, v, a, R, modes, memory)
+    s = system[0]
+    s.T, s.cK, s.cC, s.cM, s.k, s.penalty = T.ctypes.data, times * cK, times * cC, times * cM, 1.0, 0.0
+    own_force, own_size, own_mass = s.force, s.size, s.mass
+    force[:] = 0.0
+    size[:] = 0.0
+    s.force, s.size, s.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
+    run(loops, batches, system)
+    s.force, s.size, s.mass = own_force, own_size, own_mass
+    floats(own_force, s.n_slots)[:] += times * force
+    floats(own_size, s.n_slots)[:] += abs(times) * size
+    collect(system)
+
+
+@njit(cache=True)
 def levels(loops, batches, system, t, z, v, a, R, modes, memory, g_out):
     """Value, rate and second rate of all constraints, (n_l, 3)."""
     aim(system, t, z, v, a, R, modes, memory)

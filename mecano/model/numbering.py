@@ -107,7 +107,10 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
 
 def motion_name(name):
     """What moves where the equation of a node is called ``name``: "node tip: displacement x" for "node tip: force x"."""
-    for equation, motion in ((": force ", ": displacement "), (": moment about material ", ": rotation about material ")):
+    for equation, motion in (
+        (": force ", ": displacement "),
+        (": moment about material ", ": rotation about material "),
+    ):
         name = name.replace(equation, motion)
     return name
 

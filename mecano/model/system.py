@@ -116,6 +116,12 @@ class System:
         return self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=constraints)
 
     @cached_property
+    def _count_again(self):
+        loads = lambda kind: kind.section == "loads"  # noqa: E731
+        others = self._no_turn, 1.0, 1.0, 1.0, 1.0, self.force, self.force
+        return self._conductor(conduct.count_again, loops.tangent, *others, chosen=loads)
+
+    @cached_property
     def _levels(self):
         return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
 
@@ -160,6 +166,11 @@ class System:
     def add_constraints(self, s, k, penalty, data):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``."""
         self._add_constraints(*_motion(s), self._no_turn, k, penalty, data)
+
+    def scale_loads(self, s, factor, cK, cC, cM, T=None):
+        """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
+        T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
+        self._count_again(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""

@@ -148,7 +148,8 @@ def _note(ax, panel, factor, unit):
     text = panel.note
     if panel.peak:
         value, time = panel.peak
-        text = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit} at {time:.4g} s"
+        x = panel.curves[0].x
+        text = f"{'max' if value >= 0 else 'min'} {value / factor:.4g} {unit} at {time:.4g} {x.unit or x.what}"
     if text:
         note_below(ax, text)
 

@@ -16,8 +16,11 @@ MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
-def draw_sketch(ax, sketch, title=""):
-    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top."""
+def draw_sketch(ax, sketch, title="", named=True):
+    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top.
+
+    ``named``: with a legend and the span of the instants.
+    """
     right, up = sketch.axes
     colours = _colours(sketch)
     for line in sketch.grounds:
@@ -35,11 +38,14 @@ def draw_sketch(ax, sketch, title=""):
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
     ax.set_ylabel(f"{LETTERS[up]} [m]")
-    taken = _name(ax, colours, sketch)
+    taken = _name(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
         ax.set_xlabel(f"{LETTERS[right]} [m]")
-        note_below(ax, f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g} s, later is darker" if count > 1 else "")
+        name, unit = sketch.axis
+        span = f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g}"
+        text = f"{span} {unit}, later is darker" if unit else f"{name} {span}, larger is darker"
+        note_below(ax, text if count > 1 and named else "")
     else:
         _label_instants(ax, sketch)
 
@@ -63,7 +69,8 @@ def _label_instants(ax, sketch):
     right = sketch.axes[0]
     for i, t in enumerate(sketch.times):
         x = np.concatenate([shape.points[i][:, right] for shape in sketch.shapes]) + sketch.shift[i]
-        ax.annotate(f"{t:.3g} s", (0.5 * (x.min() + x.max()), 0.0), xycoords=ax.get_xaxis_transform(), xytext=(0, -4),
+        place = (0.5 * (x.min() + x.max()), 0.0)
+        ax.annotate(f"{t:.3g} {sketch.axis[1]}", place, xycoords=ax.get_xaxis_transform(), xytext=(0, -4),
                     textcoords="offset points", ha="center", va="top", fontsize=8)  # fmt: skip
     ax.set_xticks([])
     ax.spines["bottom"].set_visible(False)

@@ -83,7 +83,7 @@ def _count(results):
         text += f", {rejected} rejected, {iterations} Newton iterations ({iterations / len(steps):.2f} per step)"
     if "step_size" in results.step_columns:
         low, high = steps["step_size"].min(), steps["step_size"].max()
-        text += f", of {_range(low, high)} s"
+        text += f", of {_range(low, high)} {results.axis.unit}".rstrip()
     return text
 
 
@@ -95,6 +95,8 @@ def _saved(results):
     time = results.time
     if not len(time):
         return "nothing yet"
+    if results.axis.unit != "s":
+        return f"{len(time)} equilibria, {results.axis.path} from {time[0]:.6g} to {time[-1]:.6g}"
     text = f"{len(time)} times from {time[0]:.6g} to {time[-1]:.6g} s"
     intervals = np.diff(time)
     if len(intervals) > 1 and np.ptp(intervals[:-1]) <= 1e-6 * intervals[0]:
@@ -130,7 +132,8 @@ def _events(results):
     width = max(len(event.element) for event in shown)
     for event in shown:
         change = f"  ({event.before} -> {event.after})" if event.before != event.after else ""
-        lines.append(f"  {event.time:12.6g} s  {event.element:<{width}}  {event.name.replace('_', ' ')}{change}")
+        at, name = f"{event.time:12.6g} {results.axis.unit:1}", event.name.replace("_", " ")
+        lines.append(f"  {at}  {event.element:<{width}}  {name}{change}")
     return lines
 
 
@@ -161,8 +164,8 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if not rows or not len(results.time):
         return ["Extremes: none"]
     shown = rows if len(rows) <= most else rows[:most]
-    width = max(len(name) for name, _ in shown)
-    lines = [f"Extremes over all accepted steps\n  {'':<{width}} {'min':>12} {'at [s]':>10} {'max':>12} {'at [s]':>10}"]
+    width, at = max(len(name) for name, _ in shown), f"at [{results.axis.unit}]" if results.axis.unit else "at"
+    lines = [f"Extremes over all accepted steps\n  {'':<{width}} {'min':>12} {at:>10} {'max':>12} {at:>10}"]
     lines += [f"  {name:<{width}} {_numbers(extreme)}" for name, extreme in shown]
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")

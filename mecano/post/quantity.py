@@ -32,6 +32,8 @@ class Quantity:
     clock : str
         SAVED or STEPS: to which times the values belong.
     time, values : (n,) arrays
+    axis : (str, str)
+        What the times are, and their unit: of statics the load factor.
     """
 
     path: str
@@ -40,6 +42,7 @@ class Quantity:
     clock: str
     time: np.ndarray
     values: np.ndarray
+    axis: tuple = ("time", "s")
 
     @property
     def subject(self):
@@ -49,6 +52,8 @@ class Quantity:
     @property
     def what(self):
         """The quantity in words: radial force, position z."""
+        if self.path == "time":
+            return self.axis[0]
         return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
 
     @property
@@ -82,8 +87,13 @@ def find(results, name):
 
     Raises UnknownNameError with the most similar names, ResultsError when the file cannot be read.
     """
+    axis = results.axis.path, results.axis.unit
+    return [replace(quantity, axis=axis) for quantity in _found(results, name)]
+
+
+def _found(results, name):
     if name == "time":
-        return [Quantity("time", "s", "time", SAVED, results.time, results.time)]
+        return [Quantity("time", results.axis.unit, results.axis.doc, SAVED, results.time, results.time)]
     if name.startswith(("solver.", "solver/")):
         return [_of_solver(results, name[len("solver.") :])]
     if "*" in name or "?" in name:
@@ -101,7 +111,8 @@ def find(results, name):
 
 def time_of(quantity):
     """The times of a quantity as a quantity."""
-    return replace(quantity, path="time", unit="s", doc="time", values=quantity.time)
+    name, unit = quantity.axis
+    return replace(quantity, path="time", unit=unit, doc=name, values=quantity.time)
 
 
 def _components(trace):

@@ -88,6 +88,14 @@ def _rod(motion, name, d):
     return _line(motion, name, d, ROD)
 
 
+def _beam(motion, name, d):
+    """A line through the nodes of its elements."""
+    inner = [f"{name}.{i}" for i in range(1, int(d.get("mesh", 1)))]
+    nodes = [d["nodes"][0], *(node for node in inner if f"nodes/{node}/position" in motion.run.paths), d["nodes"][1]]
+    nodes = [node for node in nodes if f"nodes/{node}/position" in motion.run.paths]
+    return [Shape(ROD, name, np.stack([motion.position(node) for node in nodes], axis=1))] if len(nodes) > 1 else []
+
+
 def _spring(motion, name, d):
     return _line(motion, name, d, SPRING)
 
@@ -142,6 +150,7 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
+    "beam": _beam,
     "wheel": _wheel,
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""

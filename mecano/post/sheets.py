@@ -24,7 +24,8 @@ REMARKS = {
 def default_sheets(runs):
     """All sheets of these runs; the sketches of the mechanism first."""
     kinds = tuple(dict.fromkeys(d["type"] for run in runs for d in run.things.values()))
-    sheets = [_mechanism(runs), *(_planned(plan, runs) for plan in plans(kinds)), _energies(runs), _solver(runs)]
+    planned = [_planned(plan, runs) for plan in plans(kinds)]
+    sheets = [_mechanism(runs), _path(runs), *planned, _energies(runs), _solver(runs)]
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     marks = event_marks(runs)
     return [replace(sheet, events=marks, run_labels=labels) for sheet in sheets if sheet.panels]
@@ -63,6 +64,24 @@ def _planned(plan, runs):
 def _mechanism(runs):
     sketches = [one for run in runs[:MOST_SKETCHES] if (one := sketch(run)) is not None]
     return Sheet("mechanism", "Mechanism", tuple(sketches))
+
+
+def _path(runs):
+    """The path of equilibria: load factor over the displacement that changes most, and the stability."""
+    static = [(number, run) for number, run in enumerate(runs) if "static/load_factor" in run.paths]
+    loads, unstable = [], []
+    for number, run in static:
+        positions = [name for name in run.ranges if name.startswith("nodes/") and "/position." in name]
+        moves = max(positions, key=run.ranges.get, default="")
+        factor, x = find(run.results, "static/load_factor")[0], find(run.results, moves) if moves else []
+        loads += [Curve(one, factor, number, one.subject) for one in x]
+        count = find(run.results, "static/unstable_directions")[0]
+        unstable.append(Curve(time_of(count), count, number, "static"))
+    where = f", over the position {loads[0].x.path[-1]} of {loads[0].subject}" if loads else ""
+    panels = [Panel(f"load factor{where}", tuple(loads))] if loads and any(np.ptp(c.y.values) for c in loads) else []
+    if any(np.any(curve.y.values) for curve in unstable):
+        panels.append(Panel("unstable directions", tuple(unstable), stepped=True))
+    return Sheet("path", "Path of equilibria", tuple(panels))
 
 
 def _energies(runs):

@@ -36,6 +36,8 @@ class Sketch:
         Where points pass.
     grounds : tuple of (k, 2) arrays
         Lines of the ground, shifted already.
+    axis : (str, str)
+        What the times are, and their unit.
     """
 
     label: str
@@ -45,6 +47,7 @@ class Sketch:
     shift: np.ndarray
     paths: tuple
     grounds: tuple
+    axis: tuple = ("time", "s")
 
     @property
     def in_place(self):
@@ -76,7 +79,8 @@ def sketch(run):
     shift = _shift(drawn, axes[0])
     paths = () if shift.any() else _paths(cloud[..., axes])
     times = run.results.time[rows[instants]]
-    return Sketch(run.label or run.title, axes, times, drawn, shift, paths, tuple(_grounds(run, drawn, axes, shift)))
+    grounds, axis = tuple(_grounds(run, drawn, axes, shift)), run.results.axis
+    return Sketch(run.label or run.title, axes, times, drawn, shift, paths, grounds, (axis.path, axis.unit))
 
 
 def _axes(points, gravity):

@@ -83,6 +83,10 @@ EVENT_TEXTS = {
 """What is kept of an event besides its time."""
 
 
+TIME = Series("time", "s", "saved time")
+"""What the rows of a march are ordered by."""
+
+
 class Layout:
     """The declared series of a run and the columns of its solver history.
 
@@ -92,6 +96,8 @@ class Layout:
         In the order of the flat array of values.
     steps : sequence of Series
         Columns of the solver history, all numbers, without the time.
+    axis : Series
+        What stands for the time in the rows: its name in words, unit, meaning.
 
     Raises
     ------
@@ -99,7 +105,8 @@ class Layout:
         A path is taken twice, empty, reserved or inside another series; a step column is not a number.
     """
 
-    def __init__(self, series, steps=STEPS):
+    def __init__(self, series, steps=STEPS, axis=TIME):
+        self.axis = axis
         self.series = tuple(series)
         self.steps = tuple(steps)
         ends = tuple(itertools.accumulate((one.width for one in self.series), initial=0))
@@ -132,10 +139,13 @@ class Layout:
     def to_json(self):
         """Declare the series as text, as stored in the file."""
         series, steps = ([asdict(one) for one in some] for some in (self.series, self.steps))
-        return json.dumps({"series": series, "steps": steps})
+        return json.dumps({"series": series, "steps": steps, "axis": asdict(self.axis)})
 
     @classmethod
     def from_json(cls, text):
         """Declare the series of a file again."""
         stored = json.loads(text)
-        return cls(*([Series(**{**one, "shape": tuple(one["shape"])}) for one in some] for some in stored.values()))
+        series, steps = (
+            [Series(**{**one, "shape": tuple(one["shape"])}) for one in stored[key]] for key in ("series", "steps")
+        )
+        return cls(series, steps, Series(**{**stored["axis"], "shape": ()}) if "axis" in stored else TIME)

@@ -155,6 +155,11 @@ class Results:
         """Saved times (n,) [s]."""
         return self._read("storage/output", (slice(self._rows), 0))
 
+    @property
+    def axis(self):
+        """What ``time`` is: name in words, unit, meaning; of statics the load factor or the length of the path."""
+        return self._layout.axis
+
     @cached_property
     def _lookup(self):
         return Lookup(self._layout.series)

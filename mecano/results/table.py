@@ -127,10 +127,10 @@ class NumberTable:
         properties.set_virtual(target, b".", self.dataset.name.encode(), source)
         return h5py.Dataset(h5d.create(group.id, name.encode(), h5t.IEEE_F64LE, target, properties))
 
-    def time_view(self, group, name, doc):
+    def time_view(self, group, name, unit, doc):
         """Make the view of the times, a dimension scale for all other views."""
         times = self.view(group, name, 0, ())
-        describe(times, units="s", long_name=doc)
+        describe(times, units=unit, long_name=doc)
         times.make_scale(name)
         return times
 

@@ -289,7 +289,7 @@ def _new_file(disk, layout):
 
 
 def _make_views(file, axes, layout, outputs, steps):
-    times = outputs.time_view(file, "time", "saved time")
+    times = outputs.time_view(file, "time", layout.axis.unit, layout.axis.doc)
     name_axes(outputs.dataset, times, axes.scale(1 + layout.size))
     groups = {}
     for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
@@ -300,7 +300,7 @@ def _make_views(file, axes, layout, outputs, steps):
         describe(view, units=series.unit, long_name=series.doc)
         name_axes(view, times, *axes.of(series.shape))
     solver = file.create_group("solver")
-    ends = steps.time_view(file, "step_time", "end of the accepted step")
+    ends = steps.time_view(file, "step_time", layout.axis.unit, "end of the accepted step")
     name_axes(steps.dataset, ends, axes.scale(1 + len(layout.steps)))
     for column, series in enumerate(layout.steps, start=1):
         view = steps.view(solver, series.path, column, ())

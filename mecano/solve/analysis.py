@@ -55,7 +55,11 @@ def analyse(system, s, length):
     redundant = _groups(projector, [names[i] for i in loops])
     rank = system.n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
-    mechanisms = _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]]) if complete else ()
+    mechanisms = (
+        _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]])
+        if complete
+        else ()
+    )
     dependent = _directions(system, projector, loops, size)
     return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
 

@@ -18,20 +18,24 @@ TRY = {
 
 def no_step(system, info, t, h):
     """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
-    of = system.numbering
-    r, size = np.abs(system.residual[: system.n]), system.size[: system.n]
-    scale = np.array([max(size[of.kind[: system.n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
-    relative = np.nan_to_num(r / scale[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
-    order = [i for i in np.argsort(-relative, kind="stable")[:REPORTED] if relative[i] > 0.0]
-    worst = "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in order)
     force, constraint, increment = info.norms
     infinite = NOT_FINITE in info.message
     return (NonFiniteError if infinite else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
-        f"worst equations:\n{worst}\n"
+        f"worst equations:\n{worst_equations(system)}\n"
         f"what to try: {TRY[infinite]}"
     )
+
+
+def worst_equations(system):
+    """Names and residuals of the worst equations of the last assembly, and the elements in them, one a line."""
+    of = system.numbering
+    r, size = np.abs(system.residual[: system.n]), system.size[: system.n]
+    scale = np.array([max(size[of.kind[: system.n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
+    relative = np.nan_to_num(r / scale[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+    order = [i for i in np.argsort(-relative, kind="stable")[:REPORTED] if relative[i] > 0.0]
+    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in order)
 
 
 def _acting(system, i):

@@ -1,0 +1,86 @@
+"""The section ``static`` of a deck, and ``initial.static``: how an equilibrium is reached."""
+
+import math
+
+from mecano.deck.limits import AUTOMATIC, above_rounding, at_least_one, below_one, not_zero
+from mecano.schema import (
+    DIRECTION,
+    INTEGER,
+    NODE,
+    NUMBER,
+    Field,
+    choice,
+    either,
+    mapping,
+    not_negative,
+    positive,
+)  # fmt: skip
+
+
+def check_static(static):
+    """Check of the values together: an interval, and ends that the method knows."""
+    over_time = static["over"] == "time"
+    if static["end"] <= (static["start"] if over_time else 0.0):
+        return "'end' must be greater than " + (f"'start', {static['start']:g} s" if over_time else "zero")
+    if over_time and static["method"] == "arc_length":
+        return "'method' arc_length follows the load factor; over time it would have to go backwards"
+    if static["method"] != "arc_length":
+        for name in ("until", "lowest"):
+            if static[name] not in (None, -math.inf):
+                return f"'{name}' belongs to the method arc_length"
+    return None
+
+
+STATIC_TOLERANCES = (
+    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-9, above_rounding),
+    Field(
+        "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-11, above_rounding
+    ),
+    Field("maximum_iterations", INTEGER, "-", "iterations before a step is cut back", 25, at_least_one),
+)
+SCALE_FIELDS = (
+    Field("k", either(NUMBER, AUTOMATIC), "N/m", "scale of the constraint equations", AUTOMATIC, positive),
+    Field("penalty", either(NUMBER, AUTOMATIC), "N/m", "penalty of the constraints", AUTOMATIC, not_negative),
+)
+STEPS_FIELD = Field(
+    "steps", either(INTEGER, AUTOMATIC), "-",
+    "number of equal steps, cut back where needed; 'automatic': a tenth first, then as the iterations allow",
+    AUTOMATIC, at_least_one,
+)  # fmt: skip
+UNTIL_FIELDS = (
+    Field("node", NODE, "-", "node whose displacement is watched"),
+    Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
+    Field("displacement", NUMBER, "m", "displacement from the start at which the path ends", check=not_zero),
+)
+INITIAL_STATIC_FIELDS = (
+    Field(
+        "method", choice("relaxation", "steps"), "-",
+        "relaxation: the mechanism creeps to a stable equilibrium; steps: the loads grow in steps", "relaxation",
+    ),
+    STEPS_FIELD,
+    Field("newton", mapping(*STATIC_TOLERANCES), "-", "when an equilibrium counts as found", {}),
+)  # fmt: skip
+STATIC_FIELDS = (
+    Field(
+        "over", choice("load_factor", "time"), "-",
+        "what grows: the share of the loads and of gravity, or the time in the laws", "load_factor",
+    ),
+    Field("start", NUMBER, "s", "time in the laws; over time, that of the first equilibrium", 0.0),
+    Field("end", NUMBER, "-", "load factor, or time [s], at the end", 1.0),
+    Field(
+        "method", choice("steps", "arc_length", "relaxation"), "-",
+        "steps of what grows; arc_length: past limit points; relaxation: creep to a stable equilibrium (over time: for "
+        "the first one, then steps)",
+        "steps",
+    ),
+    STEPS_FIELD,
+    Field(
+        "minimum_step", NUMBER, "-", "the run stops where less of a step is needed, over the first", 1e-4, below_one
+    ),
+    Field("maximum_steps", INTEGER, "-", "steps after which arc_length stops", 1000, at_least_one),
+    Field("lowest", NUMBER, "-", "load factor at which arc_length stops when it falls", -math.inf),
+    Field("until", mapping(*UNTIL_FIELDS), "-", "displacement at which arc_length stops", None),
+    Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
+    Field("newton", mapping(*STATIC_TOLERANCES), "-", "when an equilibrium counts as found", {}),
+    Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
+)  # fmt: skip

@@ -1,0 +1,114 @@
+"""Pictures of modes: the mechanism at some phases of each motion, from the file of modes only."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from mecano.errors import ResultsError
+from mecano.post.draw_sketch import draw_sketch
+from mecano.post.figure import save
+from mecano.post.runs import SECTIONS
+from mecano.post.shapes import shapes
+from mecano.post.sketch import Sketch
+from mecano.post.style import GREY, SETTINGS
+from mecano.results.modes_file import read_modes
+
+AMPLITUDE = 0.12  # of the size of the mechanism
+PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
+MOTION_COUNTS = 4.0  # how much more than extent motion counts in the choice of the plane
+COLUMNS, PANEL = 3, (4.2, 3.2)  # inches
+ROOM = 0.7
+
+
+@dataclass(frozen=True)
+class ModeMotion:
+    """The motion of one mode as ``shapes`` asks for motions: positions of nodes at PHASES."""
+
+    run: object  # deck, things, paths
+    file: object  # ModesFile
+    mode: int
+    amplitude: float
+
+    @cached_property
+    def nodes(self):
+        """Names of the nodes of the deck."""
+        return [name for name in self.file.nodes if name in self.run.deck["nodes"]]
+
+    @cached_property
+    def _turns(self):
+        return self.amplitude * np.exp(1j * PHASES)
+
+    def position(self, node):
+        """Positions (phases, 3) [m]."""
+        values = self.file.nodes[node]
+        return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
+
+    def turned(self, node, direction):
+        """An inertial direction (3,) of the state, carried along by the node: (phases, 3), of first order."""
+        rotation = np.real(self._turns[:, None] * self.file.nodes[node]["rotation"][self.mode])
+        return direction + np.cross(rotation, direction)
+
+    def vector(self, path):
+        """Outputs are not known: shapes that draw them use nodes only."""
+        raise ResultsError(f"'{path}' is not in a file of modes")
+
+
+def draw_modes(path, output=None, kind="png"):
+    """Draw all modes of a file in one picture beside it, or at ``output``; returns its path. Raises ResultsError."""
+    file = read_modes(path)
+    things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
+    paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
+    run = SimpleNamespace(deck=file.resolved, things=things, paths=paths)
+    sketches = [_sketch(run, file, mode) for mode in range(len(file.values))]
+    target = Path(output) if output else file.path.with_suffix(f".{kind}")
+    try:
+        save(_figure(file, sketches), target)
+    except OSError as error:
+        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    return target
+
+
+def _sketch(run, file, mode):
+    """The Sketch of a mode, in the plane where most of it shows."""
+    positions = np.array([node["position"] for node in file.nodes.values()])
+    moves = np.array([node["translation"][mode] for node in file.nodes.values()])
+    size = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
+    largest = float(np.abs(moves).max(initial=0.0))
+    amplitude = AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE
+    extent = np.ptp(positions, axis=0) + MOTION_COUNTS * amplitude * np.abs(moves).max(axis=0)
+    first, second = sorted(np.argsort(-extent, kind="stable")[:2])
+    drawn = tuple(shapes(ModeMotion(run, file, mode, amplitude)))
+    return Sketch("", (int(first), int(second)), np.degrees(PHASES), drawn, np.zeros(len(PHASES)), (), ())
+
+
+def _title(file, mode):
+    numbers = file.numbers
+    if file.kinds[mode] == "free":
+        return f"mode {mode + 1}: free"
+    if file.kinds[mode] in ("decay", "divergence"):
+        return f"mode {mode + 1}: {file.kinds[mode]}, {numbers['real_part'][mode]:.4g} /s"
+    text = f"mode {mode + 1}: {numbers['frequency'][mode]:.5g} Hz"
+    ratio = numbers["damping_ratio"][mode]
+    text += f", damping {ratio:.3g}" if abs(ratio) > 1e-9 else ""
+    return text + (", flutter" if file.kinds[mode] == "flutter" else "")
+
+
+def _figure(file, sketches):
+    columns = min(COLUMNS, max(len(sketches), 1))
+    rows = math.ceil(len(sketches) / columns)
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(columns * PANEL[0], rows * PANEL[1] + ROOM))
+        title = file.title or file.path.stem
+        figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
+        figure.text(0.01, 1.0 - 0.33 / (rows * PANEL[1] + ROOM), f"modes about: {file.about}", va="top", color=GREY)
+        grid = figure.add_gridspec(rows, columns)
+        for i, sketch in enumerate(sketches):
+            ax = figure.add_subplot(grid[i // columns, i % columns])
+            draw_sketch(ax, sketch, _title(file, i), named=False)
+    return figure

@@ -1,0 +1,113 @@
+"""The file of modes that `mecano modes` writes: HDF5, layout in docs/results-file.md."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.provenance import provenance
+from mecano.results.table import describe
+from mecano.results.writer import refuse_existing
+
+FORMAT, FORMAT_VERSION = "mecano modes", 1
+NUMBERS = (
+    ("real_part", "1/s", "real part of the eigenvalue: growth"),
+    ("imaginary_part", "rad/s", "imaginary part of the eigenvalue; of a conjugate pair the positive one"),
+    ("frequency", "Hz", "damped frequency"),
+    ("natural_frequency", "Hz", "modulus of the eigenvalue over 2 pi"),
+    ("damping_ratio", "", "minus the real part over the modulus; nan for free motions"),
+    ("residual", "", "what the mode leaves of the equations, relative to the sizes of their terms"),
+)
+SHAPES = {
+    "translation": ("", "displacement, inertial, real and imaginary part; the largest of a mode is 1"),
+    "rotation": ("rad", "rotation vector, inertial, for the same motion; real and imaginary part"),
+}
+PLACES = {
+    "position": ("m", "position of the state, inertial"),
+    "orientation": ("", "rotation matrix of the state, material to inertial"),
+}
+
+
+@dataclass(frozen=True)
+class ModesFile:
+    """What a file of modes holds; shapes complex (m, 3) by node."""
+
+    path: Path
+    title: str
+    about: str
+    values: np.ndarray  # (m,) complex eigenvalues
+    kinds: list
+    numbers: dict  # name -> (m,)
+    nodes: dict  # name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}
+    resolved: dict  # the deck
+
+
+def write_modes(path, contents, source, *, force=False):
+    """Write modes; the file appears when it is complete. Raises ResultsError."""
+    refuse_existing(path, force)
+    path = Path(path)
+    hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+            _fill(file, contents, source)
+        os.replace(hidden, path)
+    except OSError as error:
+        hidden.unlink(missing_ok=True)
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _fill(file, contents, source):
+    found = contents["modes"]
+    given = {"real_part": found.values.real, "imaginary_part": found.values.imag, "residual": found.residuals}
+    file["mode"] = np.arange(1, len(found.values) + 1)
+    file["mode"].make_scale("mode")
+    for name, unit, doc in NUMBERS:
+        _put(file, name, given[name] if name in given else getattr(found, name), unit, doc, file["mode"])
+    file.create_dataset("kind", data=[kind.encode() for kind in found.kinds], dtype=h5py.string_dtype())
+    for name, node in contents["nodes"].items():
+        group = file.create_group(f"nodes/{name}")
+        for key, (unit, doc) in PLACES.items():
+            _put(group, key, node[key], unit, doc)
+        for key, (unit, doc) in SHAPES.items():
+            parts = np.stack([node[key].real, node[key].imag], axis=-1)
+            _put(group, key, parts, unit, doc, file["mode"])
+    for name, text in source.texts().items():
+        file[f"deck/{name}"] = text
+    run = file.create_group("run")
+    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(1)})
+    run.attrs.update({"method": found.method, "computed": found.found})
+    run.attrs.update({"about": contents["about"], "time": contents["time"], "frame": contents["frame"]})
+    file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+
+
+def _put(group, name, values, unit, doc, scale=None):
+    dataset = group.create_dataset(name, data=np.asarray(values, float))
+    describe(dataset, units=unit, long_name=doc)
+    if scale is not None:
+        dataset.dims[0].attach_scale(scale)
+
+
+def read_modes(path):
+    """Read a file of modes. Raises ResultsError."""
+    import json
+
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("format") != FORMAT:
+                raise ResultsError(f"{path} is no file of modes")
+            numbers = {name: file[name][:] for name, _, _ in NUMBERS}
+            nodes = {name: _node(file[f"nodes/{name}"]) for name in file.get("nodes", ())}
+            values = numbers["real_part"] + 1j * numbers["imaginary_part"]
+            kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
+            resolved = json.loads(file["deck/resolved"][()])
+            return ModesFile(Path(path), run["title"], run["about"], values, kinds, numbers, nodes, resolved)
+    except (OSError, KeyError, ValueError) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+
+
+def _node(group):
+    node = {key: group[key][()] for key in PLACES}
+    return node | {key: group[key][..., 0] + 1j * group[key][..., 1] for key in SHAPES}

@@ -1,0 +1,202 @@
+r"""Paths of equilibria: which parameter to try next, what to do when Newton fails, where to stop.
+
+Every way goes from ``Point`` to ``Point``:
+
+* ``Steps``: the parameter (load factor or time) is given; steps are cut back where Newton fails or leaps.
+* ``Relaxation``: the state creeps against a drag that fades (static.py), down to a stable equilibrium.
+* ``ArcLength`` (arc_length.py): the load factor is an unknown, and limit points are passed.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.solve.failure import worst_equations
+from mecano.solve.iteration import SINGULAR
+from mecano.solve.stability import Judge, Stability, freedom, words
+from mecano.solve.static import Found
+
+GROWTH, SHRINK = 2.0, 0.25
+EASY = 12  # iterations up to which the next step grows
+LEAP, NOTICEABLE = 4.0, 0.02  # farther off than so many predictions, and than so much of the length, is a leap
+FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # of the length scale, or rad: displacement in the first and in any step of creep
+MOST_CREEPS = 400
+FADES = 0.02, 0.5  # least and most of the drag that remains after a step of creep
+
+
+@dataclass(slots=True)
+class Point:
+    """An equilibrium on a path; ``place`` increases along it: the parameter, or the length of the arc."""
+
+    state: object  # State, at rest
+    parameter: float  # load factor, or time [s]
+    place: float
+    step: float  # from the last point
+    iterations: int
+    rejected: int
+    norms: tuple
+    stability: Stability
+    happenings: tuple = ()
+
+
+@dataclass
+class Follower:
+    """Accepts the equilibria of ``statics`` as points of a path; ``observers`` are told of each."""
+
+    statics: object
+    observers: tuple = ()
+    judge: Judge = field(init=False)
+    losses: list = field(default_factory=list)  # texts: where stability was lost on the way
+    last: Point | None = None
+
+    def __post_init__(self):
+        self.judge = Judge(self.statics.system, self.statics.length)
+
+    def stability(self, s, p):
+        """Stability of the equilibrium ``s`` at the parameter p, from the tangent there."""
+        self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
+        return self.judge(self.statics.system.data)
+
+    def accept(self, s, p, place, step, found, rejected=0):
+        """The Point of a converged state; its outputs stand in the system when the observers are told."""
+        statics = self.statics
+        s = statics.settled(statics.begin(s))
+        stability = self.stability(s, p)
+        statics.evaluate(s, p, 1.0, 0.0, False)
+        statics.system.observe(s)
+        point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.happenings)
+        self._watch(point)
+        for observer in self.observers:
+            observer(point)
+        return point
+
+    def _watch(self, point):
+        """Note where the path lost stability, by linear interpolation of the least stiffness."""
+        last, self.last = self.last, point
+        if last is None or not 0 <= last.stability.unstable < point.stability.unstable:
+            return
+        before, after, of = last.stability.stiffness, point.stability.stiffness, self.statics.loading
+        text = f"between {of.name} {last.parameter:.6g} and {point.parameter:.6g}{of.unit}"
+        if before > 0.0 > after:
+            critical = last.parameter + (point.parameter - last.parameter) * before / (before - after)
+            text += f", near {critical:.6g},"
+        motion = words(self.statics.system, point.state, point.stability.shape, self.statics.length)
+        self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
+
+    def find(self, s0, p):
+        """Equilibrium at the parameter p near ``s0``: (state, Found), where the tangent is singular too."""
+        s, found = self.statics.correct(s0, p)
+        return self.statics.lean(s0, p) if found.message == SINGULAR else (s, found)
+
+    def start(self, s, p):
+        """The first Point, at the parameter p: ``s`` or the equilibrium next to it. Raises ConvergenceError."""
+        begun = self.statics.begin(s)
+        k, _ = self.statics.scales(begun)
+        residuals = self.statics.evaluate(begun.copy(), p, k, 0.0, False)
+        if max(residuals) <= 1.0:
+            return self.accept(begun, p, p, 0.0, Found(True, 0, (*residuals, 0.0)))
+        s, found = self.find(begun, p)
+        if not found.ok:
+            raise self.failure(p, found, begun, p)
+        return self.accept(s, p, p, 0.0, found)
+
+    def failure(self, p, found, last, last_p, hint=""):
+        """The error that says where and why no equilibrium was found after ``last``, with the motion that is free."""
+        statics, system = self.statics, self.statics.system
+        of = statics.loading
+        head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
+        statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
+        equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst_equations(system)}"
+        if "not finite" in found.message:
+            return NonFiniteError(head + equations)
+        free = freedom(system, last, self.stability(last, last_p), statics.length)
+        return ConvergenceError(f"{head}at {of.name} {last_p:.6g}{of.unit}: {free}\n{equations}\nwhat to try: {hint}")
+
+
+@dataclass
+class Steps:
+    """From the first point to ``end`` by ``count`` steps, smaller ones where needed; with ``grow`` longer ones too."""
+
+    end: float
+    count: int
+    minimum: float
+    grow: bool = False
+    hint: str = "method: arc_length past a limit point; method: relaxation, which lets a mechanism fall into place"
+
+    def follow(self, follower, point):
+        """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
+        start, equal = point.parameter, (self.end - point.parameter) / self.count
+        targets = [self.end] if self.grow else [start + i * equal for i in range(1, self.count)] + [self.end]
+        h = equal
+        for target in targets:
+            while point.parameter < target:
+                point, h = self._advance(follower, point, h, target)
+                h *= GROWTH if point.iterations <= EASY and not point.rejected else 1.0
+        return point, "the end was reached"
+
+    def _advance(self, follower, point, h, target):
+        """The next Point and the step that led to it."""
+        rejected = 0
+        while True:
+            left = target - point.parameter
+            h = left if h >= 0.9999 * left else h
+            p = target if h == left else point.parameter + h
+            s, found = follower.find(point.state, p)
+            if found.ok and found.change > max(NOTICEABLE, LEAP * found.first):
+                found.ok = False
+                found.message = "the next equilibrium is far from the last one, as beyond a limit point"
+            if found.ok:
+                return follower.accept(s, p, p, h, found, rejected), h
+            if h * SHRINK < self.minimum:
+                raise follower.failure(p, found, point.state, point.parameter, self.hint)
+            h, rejected = h * SHRINK, rejected + 1
+
+
+@dataclass
+class Relaxation:
+    """At the one parameter ``end``, by creep against a drag that fades to nothing."""
+
+    end: float
+    hint: str = "supports or springs for what still moves"
+
+    def follow(self, follower, point):
+        """(the Point in equilibrium, reason). Raises ConvergenceError, NonFiniteError."""
+        statics, s = follower.statics, point.state
+        drag = last = None
+        iterations = rejected = 0
+        told = []
+        for _ in range(MOST_CREEPS):
+            size, force = self._size(statics, s)
+            if size <= 1.0 and drag is not None:
+                return self._arrive(follower, s, iterations, rejected, told), "an equilibrium was reached"
+            first = force / (FIRST_CREEP * statics.length)
+            drag = first if drag is None else drag * min(max(force / last, FADES[0]), FADES[1])
+            last = force
+            while True:
+                new, found = statics.correct(s, self.end, drag)
+                iterations += found.iterations
+                if found.ok and found.change <= MOST_CREEP:
+                    break
+                drag, rejected = drag / SHRINK, rejected + 1
+                if drag > 1e8 * first:
+                    raise follower.failure(self.end, found, s, self.end, self.hint)
+            told += found.happenings
+            moved, s = statics.displacement(new, s), new
+        found.message = f"it still moves after {MOST_CREEPS} steps: {words(statics.system, s, moved, statics.length)}"
+        raise follower.failure(self.end, found, s, self.end, self.hint)
+
+    def _size(self, statics, s):
+        """Residual over its tolerance, and the largest residual force [N] (moments over the length scale)."""
+        k, _ = statics.scales(statics.begin(s))
+        size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
+        force = np.abs(statics.system.residual[: statics.system.n_q] / np.sqrt(statics.weight)).max(initial=0.0)
+        return size, max(float(force), 1e-300)
+
+    def _arrive(self, follower, s, iterations, rejected, told):
+        s, found = follower.find(s, self.end)
+        if not found.ok:
+            raise follower.failure(self.end, found, s, self.end, self.hint)
+        found.iterations += iterations
+        found.happenings = (*told, *found.happenings)
+        return follower.accept(s, self.end, self.end, self.end, found, rejected)

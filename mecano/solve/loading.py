@@ -1,0 +1,64 @@
+r"""What is varied along a path of equilibria: the share of the loads that acts, or the time in their laws.
+
+At rest the equations are :math:`r(q) = 0`. A path leads from the start
+:math:`q_0`, whatever is out of balance there, to
+
+.. math::  r_0(q) + \mu\, r_L(q) - \max(0, 1 - \mu)\, r_0(q_0) = 0, \qquad r_L\text{: loads and gravity},
+
+so the start is an equilibrium for the load factor :math:`\mu = 0`, and all the loads and nothing else act for
+:math:`\mu = 1`. Where the start is free of stress, :math:`\mu` is the share of the loads, dead or following; where it
+is not, what is out of balance without loads is let go along with it. Gravity is scaled by the principle of
+equivalence: a frame that falls with :math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
+"""
+
+import numpy as np
+
+
+class LoadFactor:
+    """The share mu of all loads and of gravity; laws of time hold at the time of the state."""
+
+    name, unit = "load factor", ""
+
+    def __init__(self, system, start):
+        """Take ``start`` as the configuration whose forces without loads are let go."""
+        self.system = system
+        self.gravity = np.zeros(system.numbering.n_all)
+        self.gravity[system.numbering.x[:, None] + np.arange(3)] = system.context.gravity
+        self.imbalance = np.zeros(system.n_q)
+        s = start.copy()
+        s.v[:] = 0.0
+        self.assemble(s, 0.0, 1.0, 0.0)
+        self.imbalance = system.residual[: system.n_q].copy()
+
+    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
+        """``system.assemble`` at the load factor mu; sets the accelerations of ``s``, which stand for gravity."""
+        system = self.system
+        np.multiply(self.gravity, 1.0 - mu, out=s.a)
+        system.assemble(s, k, penalty, cK, cC, cM, T)
+        if mu != 1.0:
+            system.scale_loads(s, mu, cK, cC, cM, T)
+            system.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
+
+    def slope(self, s, mu):
+        """Derivative (n,) of the residual by the load factor, towards larger ones at the corner mu = 1."""
+        self.assemble(s, 2.0, 1.0, 0.0)
+        more = self.system.residual.copy()
+        self.assemble(s, 1.0, 1.0, 0.0)
+        slope = more - self.system.residual
+        slope[: self.system.n_q] += self.imbalance if mu < 1.0 else 0.0
+        return slope[: self.system.n]
+
+
+class Clock:
+    """The time [s] in the laws; all loads act in full."""
+
+    name, unit = "t", " s"
+
+    def __init__(self, system):
+        self.system = system
+
+    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
+        """``system.assemble`` at rest at the time t [s], which becomes that of ``s``."""
+        s.t = t
+        s.a[:] = 0.0
+        self.system.assemble(s, k, penalty, cK, cC, cM, T)

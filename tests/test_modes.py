@@ -1,0 +1,411 @@
+"""Modes of small motions against closed forms; linearization of moving states against differences."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from equilibria import G, arm
+from marching import deck, input_deck
+from scipy.linalg import block_diag
+from scipy.spatial.transform import Rotation
+
+from mecano.errors import ResultsError, UsageError
+from mecano.modes_run import about, modes
+from mecano.results.modes_file import read_modes
+from mecano.solve.linearize import Linearization, linearize
+from mecano.solve.modes import solve
+
+TIME = "time: {end: 1, step: 1.0e-3}"
+
+
+def linearized(text, frame=(0.0, 0.0, 0.0)):
+    base = about(deck(text))
+    prepared = base.prepared
+    return linearize(prepared.system, base.state, prepared.length, frame, base.assemble, prepared.compliance)
+
+
+def values_of(text, frame=(0.0, 0.0, 0.0), number=30, method="dense"):
+    found = solve(linearized(text, frame), number, method)
+    assert found.residuals.max(initial=0.0) < 1e-9
+    return found.values
+
+
+def row_of_masses(count, damping=0.0, ends=True):
+    """Masses of 2 kg between springs of 100 N/m, moving along x only."""
+    lines = ["mecano: 1", "gravity: [0, 0, 0]", "nodes:"]
+    fixed = (0, count + 1) if ends else ()
+    numbers = range(count + 2) if ends else range(1, count + 1)
+    for i in numbers:
+        lines.append(f"  p{i}: {{position: [{i}, 0, 0]{', fixed: true' if i in fixed else ''}}}")
+    lines += ["elements:", *(f"  m{i}: {{type: point_mass, node: p{i}, mass: 2}}" for i in range(1, count + 1))]
+    law = f"{{spring: {{stiffness: 100.0}}, damper: {{coefficient: {damping}}}}}"
+    lines += [f"  s{i}: {{type: spring_damper, nodes: [p{i}, p{i + 1}], law: {law}}}" for i in numbers[:-1]]
+    held = [(i, j) for i in range(1, count + 1) for j in (0, 1)]
+    direction = ("[0, 1, 0]", "[0, 0, 1]")
+    lines += ["joints:"]
+    lines += [
+        f"  h{i}_{j}: {{type: prescribed_position, node: p{i}, direction: {direction[j]}, value: 0}}" for i, j in held
+    ]
+    return "\n".join([*lines, TIME])
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3])
+def test_row_of_masses_dense_and_sparse(damping):
+    """omega_j = 2 sqrt(k/m) sin(j pi/(2 n + 2)); damping in proportion to the stiffness, zeta = c omega/(2 k)."""
+    count = 60
+    lin = linearized(row_of_masses(count, damping))
+    omega = 2.0 * np.sqrt(50.0) * np.sin(np.arange(1, 9) * np.pi / (2 * count + 2))
+    zeta = damping / 100.0 * omega / 2.0
+    expected = omega * (-zeta + 1j * np.sqrt(1.0 - zeta**2))
+    for method in ("dense", "sparse"):
+        found = solve(lin, 8, method)
+        assert method in found.method
+        np.testing.assert_allclose(found.values, expected, rtol=1e-11)
+        np.testing.assert_allclose(found.damping_ratio, zeta, atol=1e-11)
+        np.testing.assert_allclose(found.natural_frequency, omega / (2.0 * np.pi), rtol=1e-11)
+        assert found.residuals.max() < 1e-11 and set(found.kinds) == {"oscillation"}
+        assert np.abs(found.shapes).max(axis=1) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("method", ["dense", "sparse"])
+def test_free_row_has_a_rigid_motion(method):
+    """omega_j = 2 sqrt(k/m) sin(j pi/(2 n)), j = 0: all masses move alike."""
+    found = solve(linearized(row_of_masses(40, ends=False)), 4, method)
+    np.testing.assert_allclose(np.abs(found.values), 2.0 * np.sqrt(50.0) * np.sin(np.arange(4) * np.pi / 80), rtol=1e-9)
+    assert found.values[0] == 0.0 and found.kinds[0] == "free" and np.isnan(found.damping_ratio[0])
+    np.testing.assert_allclose(found.shapes[0][::3], 1.0, atol=1e-9)
+
+
+def test_damped_oscillator():
+    """k = 200 N/m, c = 4 N s/m, m = 2 kg; across the slack spring the mass is free (twice)."""
+    found = values_of(input_deck("oscillator").text)
+    np.testing.assert_allclose(found, [0, 0, -1 + 1j * np.sqrt(99.0)], atol=1e-9)
+
+
+@pytest.mark.parametrize("damping", [30.0, 4.0])
+def test_overdamped_oscillator_decays_with_two_rates(damping):
+    text = arm(TIME, gravity=0.0).replace("{stiffness: 6.0}", f"{{stiffness: 6.0}}, damper: {{coefficient: {damping}}}")
+    inertia = 0.1 + 2.0 * 0.25
+    roots = np.roots([inertia, damping, 6.0])
+    np.testing.assert_allclose(values_of(text), sorted(roots, key=abs), rtol=1e-9)
+
+
+def test_double_pendulum():
+    """Equal masses on equal massless rods: omega^2 = (2 -+ sqrt 2) g/L, in each of two planes; no spurious modes."""
+    text = f"""
+        mecano: 1
+        nodes:
+          top: {{position: [0, 0, 0], fixed: true}}
+          a: {{position: [0, 0, -0.7]}}
+          b: {{position: [0, 0, -1.4]}}
+        elements:
+          m: {{type: point_mass, node: a, mass: 3}}
+          n: {{type: point_mass, node: b, mass: 3}}
+        joints:
+          r: {{type: rigid_rod, nodes: [top, a]}}
+          s: {{type: rigid_rod, nodes: [a, b]}}
+        initial: static
+        {TIME}
+        """
+    expected = 1j * np.sqrt(np.array([2 - np.sqrt(2), 2 - np.sqrt(2), 2 + np.sqrt(2), 2 + np.sqrt(2)]) * G / 0.7)
+    np.testing.assert_allclose(values_of(text), expected, rtol=1e-9)
+
+
+def test_redundant_hinges():
+    """A flap of 20 kg on two hinges about x: a physical pendulum, m g c/(J + m c^2); dense and sparse agree."""
+    text = """
+        mecano: 1
+        nodes: {low: {position: [0, 0, 0]}, high: {position: [1, 0, 0]}, rim: {position: [0.5, 0, -0.8]}}
+        elements:
+          flap: {type: rigid_body, node: low, mass: 20, center_of_mass: [0.5, 0, -0.4], inertia: [1, 1, 1],
+                 attached: [high, rim]}
+        joints:
+          a: {type: hinge, nodes: [ground, low], axis: [1, 0, 0]}
+          b: {type: hinge, nodes: [ground, high], axis: [1, 0, 0]}
+        static: {}
+        """
+    expected = 1j * np.sqrt(20 * G * 0.4 / (1 + 20 * 0.16))
+    for method in ("dense", "sparse"):
+        found = values_of(text, number=1, method=method)
+        np.testing.assert_allclose(found, [expected], rtol=1e-6 if method == "sparse" else 1e-10)
+
+
+def massless(between):
+    return f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes:
+          wall: {{position: [0, 0, 0], fixed: true}}
+          joint: {{position: [1, 0, 0]}}
+          end: {{position: [2, 0, 0]}}
+        elements:
+          m: {{type: point_mass, node: end, mass: 2}}
+          a: {{type: spring_damper, nodes: [wall, joint], law: {between}}}
+          b: {{type: spring_damper, nodes: [joint, end], law: {{spring: {{stiffness: 100.0}}}}}}
+        joints:
+          {"".join(f'''
+          {n}_{a}: {{type: prescribed_position, node: {n}, direction: {d}, value: 0}}'''
+          for n in ("joint", "end") for a, d in (("y", "[0, 1, 0]"), ("z", "[0, 0, 1]"))).strip()}
+        {TIME}
+        """  # fmt: skip
+
+
+def test_nodes_without_mass():
+    """Springs in series; then a spring and a damper in series (Maxwell): m c s^3 + m k s^2 + k c s = 0."""
+    series = values_of(massless("{spring: {stiffness: 300.0}}"))
+    np.testing.assert_allclose(series, [1j * np.sqrt(75.0 / 2.0)], rtol=1e-12)
+    maxwell = values_of(massless("{damper: {coefficient: 20.0}}"))
+    roots = [root for root in np.roots([2.0 * 20.0, 2.0 * 100.0, 100.0 * 20.0, 0.0]) if root.imag >= 0]
+    np.testing.assert_allclose(maxwell, sorted(roots, key=abs), atol=1e-9)
+
+
+def column(load, links_damping=0.0):
+    """Ziegler's column: two massless links of 1 m, 2 kg at the knee and 1 kg at the tip, springs of 1 N m/rad."""
+    law = f"{{spring: {{stiffness: 1.0}}, damper: {{coefficient: {links_damping}}}}}"
+    return f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes:
+          base: {{position: [0, 0, 0]}}
+          knee: {{position: [1, 0, 0]}}
+          upper: {{position: [1, 0, 0]}}
+          tip: {{position: [2, 0, 0]}}
+        elements:
+          lower_link: {{type: rigid_link, nodes: [base, knee]}}
+          upper_link: {{type: rigid_link, nodes: [upper, tip]}}
+          m: {{type: point_mass, node: knee, mass: 2}}
+          n: {{type: point_mass, node: tip, mass: 1}}
+          s: {{type: torsion_spring_damper, nodes: [ground, base], axis: [0, 1, 0], law: {law}}}
+          t: {{type: torsion_spring_damper, nodes: [knee, upper], axis: [0, 1, 0], law: {law}}}
+        joints:
+          h: {{type: hinge, nodes: [ground, base], axis: [0, 1, 0]}}
+          i: {{type: hinge, nodes: [knee, upper], axis: [0, 1, 0]}}
+        loads:
+          p: {{type: follower_force, node: tip, direction: [-1, 0, 0], value: {load!r}}}
+        {TIME}
+        """
+
+
+def test_follower_load_leads_to_flutter():
+    """Ziegler 1952: without damping the column flutters from P L/c = 7/2 - sqrt 2 on."""
+    critical = 3.5 - np.sqrt(2.0)
+    for load in (critical - 1e-6, critical + 1e-6):
+        found = solve(linearized(column(float(load))))
+        K = np.array([[2.0 - load, load - 1.0], [-1.0, 1.0]])
+        squares = np.linalg.eigvals(-np.linalg.solve([[3.0, 1.0], [1.0, 1.0]], K)).astype(complex)
+        expected = np.sqrt(squares) * np.where(np.sqrt(squares).imag < 0, -1, 1)
+        assert np.abs(np.sort_complex(found.values) - np.sort_complex(expected)).max() < 1e-8
+        assert ("flutter" in found.kinds) == (load > critical)
+
+
+def top(spin, process=TIME):
+    return f"""
+        mecano: 1
+        nodes: {{pivot: {{position: [0, 0, 0]}}}}
+        elements:
+          top: {{type: rigid_body, node: pivot, mass: 15, center_of_mass: [0, 0, 1], inertia: [0.3, 0.3, 0.5]}}
+        joints: {{ball: {{type: spherical, nodes: [ground, pivot]}}}}
+        initial: {{velocities: [{{nodes: [pivot], angular_velocity: {spin}}}]}}
+        {process}
+        """
+
+
+def test_sleeping_top():
+    """Upright top: A s^2 - i C n s - m g l = 0, s = i w; stable from C n = 2 sqrt(A m g l); seen from it, less n."""
+    A, C, mgl = 15.3, 0.5, 15 * G
+    for n in (150.0, 90.0):
+        roots = 1j * np.roots([A, -C * n, mgl])
+        found = values_of(top([0, 0, n]))
+        assert found[0] == 0.0
+        np.testing.assert_allclose(np.sort_complex(found[1:]), np.sort_complex(roots), atol=1e-10)
+        turning = values_of(top([0, 0, n]), (0, 0, n))
+        np.testing.assert_allclose(sorted(turning[1:].imag), np.sort(n - roots.imag), rtol=1e-12)
+    assert 0.5 * 150 < 2 * np.sqrt(A * mgl) < 0.5 * 190 and np.all(np.abs(values_of(top([0, 0, 190.0])).real) < 1e-9)
+
+
+def test_top_in_steady_precession():
+    """Nutation: A w^2 = d^2/dtheta^2 of (p_phi - p_psi cos)^2/(2 A sin^2) + m g l cos, in axes that precess."""
+    A, C, mgl, theta, precession = 15.3, 0.5, 15 * G, 0.7, 3.0
+    n = (mgl + A * precession**2 * np.cos(theta)) / (C * precession)  # spin about the axis, in full
+    axis = np.array([np.sin(theta), 0.0, np.cos(theta)])
+    spin = np.array([0, 0, precession]) + (n - precession * np.cos(theta)) * axis
+    text = top(spin.tolist()).replace("[0, 0, 0]}", f"[0, 0, 0], orientation: [0, {theta}, 0]}}")
+    p_psi, p_phi = C * n, A * precession * np.sin(theta) ** 2 + C * n * np.cos(theta)
+
+    def slope(t):
+        b = p_phi - p_psi * np.cos(t)
+        return b * p_psi / (A * np.sin(t)) - b * b * np.cos(t) / (A * np.sin(t) ** 3) - mgl * np.sin(t)
+
+    nutation = np.sqrt((slope(theta + 1e-5) - slope(theta - 1e-5)) / 2e-5 / A)
+    assert abs(slope(theta)) < 1e-9
+    lin = linearized(text, (0, 0, precession))
+    assert lin.variation < 1e-5 < 1e-3 < linearized(text).variation
+    found = solve(lin)
+    assert found.values[-1] == pytest.approx(1j * nutation, rel=1e-8)
+    assert np.abs(found.values[:-1]).max() < 1e-4 and found.kinds[-1] == "oscillation"
+
+
+def test_free_body_about_its_middle_axis():
+    """Euler: s = n sqrt((I2 - I1)(I3 - I2)/(I1 I3)) for the spin n about the axis of I2, seen from the body."""
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes: {{a: {{position: [0, 0, 0]}}}}
+        elements: {{body: {{type: rigid_body, node: a, mass: 1, inertia: [1, 2, 3]}}}}
+        initial: {{velocities: [{{nodes: [a], angular_velocity: [0, 5, 0]}}]}}
+        {TIME}
+        """
+    found = solve(linearized(text, (0, 5, 0)), 20)
+    growth = [value for value, kind in zip(found.values, found.kinds, strict=True) if kind == "divergence"]
+    np.testing.assert_allclose(growth, [5.0 * np.sqrt(1.0 / 3.0)], rtol=1e-10)
+
+
+def perturbed_rates(R, omega, alpha, phi, w, epsilon, t0=1e-3):
+    """Rotation, material angular velocity and acceleration of exp(epsilon hat(Q phi)) R, by differences in time."""
+
+    def rotation(t):
+        Q = Rotation.from_rotvec(np.array(w) * t)
+        turned = Q.apply(phi[0] + t * phi[1] + 0.5 * t * t * phi[2])
+        own = Rotation.from_matrix(R) * Rotation.from_rotvec(t * omega + 0.5 * t * t * alpha)
+        return Rotation.from_rotvec(epsilon * turned) * own
+
+    def rate(t):
+        step = 1e-4
+        return sum(c * (rotation(t - k * step).inv() * rotation(t + k * step)).as_rotvec()
+                   for k, c in ((1, 8.0), (2, -1.0))) / (12.0 * step)  # fmt: skip
+
+    return rotation(0.0).as_matrix(), rate(0.0), (rate(t0) - rate(-t0)) / (2.0 * t0)
+
+
+def test_linearization_of_a_moving_state_is_that_of_the_motion():
+    """M y'' + C y' + K y is the change of the residual when the whole motion is varied, in axes that turn."""
+    text = f"""
+        mecano: 1
+        nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [0.3, 1, 0.2]}}}}
+        elements:
+          body: {{type: rigid_body, node: a, mass: 2, center_of_mass: [0.2, 0.1, 0.4], inertia: [0.3, 0.5, 0.4]}}
+          other: {{type: rigid_body, node: b, mass: 1, inertia: [0.1, 0.2, 0.15]}}
+          spring: {{type: spring_damper, nodes: [a, b], law: {{spring: {{stiffness: 40}}, damper: {{coefficient: 3}}}}}}
+          wire: {{type: torsion_spring_damper, nodes: [a, b], axis: [1, 2, 0], law: {{spring: {{stiffness: 5.0}}}}}}
+        loads: {{push: {{type: follower_force, node: b, direction: [1, 0, 1], value: 3}}}}
+        initial:
+          velocities:
+            - {{nodes: [a], velocity: [1, 2, 3], angular_velocity: [2, -1, 0.7]}}
+            - {{nodes: [b], velocity: [-1, 0, 2], angular_velocity: [0.4, 3, -2]}}
+        {TIME}
+        """
+    base = about(deck(text))
+    system, s, w = base.prepared.system, base.state, np.array([0.5, -0.8, 1.1])
+    of, rng = system.numbering, np.random.default_rng(4)
+    lin = linearize(system, s, 1.0, w)
+    y = rng.normal(size=(3, system.n))
+    expected = lin.K @ y[0] + lin.C @ y[1] + lin.M @ y[2]
+
+    def residual(epsilon):
+        new = s.copy()
+        f = np.zeros(system.n)
+        for x in of.x:
+            xi, xi1, xi2 = y[:, x : x + 3]
+            new.z[x : x + 3] += epsilon * xi
+            new.v[x : x + 3] += epsilon * (xi1 + np.cross(w, xi))
+            new.a[x : x + 3] += epsilon * (xi2 + 2 * np.cross(w, xi1) + np.cross(w, np.cross(w, xi)))
+        for r, d in zip(of.rotation, of.r, strict=True):
+            state = s.R[r], s.v[d : d + 3], s.a[d : d + 3]
+            new.R[r], new.v[d : d + 3], new.a[d : d + 3] = perturbed_rates(*state, y[:, d : d + 3], w, epsilon)
+        system.assemble(new, 1.0, 0.0, 0.0, 0.0, 0.0)
+        f[:] = system.residual[: system.n]
+        for r, d in zip(of.rotation, of.r, strict=True):
+            f[d : d + 3] = s.R[r] @ f[d : d + 3]
+        return f
+
+    found = (residual(1e-3) - residual(-1e-3)) / 2e-3
+    np.testing.assert_allclose(found, expected, rtol=2e-5, atol=2e-5 * np.abs(expected).max())
+
+
+def with_velocity_constraint(stiffness, a=0.7, b=0.9):
+    """x'' + k x + b y = 0 with y' + a x = 0, whose multiplier acts on y: s^3 + k s - a b = 0."""
+    M, C, K = np.diag([1.0, 1.0, 0.0]), np.zeros((3, 3)), np.zeros((3, 3))
+    K[0, :2], K[1, 2], K[2, 0], C[2, 1] = (stiffness, b), -1.0, -a, -1.0
+    return M, C, K
+
+
+@pytest.mark.parametrize("method", ["dense", "sparse"])
+def test_constraints_on_velocities(method):
+    stiffness = np.linspace(1.0, 9.0, 12)
+    parts = [with_velocity_constraint(k) for k in stiffness]
+    order = np.concatenate([np.delete(np.arange(36), np.arange(2, 36, 3)), np.arange(2, 36, 3)])
+    M, C, K = (sp.csr_matrix(block_diag(*(part[i] for part in parts))[np.ix_(order, order)]) for i in range(3))
+    lin = Linearization(M, C, K, 24, np.arange(24) // 2, np.ones(24))
+    expected = np.concatenate([np.roots([1.0, 0.0, k, -0.63]) for k in stiffness])
+    expected = np.array(sorted(expected[expected.imag >= 0.0], key=abs))
+    count = 24 if method == "dense" else 5
+    found = solve(lin, count, method)
+    np.testing.assert_allclose(np.sort_complex(found.values[:count]), np.sort_complex(expected[:count]), rtol=1e-8)
+    assert found.residuals.max() < 1e-9
+
+
+def test_buckling_by_modes():
+    """The frequency of the inverted pendulum: (k - mu m g c)/(J + m c^2); beyond buckling it diverges."""
+    inertia = 0.1 + 2.0 * 0.25
+    for factor in (0.3, 0.6, 0.7):
+        found = values_of(arm(f"static: {{end: {factor}}}", centre="[0, 0, 0.5]"))
+        square = (6.0 - factor * 2.0 * G * 0.5) / inertia
+        expected = [1j * np.sqrt(square)] if square > 0 else [-np.sqrt(-square), np.sqrt(-square)]
+        np.testing.assert_allclose(np.sort_complex(found), expected, rtol=1e-8)
+
+
+def test_about_a_saved_time(tmp_path):
+    """A pendulum that passes the angle theta from the vertical: s^2 = -(g/L) cos(theta), at any speed."""
+    from mecano.run import run
+
+    pendulum = input_deck("pendulum", "time.end=0.4")
+    run(pendulum, tmp_path / "p.h5")
+    base = about(pendulum, f"{tmp_path / 'p.h5'}:0.25")
+    R = base.state.R[base.prepared.system.numbering.rotation[0]]
+    assert base.words.endswith("at time 0.25 s") and np.abs(base.state.v).max() > 1.0
+    lin = linearize(base.prepared.system, base.state, 1.0)
+    np.testing.assert_allclose(solve(lin).values, [1j * np.sqrt(-G * R[2, 0])], rtol=1e-9)
+    for text, error in (("p.h5:x", UsageError), ("q.h5:1", ResultsError)):
+        with pytest.raises(error):
+            about(pendulum, str(tmp_path / text))
+    with pytest.raises(ResultsError, match="has no node 'hook'"):
+        about(input_deck("oscillator"), str(tmp_path / "p.h5"))
+
+
+def test_about_a_saved_equilibrium(tmp_path):
+    from mecano.static_run import run
+
+    text = arm("static: {steps: 5}")
+    run(deck(text), tmp_path / "a.h5")
+    base = about(deck(text), f"{tmp_path / 'a.h5'}:0.6")
+    lin = linearize(base.prepared.system, base.state, 1.0, assemble=base.assemble)
+    angle = np.arctan2(*base.state.R[base.prepared.system.numbering.rotation[0]][0, [2, 0]])
+    expected = np.sqrt((6.0 + 0.6 * 2.0 * G * 0.5 * np.sin(angle)) / 0.6)
+    np.testing.assert_allclose(solve(lin).values, [1j * expected], rtol=1e-8)
+
+
+def test_table_and_file(tmp_path):
+    path = tmp_path / "m.h5"
+    text, found, _ = modes(deck(row_of_masses(4)), path, number=3)
+    lines = text.splitlines()
+    assert lines[0].startswith("modes about: initial state; dense, undamped; 4 computed") and len(lines) == 5
+    assert "node 'p2' moves along [1, 0, 0]" in lines[2] and lines[2].split()[0] == "1"
+    assert float(lines[2].split()[1]) == pytest.approx(found.frequency[0], rel=1e-5)
+    file = read_modes(path)
+    np.testing.assert_array_equal(file.values, found.values)
+    np.testing.assert_allclose(file.nodes["p1"]["translation"][:, 0], found.shapes[:, 0])
+    np.testing.assert_array_equal(file.nodes["p0"]["translation"], 0.0)
+    assert file.kinds == ["oscillation"] * 3 and file.resolved["gravity"] == [0, 0, 0]
+    with pytest.raises(ResultsError, match="exists already"):
+        modes(deck(row_of_masses(4)), path)
+    with pytest.raises(UsageError, match="there is no node 'q'"):
+        modes(deck(row_of_masses(4)), None, frame="q")
+
+
+def test_pictures(tmp_path):
+    from mecano.post.mode_shapes import draw_modes
+
+    modes(deck(column(1.0)), tmp_path / "c.h5")
+    picture = draw_modes(tmp_path / "c.h5")
+    assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
+    with pytest.raises(ResultsError, match="is no file of modes|cannot read"):
+        draw_modes(picture)

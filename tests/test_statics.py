@@ -1,0 +1,241 @@
+"""Static equilibrium: paths against closed forms, stability, failures by name, starts of marches."""
+
+import numpy as np
+import pytest
+from equilibria import G, Path, arm, chain, truss, truss_force
+from marching import March, deck, input_deck
+from scipy.optimize import brentq, fsolve, minimize_scalar
+
+from mecano.errors import ConvergenceError, DeckError
+from mecano.prepare import march_of, prepare
+from mecano.statics import equilibrium
+
+LIMIT = -minimize_scalar(lambda z: -truss_force(z), bounds=(0.0, 0.3), method="bounded", options={"xatol": 1e-12}).fun
+
+
+def test_load_factor_is_the_share_of_gravity():
+    """k theta = mu m g c cos(theta) at every point: the moment of the weight turns with the body."""
+    path = Path(arm("static: {steps: 4}"))
+    np.testing.assert_allclose(path.factors, [0, 0.25, 0.5, 0.75, 1])
+    expected = [brentq(lambda t, mu=mu: 6.0 * t - mu * 2.0 * G * 0.5 * np.cos(t), 0, 2) for mu in path.factors]
+    np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=2e-9)
+
+
+def test_load_factor_is_the_share_of_dead_and_follower_loads():
+    """A dead and a follower moment about the hinge: k theta = mu M."""
+    loads = (
+        "loads: {a: {type: follower_moment, node: pin, direction: [0, 1, 0], value: 3}, "
+        "b: {type: moment, node: pin, direction: [0, 1, 1], value: 3}}"
+    )
+    path = Path(arm("static: {steps: 5}", gravity=0.0, more=loads))
+    expected = path.factors * (3.0 + 3.0 / np.sqrt(2.0)) / 6.0
+    np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=1e-12)
+
+
+def test_what_the_start_lacks_of_an_equilibrium_is_let_go():
+    """A preloaded spring without loads: it ends where the spring is slack, the angle is followed over half a turn."""
+    text = arm("static: {}", gravity=0.0).replace("axis: [0, 1, 0], law", "axis: [0, 1, 0], natural_angle: 4.0, law")
+    path = Path(text)
+    angles = np.unwrap(path.turns_about_y("pin"))
+    np.testing.assert_allclose(angles, 4.0 * path.factors, atol=1e-9)
+    assert np.all(path.unstable == 0)
+
+
+def test_arc_length_passes_limit_points():
+    """Von Mises truss: the force over the height is known; the path goes up, down to below zero, and up again."""
+    path = Path(truss("{method: arc_length, end: 1.5, steps: 10}"))
+    z = path.positions("top")[:, 2]
+    np.testing.assert_allclose(30.0 * path.factors, truss_force(z), atol=1e-7)
+    assert path.factors[-1] == 1.5 and path.result.reason == "the end was reached"
+    assert np.all(np.diff(z) < 0) and path.factors.min() < -0.3
+    falls = np.abs(z) < 0.3 * np.sqrt(((1 + 0.09) ** (1 / 3) - 1) / 0.09)  # between the limit points z^2 = L^(2/3) - 1
+    np.testing.assert_array_equal(path.unstable, falls)
+
+
+def test_arc_length_ends_where_it_is_told():
+    static = "{method: arc_length, until: {node: top, direction: [0, 0, -1], displacement: 0.25}}"
+    path = Path(truss(static))
+    assert path.positions("top")[-1, 2] == pytest.approx(0.05, abs=1e-9)
+    assert path.result.reason == "node 'top' was displaced by 0.25 m"
+    path = Path(truss("{method: arc_length, lowest: -0.2}"))
+    assert path.factors[-1] == pytest.approx(-0.2, abs=1e-8) and path.positions("top")[-1, 2] > -0.2
+    path = Path(truss("{method: arc_length, maximum_steps: 3}"))
+    assert len(path.points) == 4 and path.result.reason.startswith("3 steps were made")
+
+
+def test_steps_stop_at_a_limit_point():
+    """The message names the load factor of the limit point, to the smallest step, and the motion that is soft."""
+    with pytest.raises(ConvergenceError, match=r"node 'top' moves along \[0, 0, 1\]") as caught:
+        Path(truss("{steps: 10}"))
+    text = str(caught.value)
+    factor = float(text.split("at load factor ")[2].split(":")[0])
+    assert 0 < LIMIT / 30.0 - factor < 1e-4
+    assert "method: arc_length" in text and caught.value.exit_code == 3
+
+
+def test_pendulum_falls_into_place():
+    """From the horizontal, where it has no stiffness, the pendulum hangs; the joint carries its weight."""
+    text = arm("static: {method: relaxation}", stiffness=1e-9)
+    path = Path(text)
+    assert path.turns_about_y("pin")[-1] == pytest.approx(np.pi / 2, abs=1e-8)
+    assert path.points[-1].stability.stable and path.points[-1].stability.stiffness == pytest.approx(
+        2 * G * 0.5, rel=1e-6
+    )
+    with pytest.raises(ConvergenceError, match=r"node 'pin' turns about \[0, 1, 0\]"):
+        Path(arm("static: {}", stiffness=1e-9))
+
+
+def test_chain_hangs_in_its_catenary():
+    """Closed form of a chain of rods with equal masses: each rod along (H, V - i w); H and V from the span."""
+    links, length, weight = 8, 1.2 / 8, 0.5 * G
+
+    def ends(unknowns, i=8):
+        H, V = unknowns
+        pulls = [(H, V - weight * j) for j in range(i)]
+        return np.sum([length * np.array([h, -v]) / np.hypot(h, v) for h, v in pulls], axis=0)
+
+    H, V = fsolve(lambda u: ends(u) - (1.0, 0.0), (15.0, 17.0), xtol=1e-13)
+    path = Path(chain("static: {method: relaxation}", links))
+    for i in range(1, links):
+        np.testing.assert_allclose(path.positions(f"p{i}")[-1][[0, 2]], ends((H, V), i), atol=1e-12)
+        assert abs(path.positions(f"p{i}")[-1][1]) < 1e-12
+    assert path.points[-1].stability.stable
+
+
+def test_buckling_is_told():
+    """An inverted pendulum on a spring buckles at mu = k/(m g c); the straight position stays an equilibrium."""
+    path = Path(arm("static: {steps: 4}", centre="[0, 0, 0.5]"))
+    critical = 6.0 / (2.0 * G * 0.5)
+    np.testing.assert_array_equal(path.unstable, path.factors > critical)
+    assert f"near {critical:.6g}, the equilibrium becomes unstable: node 'pin' turns about" in path.result.remarks[0]
+    assert path.result.remarks[1].startswith("the equilibrium at load factor 1 is unstable")
+
+
+def test_mechanism_with_nothing_to_drive_it_is_neutral():
+    path = Path(arm("static: {}", gravity=0.0, stiffness=0.0))
+    assert path.points[-1].stability.neutral == 1 and not path.points[-1].stability.unstable
+    assert "neutral" in path.result.remarks[0] and "node 'pin' turns about [0, 1, 0]" in path.result.remarks[0]
+
+
+@pytest.mark.parametrize("method,why", [("steps", "the tangent is singular"), ("relaxation", "it still moves")])
+def test_free_fall_has_no_equilibrium(method, why):
+    text = """
+        mecano: 1
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {m: {type: point_mass, node: a, mass: 1}}
+        static: {method: METHOD}
+        """
+    with pytest.raises(ConvergenceError, match=why) as caught:
+        Path(text.replace("METHOD", method))
+    assert "3 direction(s) without stiffness" in str(caught.value) and "node a: force z" in str(caught.value)
+
+
+def test_quasi_static_over_time():
+    """A prescribed displacement takes the truss through its limit points; the reaction is the closed form."""
+    text = truss("{over: time, end: 2, steps: 8}").replace(
+        "        static", "          down: {type: prescribed_position, node: top, direction: [0, 0, 1], "
+        "value: {linear: {slope: -0.3}}}\n        static"
+    ).replace("value: 30.0", "value: 0")  # fmt: skip
+    path = Path(text)
+    z = path.positions("top")[:, 2]
+    np.testing.assert_allclose(z, 0.3 - 0.3 * np.linspace(0, 2, 9), atol=1e-12)
+    reaction = np.array([point.state.z[path.system.n_q + 1] for point in path.points])
+    np.testing.assert_allclose(-reaction, truss_force(z), atol=1e-9)
+
+
+def test_loads_that_ramp_over_time_start_from_their_value_at_the_start():
+    loads = "loads: {a: {type: couple, nodes: [ground, pin], axis: [0, 1, 0], value: {linear: {slope: 2, offset: 1}}}}"
+    path = Path(arm("static: {over: time, start: 1, end: 3, steps: 4}", gravity=0.0, more=loads))
+    np.testing.assert_allclose(path.turns_about_y("pin"), (1.0 + 2.0 * np.linspace(1, 3, 5)) / 6.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["relaxation", "steps"])
+def test_wheel_settles_on_the_ground(method):
+    """From the air: the tyre is pressed in by m g/k; the lean of a wheel that only stands is unstable."""
+    text = deck_text = input_deck("wheel_drop").text
+    text = deck_text[: deck_text.index("initial:")] + f"static: {{method: {method}}}\n"
+    path = Path(text)
+    assert path.positions("hub")[-1, 2] == pytest.approx(0.3 - 20.0 * G / 2e5, abs=1e-9)
+    assert [h.name for point in path.points for h in point.happenings] == ["touch_down"]
+    assert path.unstable[-1] == 1 and "node 'hub' turns about [1, 0, 0]" in path.result.remarks[-1]
+
+
+def test_redundant_supports_share_the_weight():
+    """A door on two hinges: the vertical reactions are not unique, their sum and the couple of the others are."""
+    text = """
+        mecano: 1
+        nodes: {low: {position: [0, 0, 0]}, high: {position: [0, 0, 1]}}
+        elements:
+          door: {type: rigid_body, node: low, mass: 20, center_of_mass: [0.4, 0, 0], inertia: [1, 1, 1],
+                 attached: [high]}
+        joints:
+          a: {type: hinge, nodes: [ground, low], axis: [0, 0, 1]}
+          b: {type: hinge, nodes: [ground, high], axis: [0, 0, 1]}
+        static: {}
+        """
+    path = Path(text)
+    assert path.points[-1].stability.neutral == 1 and path.prepared.analysis.redundant
+    assert np.abs(path.positions("high")[-1] - (0, 0, 1)).max() < 1e-9
+
+
+STARTS = ("static", "{static: true}", "{static: {method: steps}}", "{static: {method: relaxation}}")
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_march_from_equilibrium_starts_without_acceleration(start):
+    process = f"initial: {start}\n        time: {{end: 0.1, step: 0.01}}"
+    prepared = prepare(deck(arm(process)))
+    assert not equilibrium(prepared)
+    run = march_of(prepared).begin(prepared.state, 0.01)
+    assert np.abs(run.motion.a).max() < 1e-13 * G
+    assert np.abs(run.motion.v).max() == 0.0
+
+
+def test_march_of_a_chain_from_equilibrium_stays_there():
+    process = "initial: static\ntime: {end: 0.5, step: 0.01}"
+    march = March(deck(chain(process)), start=equilibrium)
+    for i in range(1, 8):
+        position = march[f"nodes/p{i}/position"]
+        assert np.abs(position - position[0]).max() < 1e-13
+
+
+def test_velocities_come_on_top_of_the_equilibrium():
+    process = (
+        "initial: {static: true, velocities: [{nodes: [pin], angular_velocity: [0, 2, 0]}]}\n"
+        "        time: {end: 0.1, step: 0.01}"
+    )
+    prepared = prepare(deck(arm(process)))
+    equilibrium(prepared)
+    run = march_of(prepared).begin(prepared.state, 0.01)
+    spin = run.motion.v[prepared.system.numbering.r[0] :][:3]
+    np.testing.assert_allclose(spin, (0, 2, 0), atol=1e-12)
+    assert np.abs(run.motion.a[prepared.system.numbering.r[0] :][:3]).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "static,text",
+    [
+        ("{end: 0}", "'end' must be greater than zero"),
+        ("{over: time, start: 2}", "'end' must be greater than 'start', 2 s"),
+        ("{over: time, method: arc_length}", "'method' arc_length follows the load factor"),
+        ("{until: {node: top, direction: [1, 0, 0], displacement: 1}}", "'until' belongs to the method arc_length"),
+        ("{method: arc_length, until: {node: tip, direction: [1, 0, 0], displacement: 1}}", "unknown node 'tip'"),
+        ("{}\n        time: {end: 1, step: 0.1}", "'static' and 'time' exclude one another"),
+        ("{}\n        initial: static", "'initial.static' belongs to a deck with 'time'"),
+    ],
+)
+def test_decks_that_cannot_be(static, text):
+    with pytest.raises(DeckError) as caught:
+        deck(truss(static))
+    assert text in str(caught.value)
+
+
+def test_resolved_deck_stands_for_itself():
+    import json
+
+    from mecano.deck.read import deck_of_bytes
+
+    for text in (truss("{method: arc_length}"), arm("initial: static\n        time: {end: 1, step: 0.1}")):
+        first = deck(text)
+        again = deck_of_bytes(json.dumps(first.resolved()).encode(), "again.yaml")
+        assert again.values == first.values
