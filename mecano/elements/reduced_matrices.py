@@ -7,7 +7,7 @@ in the order of ``positions``, then a row for each mode.
 import numpy as np
 
 SYMMETRY = 1e-8  # of the largest entry
-RIGID = 1e-6  # of the largest force that a rigid motion could cause
+RIGID = 1e-6  # forces of a rigid motion, of those that it would cause in springs to the ground
 NEGATIVE = 1e-8  # of the largest eigenvalue
 PLACE = 1e-6  # of the size of the superelement
 
@@ -22,6 +22,14 @@ def rigid_motions(positions, n):
         rotations[6 * i : 6 * i + 3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
         rotations[6 * i + 3 : 6 * i + 6] = np.eye(3)
     return translations, rotations
+
+
+def resistance(K, r):
+    """Largest force of K (n, n) on a rigid motion r (n,), relative to those that springs of its diagonal would give."""
+    diagonal = np.abs(np.diag(K))
+    size = np.sqrt(diagonal * (r @ (diagonal * r)))
+    forces = np.abs(K @ r)
+    return float(np.max(forces[size > 0.0] / size[size > 0.0], initial=0.0))
 
 
 def mass_moments(mass, positions):
@@ -47,9 +55,29 @@ def problems(reduced):
             return [f"'{key}' has {size[0]} rows, 'stiffness' {n}"]
     if n < 6 * n_nodes:
         return [f"the matrices have {n} rows, but {n_nodes} boundary nodes alone need {6 * n_nodes}"]
+    inner = _interior(reduced, n)
+    if inner:
+        return [inner]
     arrays = {key: np.array(rows, float) for key, rows in matrices.items()}
     found = [text for key, A in arrays.items() for text in _quadratic_form(key, A)]
     return found or _rigid(arrays, reduced["positions"], n)
+
+
+def _interior(reduced, n):
+    """What is wrong with the values of inner nodes, or ""."""
+    given = [reduced.get(f"interior_{key}") for key in ("names", "positions", "basis")]
+    if all(value is None for value in given):
+        return ""
+    if any(value is None for value in given):
+        return "'interior_names', 'interior_positions' and 'interior_basis' belong together"
+    names, positions, basis = given
+    sizes = (len(positions), len(positions[0]), len(basis), len(basis[0]))
+    if sizes != (len(names), 3, 3 * len(names), n):
+        return (
+            f"{len(names)} inner nodes need 'interior_positions' of 3 columns and 'interior_basis' of {3 * len(names)} "
+            f"rows and {n} columns; these are {sizes[0]} x {sizes[1]} and {sizes[2]} x {sizes[3]}"
+        )
+    return ""
 
 
 def _quadratic_form(key, A):
@@ -75,8 +103,7 @@ def _rigid(arrays, positions, n):
     found = []
     for name, motions in (("translation", translations), ("rotation", rotations)):
         for axis, r in zip("xyz", motions.T, strict=True):
-            forces = K @ r
-            if np.any(np.abs(forces) > RIGID * (np.abs(K) @ np.abs(r))):
+            if resistance(K, r) > RIGID:
                 found.append(f"'stiffness' resists a rigid {name} along {axis}; {EXPECTED}")
     block = translations.T @ M @ translations
     if np.abs(block - mass * np.eye(3)).max() > RIGID * mass:
