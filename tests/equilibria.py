@@ -12,9 +12,10 @@ G = 9.81
 class Path:
     """The path of a deck with ``static``: its points, and how it ended."""
 
-    def __init__(self, text):
+    def __init__(self, given):
+        """Follow the path of a checked deck, or of the text of one."""
         self.points = []
-        self.prepared = prepare(deck(text))
+        self.prepared = prepare(deck(given) if isinstance(given, str) else given)
         self.system = self.prepared.system
         self.result = follow(self.prepared, (self.points.append,))
 

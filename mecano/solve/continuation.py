@@ -51,7 +51,7 @@ class Follower:
     last: Point | None = None
 
     def __post_init__(self):
-        self.judge = Judge(self.statics.system, self.statics.length)
+        self.judge = Judge(self.statics.system, self.statics.length, self.statics.compliance is not None)
 
     def stability(self, s, p):
         """Stability of the equilibrium ``s`` at the parameter p, from the tangent there."""

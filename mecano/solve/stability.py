@@ -20,6 +20,7 @@ from mecano.solve.linear import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
 NEUTRAL = 1e-13  # of the largest stiffness: what is softer counts as free (dense)
+NEUTRAL_WHERE_SOFT = 1e-10
 NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (sparse)
 SYMMETRIC = 1e-7  # of the largest entry
 RANK = 1e-9
@@ -46,8 +47,9 @@ class Stability:
 class Judge:
     """Tells the stability of equilibria of one system from tangents on its pattern."""
 
-    def __init__(self, system, length):
-        self.system, self.length = system, length
+    def __init__(self, system, length, soft=False):
+        """``soft``: redundant constraints give way, which may turn free motions into very soft ones."""
+        self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self._solver = None
@@ -76,7 +78,7 @@ class Judge:
             values, vectors = _real(*la.eig(K))
         if not len(values):
             return Stability(0, 0)
-        limit = NEUTRAL * max(largest, np.finfo(float).tiny)
+        limit = self.neutral * max(largest, np.finfo(float).tiny)
         shape = (Z @ vectors[:, 0]) / self.root
         unstable, neutral = int(np.sum(values < -limit)), int(np.sum(np.abs(values) <= limit))
         return Stability(unstable, neutral, float(values[0]), _scaled(shape, self.root))
