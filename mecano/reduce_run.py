@@ -9,7 +9,7 @@ from mecano.deck.build import build
 from mecano.deck.physics import element_nodes
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
-from mecano.model.mesh import inner_names
+from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.system import System
 from mecano.solve.reduction import reduce
@@ -29,8 +29,10 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
         raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
     if path.exists() and not force:
         raise ResultsError(f"{path} exists; --force replaces it")
-    system = System(part_of(deck, elements, nodes))
+    part = part_of(deck, elements, nodes)
+    system = System(part)
     result = reduce(system, list(nodes), number, length_scale(system.nodes))
+    result.content.update(lines_of(part, [*nodes, *result.content.get("interior_names", ())]))
     write(path, result.content)
     return text(path, nodes, result), result
 
@@ -54,6 +56,19 @@ def part_of(deck, elements, boundary):
         raise UsageError(f"node '{held[0]}' is fixed: it can only be a boundary node of the part")
     free = [Node(node.name, node.x, node.R) for node in whole.nodes if node.name in used]
     return Model(free, parts, whole.laws, np.zeros(3))
+
+
+def lines_of(part, names):
+    """Pairs of numbers of the nodes ``names`` that an element of the part joins, under the key "lines"."""
+    index = {name: i for i, name in enumerate(names)}
+    pairs = [
+        (index[element.nodes[0]], index[node])
+        for element in divided(part).elements
+        if element.kind.section == "elements"
+        for node in element.nodes[1:]
+        if element.nodes[0] in index and node in index
+    ]
+    return {"lines": np.array(pairs, float)} if pairs else {}
 
 
 def write(path, content):

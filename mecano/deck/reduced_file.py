@@ -1,7 +1,7 @@
 """Reduced matrices of superelements: in the deck, or in .yaml, .npz and .h5 files beside it.
 
 All have the same keys: ``positions``, ``stiffness``, ``mass``, perhaps ``damping`` and, to recover inner motions,
-``interior_names``, ``interior_positions``, ``interior_basis``. A .yaml file, the deck itself, and texts in an .h5 file
+``interior_names``, ``interior_positions``, ``interior_basis``, and ``lines`` to draw. A .yaml file, the deck itself, and texts in an .h5 file
 may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
 """
 
@@ -29,6 +29,7 @@ CONTENT = (
     Field("interior_names", list_of(TEXT), "-", "names of inner nodes", None),
     Field("interior_positions", ROWS, "m", "place of each inner node", None),
     Field("interior_basis", ROWS, "-", "displacements of the inner nodes, 3 rows each, by the coordinates", None),
+    Field("lines", ROWS, "-", "pairs of nodes, from 0, boundary before inner ones, joined by a line in pictures", None),
 )
 KEYS = {field.name: field for field in CONTENT}
 
@@ -58,7 +59,7 @@ def _read(node, field, scope):
         scope.problems.extend(error.problems)
         return INVALID
     except (ValueError, OSError, KeyError, EOFError) as error:
-        return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {error}")
+        return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
 
 
 def _bytes(name, node, scope):
@@ -116,6 +117,11 @@ def _hdf5(data, name, node, field, scope):
 
 
 READERS = {".yaml": _yaml, ".yml": _yaml, ".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5}
+
+
+def _words(error):
+    """The text of an error on one printable line."""
+    return "".join(c if c.isprintable() else " " for c in str(error))
 
 
 def _hint():
@@ -176,7 +182,7 @@ def _matrix(name, node, scope):
     try:
         array = _market(data) if suffix == ".mtx" else np.load(io.BytesIO(data), allow_pickle=False)
     except (ValueError, OSError, EOFError) as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {error}")
+        scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
         return None
     problem = _unfit(array)
     if problem:

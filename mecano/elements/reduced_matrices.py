@@ -64,7 +64,11 @@ def problems(reduced):
 
 
 def _interior(reduced, n):
-    """What is wrong with the values of inner nodes, or ""."""
+    """What is wrong with the values of inner nodes and lines, or ""."""
+    count = len(reduced["positions"]) + len(reduced.get("interior_names") or ())
+    lines = np.array(reduced.get("lines") or np.zeros((0, 2)))
+    if lines.shape[1:] != (2,) or np.any((lines < 0) | (lines >= count) | (lines != np.round(lines))):
+        return f"'lines' are pairs of numbers of nodes, 0 to {count - 1}"
     given = [reduced.get(f"interior_{key}") for key in ("names", "positions", "basis")]
     if all(value is None for value in given):
         return ""

@@ -43,6 +43,11 @@ NODE_OUTPUTS = (
     ("moment", "N m", "moment of the rest of the model on boundary node {}, inertial"),
 )
 
+MODE_OUTPUTS = (
+    ("amplitude_{}", "m", "amplitude of mode {}; in metres where its shape has no unit, as mecano reduce makes it"),
+    ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}"),
+)
+
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
@@ -88,7 +93,8 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         put(y, j + 6, vec(total, 6 * i))
         put(y, j + 9, mul(mat(R[i]), vec(total, 6 * i + 3)))
     for i in range(p.n_modes):
-        y[9 + 12 * p.n_nodes + i] = q[6 * p.n_nodes + i]
+        y[9 + 12 * p.n_nodes + 2 * i] = q[6 * p.n_nodes + i]
+        y[10 + 12 * p.n_nodes + 2 * i] = v[6 * p.n_nodes + i]
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
     e[2] = dissipated
@@ -170,11 +176,11 @@ def _of_size(n_nodes, n_modes):
     return Kind(
         **DECLARED,
         layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
-        scalars=tuple(f"amplitude of mode {i}" for i in modes),
+        scalars=tuple(f"amplitude_{i}" for i in modes),
         outputs=(
             *OUTPUTS,
             *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
-            *(Output(f"amplitude_{i}", "-", f"amplitude of mode {i}, in the unit of its shape") for i in modes),
+            *(Output(name.format(i), unit, doc.format(i)) for i in modes for name, unit, doc in MODE_OUTPUTS),
         ),
     )
 
@@ -260,7 +266,8 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         put(y, j + 6, vec(total, 6 * i))
         put(y, j + 9, mul(mat(R[i]), vec(total, 6 * i + 3)))
     for i in range(p.n_modes):
-        y[9 + 12 * p.n_nodes + i] = q[6 * p.n_nodes + i]
+        y[9 + 12 * p.n_nodes + 2 * i] = q[6 * p.n_nodes + i]
+        y[10 + 12 * p.n_nodes + 2 * i] = v[6 * p.n_nodes + i]
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
     e[2] = dissipated
@@ -342,11 +349,11 @@ def _of_size(n_nodes, n_modes):
     return Kind(
         **DECLARED,
         layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
-        scalars=tuple(f"amplitude of mode {i}" for i in modes),
+        scalars=tuple(f"amplitude_{i}" for i in modes),
         outputs=(
             *OUTPUTS,
             *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
-            *(Output(f"amplitude_{i}", "-", f"amplitude of mode {i}, in the unit of its shape") for i in modes),
+            *(Output(name.format(i), unit, doc.format(i)) for i in modes for name, unit, doc in MODE_OUTPUTS),
         ),
     )
 
@@ -388,6 +395,11 @@ OUTPUTS = (
     Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,)),
     Output("frame_rotation", "-", "unit quaternion (w, x, y, z) from the axes of the frame to inertial axes", (4,)),
 )
+DECLARED_OUTPUTS = (
+    *OUTPUTS,
+    *(Output(f"{name}_1", unit, f"{doc.format('1')}; and so on", (3,)) for name, unit, doc in NODE_OUTPUTS),
+    *(Output(name.format(1), unit, f"{doc.format(1)}; and so on") for name, unit, doc in MODE_OUTPUTS),
+)
 DECLARED = {
     "name": "superelement",
     "section": "elements",
@@ -406,4 +418,4 @@ DECLARED = {
     "sample": sample,
     "sized": sized,
 }
-SUPERELEMENT = Kind(**DECLARED, outputs=OUTPUTS)
+SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.post.recovered import inner_names, lines, recover
+
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 RIM_POINTS = 49
 NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
@@ -96,6 +98,18 @@ def _beam(motion, name, d):
     return [Shape(ROD, name, np.stack([motion.position(node) for node in nodes], axis=1))] if len(nodes) > 1 else []
 
 
+def _superelement(motion, name, d):
+    """Lines through its boundary nodes and those inside."""
+    nodes = [node for node in d["nodes"] if f"nodes/{node}/position" in motion.run.paths]
+    if len(nodes) < len(d["nodes"]):
+        return []
+    points = [motion.position(node) for node in nodes]
+    if inner_names(d):
+        inner = recover(motion.run.results, name, d, motion.rows)
+        points += list(np.moveaxis(inner.positions, 1, 0))
+    return [Shape(ROD, name, np.stack([points[i] for i in chain], axis=1)) for chain in lines(d)]
+
+
 def _spring(motion, name, d):
     return _line(motion, name, d, SPRING)
 
@@ -151,6 +165,7 @@ SHAPES = {
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
     "beam": _beam,
+    "superelement": _superelement,
     "wheel": _wheel,
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""
