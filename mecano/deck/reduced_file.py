@@ -8,6 +8,7 @@ may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
 import hashlib
 import io
 import os
+import zipfile
 
 import numpy as np
 
@@ -31,6 +32,7 @@ CONTENT = (
     Field("interior_basis", ROWS, "-", "displacements of the inner nodes, 3 rows each, by the coordinates", None),
     Field("lines", ROWS, "-", "pairs of nodes, from 0, boundary before inner ones, joined by a line in pictures", None),
 )
+UNREADABLE = (ValueError, TypeError, OSError, KeyError, IndexError, EOFError, RuntimeError, zipfile.BadZipFile)
 KEYS = {field.name: field for field in CONTENT}
 
 
@@ -58,7 +60,7 @@ def _read(node, field, scope):
     except DeckError as error:
         scope.problems.extend(error.problems)
         return INVALID
-    except (ValueError, OSError, KeyError, EOFError) as error:
+    except UNREADABLE as error:
         return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
 
 
@@ -68,6 +70,8 @@ def _bytes(name, node, scope):
     if path is None:
         return None
     try:
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise ValueError("it is not a regular file")
         with open(path, "rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
@@ -181,7 +185,7 @@ def _matrix(name, node, scope):
         return None
     try:
         array = _market(data) if suffix == ".mtx" else np.load(io.BytesIO(data), allow_pickle=False)
-    except (ValueError, OSError, EOFError) as error:
+    except UNREADABLE as error:
         scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
         return None
     problem = _unfit(array)
