@@ -53,6 +53,7 @@ overrides = click.option(
 @overrides
 def run(deck, output, force, quiet, overrides):
     """Solve a deck into a results file."""
+    from mecano.contract import SECTIONS
     from mecano.deck.read import read_deck
     from mecano.progress import Progress, StaticProgress
 
@@ -60,7 +61,7 @@ def run(deck, output, force, quiet, overrides):
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     static = checked.values["static"]
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
-    kinds = {d["type"] for section in ("elements", "joints", "loads") for d in checked.values[section].values()}
+    kinds = {d["type"] for section in SECTIONS for d in checked.values[section].values()}
     progress.compiling(kinds)
     from importlib import import_module
 

@@ -2,7 +2,8 @@
 
 A kind is a record of data and functions. The local unknowns of one element are, in this order: the slots of
 ``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its
-``multipliers``. All compiled functions work on ONE element and take, always in this order:
+``multipliers``, those that it has ``borrowed``. All compiled functions work on ONE element and take, always in this
+order:
 
     # element
     p       record of parameters (``dtype``)
@@ -11,8 +12,8 @@ A kind is a record of data and functions. The local unknowns of one element are,
     t       time [s]
     laws    flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
     # state in
-    q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m]
-    v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0
+    q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], borrowed ones
+    v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 for multipliers
     a       (n_local,) accelerations, in the same frames
     R       (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
 
@@ -22,6 +23,11 @@ C = df/dv, M = df/da to (n_local, n_local) arrays that arrive zeroed. Rotations 
 dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi adds
 B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T.
 
+A part of a joint may *borrow* the multipliers of other parts of it (friction that the reactions drive): they stand at
+the end of q, in the order of ``Part.borrows``. It adds nothing to their rows; their columns in K are, as those of all
+multipliers, derivatives by lambda: k times that by the reaction k*lambda in q. Forces may depend on reactions in a
+kind that borrows only, and there without multipliers or inertia of its own.
+
 ``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
 writes 0, Phi, dPhi/dt.
@@ -30,7 +36,8 @@ writes 0, Phi, dPhi/dt.
 arrive zeroed: kinetic
 energy [J], potential energy [J], dissipated power [W] (>= 0), power given by the surroundings [W]. ``F`` (n_local,)
 are the forces and moments that everything else exerts on the nodes of the element's slots (what a joint transmits);
-for a kind without ``force``, ``q`` carries after its own unknowns the multipliers of its ``parts``.
+for a kind without ``force``, ``q`` carries after its own unknowns the multipliers of its ``parts``, in their order.
+The energies of an element are those of its own ``observe`` and of its parts, whose outputs are written beside its own.
 
 ``event_values(p, m, mode, t, laws, q, v, a, R, g)`` writes one number per event; an event that is watched in the
 current mode happens where its number rises through zero.
@@ -42,6 +49,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
 
 
 @dataclass(frozen=True)
@@ -80,6 +89,8 @@ class Part:
     kind: "Kind"
     nodes: tuple  # indices into the nodes of the owner
     parameters: dict
+    borrows: tuple = ()  # indices of the parts of the owner whose multipliers it borrows
+    label: str = ""  # what is appended to the names of its outputs
 
 
 def nothing(*_):
@@ -98,16 +109,16 @@ class Kind:
     layout: tuple = ()
     fields: tuple = ()  # schema.Field, the node fields first
     outputs: tuple = ()  # Output
+    optional: tuple = ()
+    """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
     scalars: tuple = ()  # names of own scalar unknowns
     multipliers: tuple = ()  # Row
+    borrowed: tuple = ()  # Row: multipliers of other parts of the same owner
     modes: tuple = ("",)
     events: tuple = ()  # Event
     memory: tuple = ()  # names of the numbers kept from step to step
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
-    sized: Callable | None = None
-    """deck values -> Kind: the kind of one element, where layout, scalars and outputs depend on the values; this one
-    then stands for all of them in decks"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
@@ -115,6 +126,9 @@ class Kind:
     divide: Callable | None = None
     """(deck values, nodes) -> ([(x, R)] of the nodes between, [values of each element]) of a member that its value
     ``mesh`` divides into several elements of the kind"""
+    variant: Callable | None = None
+    """deck values -> the Kind, of the same fields and outputs, that takes its place in the model for these values; of
+    outputs that are numbered (force_1, force_2) it has as many as the values ask for, this kind only the first"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing
@@ -133,8 +147,12 @@ class Kind:
 
     @property
     def n_local(self):
-        """Number of own local unknowns."""
-        return 3 * len(self.layout) + len(self.scalars) + len(self.multipliers)
+        """Number of local unknowns, borrowed multipliers among them."""
+        return 3 * len(self.layout) + len(self.scalars) + len(self.multipliers) + len(self.borrowed)
+
+    def chosen(self, values):
+        """The kind itself, or its variant for these deck values."""
+        return self.variant(values) if self.variant else self
 
 
 @dataclass(frozen=True)

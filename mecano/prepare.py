@@ -104,6 +104,7 @@ def remarks(prepared, start=None):
             f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
             "affected; the reactions of these constraints are not unique"
         )
+        texts += _friction_of(prepared.system, group)
     if not analysis.complete:
         texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
@@ -119,6 +120,20 @@ def some(names, most):
     """Up to ``most`` names, and how many more there are."""
     shown = "; ".join(names[:most])
     return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
+
+
+def _friction_of(system, group):
+    """Text on the friction that the reactions of a redundant group drive."""
+    of = system.numbering
+    rubbing = {of.name[system.n_q + i] for i in system.borrowed} & set(group.names)
+    owners = sorted({name.partition(":")[0] for name in rubbing})
+    if not owners:
+        return []
+    return [
+        f"the friction of {', '.join(owners)} is driven by reactions that are not unique: it depends on how the equal "
+        "compliances of the redundant constraints share them, and so does the motion; release what is redundant, or "
+        "give other joints of the group a 'compliance'"
+    ]
 
 
 def _changed_velocities(prepared, motion):

@@ -33,7 +33,9 @@ class Progress:
         if not self.quiet:
             self._clear()
             width = min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH) if self.terminal else WIDTH
-            lines = wrap(f"mecano: {text}", width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+            lines = wrap(
+                f"mecano: {text}", width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+            )
             self._say("\n".join(lines) + "\n")
 
     def __call__(self, accepted):

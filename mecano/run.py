@@ -15,8 +15,8 @@ from mecano.statics import equilibrium
 class Recorder:
     """Observer that writes saved times, solver history, events and extremes."""
 
-    def __init__(self, prepared, writer, sampler):
-        self.system, self.writer, self.sampler = prepared.system, writer, sampler
+    def __init__(self, prepared, writer, sampler, control):
+        self.system, self.writer, self.sampler, self.control = prepared.system, writer, sampler, control
         values = prepared.deck.values
         every = values["output"]["every"]
         self.every = None if every == "step" else every
@@ -34,7 +34,8 @@ class Recorder:
         if accepted.h:
             row = self.sampler.take(run)
             self.writer.extremes.take(run.motion.t, row)
-            numbers = [accepted.h, info.iterations, info.error, accepted.rejected, *info.norms]
+            share = info.error / self.control.allowed(accepted.h)
+            numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
         for happening in accepted.happenings:
@@ -85,7 +86,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     with Writer.create(path, layout, source, force=force) as writer:
         for text in notes:
             announce(text)
-        recorder = Recorder(prepared, writer, sampler)
+        recorder = Recorder(prepared, writer, sampler, march.control)
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)

@@ -27,6 +27,7 @@ NODE_VECTOR = Type("vector", "a list of 3 numbers, in the axes of the node")
 POINT = Type("vector", "a list of 3 numbers, a point")  # inertial
 DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
 INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
+MATRIX_6 = Type("matrix_6", "6 numbers (a diagonal) or a 6x6 matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 NUMBERS = Type("numbers", "a list of numbers")

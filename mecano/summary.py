@@ -2,6 +2,7 @@
 
 from textwrap import wrap
 
+from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, prepare, some
 from mecano.statics import start_in_words
@@ -60,7 +61,7 @@ def _start(prepared):
 
 
 def _counts(values):
-    for section in ("elements", "joints", "loads"):
+    for section in SECTIONS:
         kinds = [d["type"] for d in values[section].values()]
         counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"

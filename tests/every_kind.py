@@ -78,7 +78,7 @@ def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off"))):
             writer.extremes.take(t, values)
             writer.append(t, values)
             if i:
-                writer.append_step(t, np.array([0.05, 1.0 + i % 3, 0.1, i % 2, 0.1, 0.2, 0.3]))
+                writer.append_step(t, np.array([0.05, 1.0 + i % 3, 0.1, 0.5, i % 2, 0.1, 0.2, 0.3]))
         for t, name in events:
             writer.append_event(t, "wheel 'one_wheel'", name, "air", "contact")
     return path

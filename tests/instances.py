@@ -3,6 +3,7 @@
 import types
 import zlib
 from dataclasses import dataclass
+from dataclasses import field as value_of
 from functools import cache
 
 import numpy as np
@@ -13,7 +14,6 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.model.instances import of_size
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
@@ -69,7 +69,8 @@ class Instance:
     memory: np.ndarray
     laws: np.ndarray
     scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
-    multipliers: np.ndarray  # k lambda, of its parts when it has no force
+    multipliers: np.ndarray  # k lambda
+    lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
     def local(self, motion):
         """(q, v, a, R) as contract.py has them."""
@@ -78,8 +79,9 @@ class Instance:
             node = self.nodes[int(slot[1:])]
             levels.append((motion.x if slot[0] == "x" else motion.turn)[node])
             R += [motion.R[node]] if slot[0] == "R" else []
-        q, v, a = np.concatenate([*levels, self.scalars, np.zeros((3, len(self.multipliers)))], axis=1)
-        q[len(q) - len(self.multipliers) :] = self.multipliers
+        reactions = np.concatenate([self.multipliers, *(lender.multipliers for lender in self.lenders)])
+        q, v, a = np.concatenate([*levels, self.scalars, np.zeros((3, len(reactions)))], axis=1)
+        q[len(q) - len(reactions) :] = reactions
         return q, v, a, np.array(R).reshape(-1, 3, 3)
 
     def after(self, h):
@@ -154,8 +156,7 @@ def samples(kind):
 
 def expand(kind, values, nodes, mode, gravity, rng):
     """[Instance]: the element and its parts, with random scalars and multipliers."""
-    context = Context(LawTable(), gravity)
-    kind = of_size(kind, values)
+    context, kind = Context(LawTable(), gravity), kind.chosen(values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
@@ -170,8 +171,12 @@ def expand(kind, values, nodes, mode, gravity, rng):
         scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
+    for part, instance in zip(parts, instances[1:], strict=True):
+        instance.lenders = [instances[1 + i] for i in part.borrows]
+        lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
+        assert lent == [row.unit for row in part.kind.borrowed]
     if kind.force is None:
-        instances[0].multipliers = np.concatenate([part.multipliers for part in instances[1:]] or [np.zeros(0)])
+        instances[0].lenders = instances[1:]
     return instances
 
 
@@ -181,7 +186,7 @@ def _motion(kind, values, nodes, rng):
     R = np.array([node[1] for node in nodes]) @ Rotation.from_rotvec(SPREAD * rng.normal(size=(n, 3))).as_matrix()
     x[:, 0] = [node[0] for node in nodes] + SPREAD * x[:, 0]
     turn[:, 0] = 0.0
-    for what, i, j in kind.shares(values, n):
+    for what, i, j in kind.chosen(values).shares(values, n):
         if what == "x":
             x[j] = x[i]
         else:

@@ -1,5 +1,6 @@
 """The command line in a process of its own, as a user calls it."""
 
+import resource
 import subprocess
 import sys
 
@@ -20,3 +21,11 @@ def flowing(text):
 def settings(*overrides):
     """Arguments of the command line for overrides "a.b=value"."""
     return [word for text in overrides for word in ("--set", text)]
+
+
+def processor_time(*arguments, cwd=None):
+    """Processor time [s] of a process of ``mecano`` with the arguments, which must succeed."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([*COMMAND, *map(str, arguments)], cwd=cwd, check=True, capture_output=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

@@ -25,7 +25,7 @@ SOURCE = Source(
     overrides=("time.end=2",),
     includes={"table.csv": "ab12"},
 )
-STEP = np.arange(7.0)
+STEP = np.arange(8.0)
 
 
 def time_of(index):
@@ -63,7 +63,7 @@ def check(results):
         assert np.array_equal(results[series.path].values, part), series.path
     steps = results.steps
     assert np.array_equal(steps["time"], time_of(np.arange(len(steps))))
-    assert np.array_equal(steps["increment"], 6.0 + np.arange(len(steps)))
+    assert np.array_equal(steps["increment"], 7.0 + np.arange(len(steps)))
     assert [event.element for event in results.events] == [f"wheel {i}" for i in range(len(results.events))]
     return count
 

@@ -32,16 +32,10 @@ class Equilibrium:
             K, residual = self.tangent()
             change = spsolve(K.tocsc(), -residual)
             self.state = displaced(self.state, change, self.system.numbering)
-            self.state.T[:] = np.eye(3)
-            self.state.z[: self.system.n_q][self._rotations()] = 0.0
             if np.abs(change).max() <= SMALL:
                 self.iterations.append(iteration)
                 return
         raise AssertionError(f"no equilibrium at t = {t}")
-
-    def _rotations(self):
-        of = self.system.numbering
-        return np.concatenate([of.r[i] + np.arange(3) for i, node in enumerate(self.system.nodes) if not node.fixed])
 
     def tangent(self, cK=1.0, cM=0.0):
         """cK K + cM M (n, n), and the residual (n,)."""

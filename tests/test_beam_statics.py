@@ -2,7 +2,18 @@
 
 import numpy as np
 import pytest
-from beam_cases import BEND, ELASTICA, PRINCETON, bend, elastica, lateral_buckling, princeton, roll_up, stiffness, straight
+from beam_cases import (
+    BEND,
+    ELASTICA,
+    PRINCETON,
+    bend,
+    elastica,
+    lateral_buckling,
+    princeton,
+    roll_up,
+    stiffness,
+    straight,
+)
 from scipy.linalg import eigh
 from static_solution import Equilibrium
 

@@ -1,5 +1,6 @@
 """What every kind of element, joint, load and basic constraint must fulfil. No kind is named here."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,9 @@ import pytest
 import yaml
 from instances import ALL_KINDS, GRAVITY, KINDS, expand, samples, seed_of, turned_values
 from scipy.spatial.transform import Rotation
+
+from mecano.contract import Context
+from mecano.laws.table import LawTable
 
 every_kind = pytest.mark.parametrize("kind", ALL_KINDS.values(), ids=ALL_KINDS)
 deck_kind = pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
@@ -60,7 +64,7 @@ def test_tangents_are_derivatives_of_the_force(kind):
         t, state = sample.motion.t, instance.local(sample.motion)
         tangents = instance.force(t, state, K_SCALE, PENALTY)[1:]
         n = instance.kind.n_local
-        end = n - len(instance.kind.multipliers)
+        end = n - len(instance.kind.multipliers) - len(instance.kind.borrowed)
         for array, tangent in enumerate(tangents):
             expected = np.zeros((n, n))
             for column in range(n if array == 0 else end):
@@ -133,19 +137,26 @@ def test_multiplier_rows_are_the_constraint(kind):
         np.testing.assert_allclose(f[-n:], -K_SCALE * np.where(value != 0.0, value, rate), rtol=1e-12, atol=1e-14)
 
 
+def energies(instances, motion, h=0.0):
+    """Energies and powers (4,) of an element and its parts, h seconds later."""
+    later, total = motion.after(h), np.zeros(4)
+    for instance in instances:
+        F = np.zeros(3 * len(instance.kind.layout))
+        total += instance.observe(later.t, instance.after(h).local(later), F)[1]
+    return total
+
+
 @every_kind
 def test_power_of_the_forces_is_the_change_of_energy(kind):
     """f.v = d(T + V)/dt + dissipated - given - (k lambda) dPhi/dt; the last vanishes on the constraints."""
     for sample in samples(kind):
-        motion, owner = sample.motion, sample.instances[0]
-        F = np.zeros(3 * len(owner.kind.layout))
+        motion = sample.motion
 
-        def energy(h, motion=motion, owner=owner, F=F):
-            later = motion.after(h)
-            e = owner.observe(later.t, owner.after(h).local(later), F)[1]
+        def energy(h, sample=sample):
+            e = energies(sample.instances, sample.motion, h)
             return e[:2], e[0] + e[1]
 
-        _, _, dissipated, given = owner.observe(motion.t, owner.local(motion), F)[1]
+        _, _, dissipated, given = energies(sample.instances, motion)
         power, size = -dissipated + given, 1.0
         for instance in sample.instances:
             if instance.kind.force is None:
@@ -169,21 +180,44 @@ def test_forces_turn_with_the_whole_model(kind):
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
         twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
-        forces, energies = [], []
+        for twin, original in zip(twins, sample.instances, strict=True):
+            twin.scalars = original.scalars
+        set_reactions(twins, there, on_all_nodes(sample.instances, here, 0.0, Q))
+        forces, works = [], []
         for instances, motion in ((sample.instances, here), (twins, there)):
-            for instance, original in zip(instances, sample.instances, strict=True):
-                instance.scalars, instance.multipliers = original.scalars, 0.0 * original.multipliers
             forces.append(force_on_nodes(instances, motion))
-            owner = instances[0]
-            energies.append(owner.observe(motion.t, owner.local(motion), np.zeros(3 * len(owner.kind.layout)))[1])
-        np.testing.assert_allclose(energies[1][[0, 2, 3]], energies[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
+            works.append(energies(instances, motion))
+        np.testing.assert_allclose(works[1][[0, 2, 3]], works[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
         expected, actual = forces
         expected[0] = expected[0] @ Q.T
         for one, other in zip(actual, expected, strict=True):
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(other).max(initial=0.0)))
 
 
-def force_on_nodes(instances, motion):
+def on_all_nodes(instances, motion, penalty, Q):
+    """Forces, turned by Q, and moments of the constraints on all nodes, in one row."""
+    held = [instance for instance in instances if instance.kind.multipliers]
+    force, moment, _, _ = force_on_nodes(held, motion, penalty)
+    return np.concatenate([force @ Q.T, moment]).ravel()
+
+
+def set_reactions(instances, motion, wanted):
+    """Multipliers that exert the forces ``wanted``: a turned model may write its constraints in other axes."""
+    held = [instance for instance in instances if instance.kind.multipliers]
+    sizes = [len(instance.multipliers) for instance in held]
+
+    def exerted(multipliers):
+        for instance, part in zip(held, np.split(multipliers, np.cumsum(sizes)[:-1]), strict=True):
+            instance.multipliers = part
+        return on_all_nodes(held, motion, 0.0, np.eye(3))
+
+    if held:
+        columns = np.array([exerted(unit) for unit in np.eye(sum(sizes))]).T
+        found = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        np.testing.assert_allclose(exerted(found), wanted, rtol=1e-9, atol=1e-9)
+
+
+def force_on_nodes(instances, motion, penalty=PENALTY):
     """Forces (n, 3), material moments (n, 3), forces of the scalars, and the size of all constraint rows.
 
     The rows themselves may be other combinations of the same constraints in a model that is turned.
@@ -192,10 +226,10 @@ def force_on_nodes(instances, motion):
     for instance in instances:
         if instance.kind.force is None:
             continue
-        f = instance.force(motion.t, instance.local(motion), 1.0, PENALTY)[0]
+        f = instance.force(motion.t, instance.local(motion), 1.0, penalty)[0]
         for i, slot in enumerate(instance.kind.layout):
             (force if slot[0] == "x" else moment)[instance.nodes[int(slot[1:])]] += f[3 * i : 3 * i + 3]
-        end = len(f) - len(instance.kind.multipliers)
+        end = len(f) - len(instance.kind.multipliers) - len(instance.kind.borrowed)
         scalars.append(f[3 * len(instance.kind.layout) : end])
         size += f[end:] @ f[end:]
     return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
@@ -217,6 +251,30 @@ def test_declarations_are_complete(kind):
     assert kind.force is not None or kind.observe is not None
     for event in kind.events:
         assert event.before in kind.modes and event.after in kind.modes
+
+
+def first_of(name):
+    """The name of the first of numbered outputs: force_1 for force_7, amplitude_1_rate for amplitude_2_rate."""
+    return re.sub(r"_\d+", "_1", name)
+
+
+@every_kind
+def test_outputs_of_parts_are_declared_by_their_owner(kind):
+    """Those of every option, under names that differ from its own and from one another."""
+    found = {}
+    for sample in samples(kind):
+        chosen = kind.chosen(sample.values)
+        own, declared = ([output.name for output in one.outputs] for one in (chosen, kind))
+        assert [first_of(name) for name in own if first_of(name) == name] == declared[: len(set(map(first_of, own)))]
+        assert set(map(first_of, own)) <= set(declared)
+        parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY))
+        named = [o.name + part.label for part in parts for o in part.kind.outputs]
+        assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
+        found |= {(part.kind.name, part.label): part.kind for part in parts if part.kind.outputs}
+    assert set(found) <= {(part.name, label) for _, part, label in kind.optional}
+    assert {field for field, _, _ in kind.optional} <= {field.name for field in kind.fields}
+    for part in found.values():
+        assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
 
 
 @every_kind

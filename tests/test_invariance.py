@@ -8,9 +8,11 @@ from instances import KINDS, turned_values
 from marching import March, input_deck
 from scipy.spatial.transform import Rotation
 
+from mecano.contract import SECTIONS
+
 TURN, SHIFT = Rotation.from_rotvec([0.7, -1.9, 1.1]), np.array([0.6, -0.4, 1.0])
-SECTIONS = ("elements", "joints", "loads")
 CASES = {  # deck: end [s] of 100 steps
+    "pendulum": 1.0,
     "n_four_bar": 1.0,
     "four_bar": 1.0,
     "heavy_top": 0.1,
@@ -22,6 +24,8 @@ CASES = {  # deck: end [s] of 100 steps
     "thruster": 5.0,
     "strut": 0.5,
     "wheel_drop": 0.4,
+    "cable_snatch": 0.8,
+    "friction_pendulum": 0.3,
 }
 
 

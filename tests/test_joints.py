@@ -21,9 +21,13 @@ SINE_RATE = 0.2 * 3.0 * math.pi * math.cos(0.3 * math.pi + 0.3)
 SINE_SECOND = -0.2 * (3.0 * math.pi) ** 2 * math.sin(0.3 * math.pi + 0.3)
 
 
+def filled(kind, values):
+    """Deck values with the defaults of the kind."""
+    return {**{field.name: field.default for field in KINDS[kind].fields if not field.required}, **values}
+
+
 def element(name, kind, nodes, **values):
-    defaults = {field.name: field.default for field in KINDS[kind].fields if not field.required}
-    return Element(name, KINDS[kind], nodes, {**defaults, **values})
+    return Element(name, KINDS[kind], nodes, filled(kind, values))
 
 
 def body(node, c=(0.0, 0.0, 0.0), inertia=J):
@@ -232,7 +236,7 @@ def test_multipliers_of_a_hinge_are_moments(row, axis):
     hinge = KINDS["hinge"]
     R = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
     nodes = [(np.zeros(3), np.eye(3)), (np.zeros(3), R)]
-    part = hinge.parts({"axis": np.array([1.0, 2.0, 3.0]), "axis_b": None}, nodes, None)[row]
+    part = hinge.parts(filled("hinge", {"axis": np.array([1.0, 2.0, 3.0])}), nodes, None)[row]
     p = np.zeros(1, part.kind.dtype)
     p["mu"], p["xi"] = part.parameters["mu"], part.parameters["xi"]
     q, f = np.zeros(7), np.zeros(7)
@@ -313,7 +317,7 @@ def test_sliding_is_counted_from_the_start():
 @pytest.mark.parametrize("kind", ["hinge", "cylindrical"])
 def test_flipped_axis_is_not_admissible(kind):
     nodes = [(np.zeros(3), np.eye(3))] * 2
-    values = {"axis": np.array([1.0, 2.0, 3.0]), "axis_b": None}
+    values = filled(kind, {"axis": np.array([1.0, 2.0, 3.0])})
     p = np.zeros(1, KINDS[kind].dtype)
     for key, value in KINDS[kind].prepare(values, nodes, None).items():
         p[key][0] = value
@@ -339,7 +343,7 @@ REFUSED = [
 
 @pytest.mark.parametrize("kind, values, second, text", REFUSED)
 def test_nodes_that_do_not_fit_are_refused(kind, values, second, text):
-    (found,) = KINDS[kind].check(values, [HERE, second])
+    (found,) = KINDS[kind].check(filled(kind, {"axis": Z, **values}), [HERE, second])
     assert text in found
 
 
@@ -356,7 +360,7 @@ def test_axis_carried_by_the_second_node_may_differ():
     hinge = KINDS["hinge"]
     axis, axis_b = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.3, 1.0])
     nodes = [(np.zeros(3), np.eye(3)), (np.zeros(3), Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix())]
-    p = hinge.prepare({"axis": axis, "axis_b": axis_b}, nodes, None)
+    p = hinge.prepare(filled("hinge", {"axis": axis, "axis_b": axis_b}), nodes, None)
     close(nodes[1][1] @ p["xi"][2], axis_b / np.linalg.norm(axis_b))
     back = Rotation.from_rotvec([math.atan(0.3), 0, 0]).as_matrix()
     close(p["xi"] @ nodes[1][1].T @ back.T, p["mu"])

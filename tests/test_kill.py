@@ -53,7 +53,9 @@ class Held:
 def whole(tmp_path_factory):
     """The uninterrupted run, and how long it marches [s]."""
     path = tmp_path_factory.mktemp("whole") / "whole.h5"
-    subprocess.run([*COMMAND, *SETTINGS, "-o", str(path)], check=True, stdout=subprocess.DEVNULL)  # compiles, if need be
+    subprocess.run(
+        [*COMMAND, *SETTINGS, "-o", str(path)], check=True, stdout=subprocess.DEVNULL
+    )  # compiles, if need be
     again = path.with_name("again.h5")
     process = subprocess.Popen([*COMMAND, *SETTINGS, "-o", str(again)], stdout=subprocess.DEVNULL)
     begun = appearance(again)

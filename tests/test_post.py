@@ -19,7 +19,8 @@ from mecano.post.pictures import post
 from mecano.post.quantity import find
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
-from mecano.post.sheet import Curve, Panel
+from mecano.post.sheet import Curve, EventMark, Panel
+from mecano.results.extremes import Extremes
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +72,8 @@ def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
 def test_strut_force_is_shown_over_its_stroke(shown, runs):
     panel = shown["struts"].panels[0]
     assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_spring_damper.stroke"))
-    assert np.array_equal(panel.curves[0].y.values, values(runs[0], "one_spring_damper.force"))
-    assert not panel.over_time
+    assert np.array_equal(panel.curves[0].y.values, -values(runs[0], "one_spring_damper.force"))  # a push is positive
+    assert panel.label == "compression force" and not panel.over_time
 
 
 def test_energies_are_changes_since_the_start(shown, runs):
@@ -81,10 +82,41 @@ def test_energies_are_changes_since_the_start(shown, runs):
         assert np.array_equal(curve.y.values, stored - stored[0])
 
 
+def test_the_error_of_the_balance_is_relative_to_the_energy_exchanged(shown, runs):
+    main, error = shown["energy"].panels
+    (curve,) = error.curves
+    stored = values(runs[0], "energy/balance")
+    largest = max(np.abs(other.y.values).max() for other in main.curves)
+    np.testing.assert_allclose(curve.y.values, (stored - stored[0]) / largest, rtol=1e-15)
+    assert curve.y.unit == "-" and error.label == "error of the energy balance"
+
+
 def test_a_peak_is_that_of_all_accepted_steps(shown, runs):
     panel = next(panel for panel in shown["wheels"].panels if panel.label == "radial force")
     extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
     assert panel.peak == (extreme.maximum, extreme.maximum_time)
+    panel = next(panel for panel in shown["struts"].panels if panel.label == "compression force" and panel.over_time)
+    extreme = runs[0].results.extremes["elements/one_spring_damper/force"]
+    assert panel.peak == (-extreme.maximum, extreme.maximum_time)
+
+
+def test_a_peak_that_the_saved_times_miss_is_marked(tmp_path, monkeypatch):
+    """One step between two saved times has ten times the radial force."""
+    place, take = every_kind.layout().slices["elements/one_wheel/radial_force"].start, Extremes.take
+
+    def with_a_peak(extremes, t, row):
+        take(extremes, t, row)
+        if t == 0.5:
+            take(extremes, 0.51, np.where(np.arange(len(row)) == place, 10.0, row))
+
+    monkeypatch.setattr(Extremes, "take", with_a_peak)
+    runs = open_runs([every_kind.write(tmp_path / "peak.h5", events=())])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    marked = {}
+    for ax, panel in zip(figure.sheet_figure(wheels, "title").axes, wheels.panels, strict=True):
+        marked[panel.label] = [(*line.get_xdata(), *line.get_ydata()) for line in ax.lines if line.get_marker() == "o"]
+    assert marked.pop("radial force") == [(0.51, 10.0)]
+    assert not any(marked.values())
 
 
 def test_curves_of_very_different_size_do_not_share_a_panel(tmp_path, monkeypatch):
@@ -145,7 +177,22 @@ def test_events_are_lines_named_where_there_is_room(tmp_path):
     upright = [line.get_xdata()[0] for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
     assert upright == [0.5, 0.501, 1.0]
     texts = [[t.get_text() for t in ax.texts if t.get_rotation()] for ax in drawn.axes]
-    assert texts == [["touch down", "touch down"]] * 2 + [[]] * 4
+    assert texts == [["touch down + 1", "touch down"]] * 2 + [[]] * 4
+
+
+def test_panels_show_the_events_of_their_own_elements(tmp_path):
+    events = ((0.5, "touch_down"), (1.5, "lift_off"))
+    runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
+    whole = sheets.overview([sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("wheels", "angles")])
+    other = tuple(EventMark(0.1 * i, "one_hinge", "click", 0) for i in range(3))
+    drawn = figure.overview_figure(replace(whole, events=(*whole.events, *other)), "title", "facts")
+    panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
+    upright = {
+        panel.subjects: [line.get_xdata()[0] for line in ax.lines if len(set(line.get_xdata())) == 1]
+        for ax, panel in zip(drawn.axes, panels, strict=True)
+    }
+    assert upright[("one_wheel",)] == [0.5, 1.5]
+    assert all(len(found) == 3 for subjects, found in upright.items() if subjects and "one_hinge" in subjects)
 
 
 def test_overview_takes_the_first_panels_of_all_sheets(shown):

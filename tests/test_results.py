@@ -123,6 +123,18 @@ def test_names_people_write(finished, name, path, component):
     assert np.array_equal(trace.values, expected) and np.array_equal(trace.time, samples.time_of(np.arange(40)))
 
 
+def test_the_solver_history_has_names_too(finished):
+    with open_results(finished) as results:
+        for name in ("solver.step_size", "solver/step_size"):
+            trace = results[name]
+            assert np.array_equal(trace.values, results.steps["step_size"])
+            assert np.array_equal(trace.time, results.steps["time"])
+            assert (trace.path, trace.unit, trace.components) == ("solver/step_size", "s", ())
+            assert trace.doc == "size of the accepted step"
+        with pytest.raises(ResultsError, match="no output 'solver.stepsize'"):
+            results["solver.stepsize"]
+
+
 @pytest.mark.parametrize(
     "name, message",
     [

@@ -50,13 +50,13 @@ def product_gradient(A, m, s):
 
 
 @njit
-def add_product_curvature(K, i, j, g, A, m, s):
-    """Add g times the derivative of (b_0, b_1) to K; i, j are the local indices of the two rotations."""
+def product_curvature(A, m, s):
+    """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
     hat_m, hat_s = skew(m), skew(s)
-    add_mat(K, i, i, g, matmul(hat_m, skew(mul(A, s))))
-    add_mat(K, i, j, -g, matmul(hat_m, matmul(A, hat_s)))
-    add_mat(K, j, j, g, matmul(hat_s, skew(tmul(A, m))))
-    add_mat(K, j, i, -g, matmul(hat_s, matmul(transpose(A), hat_m)))
+    H_00 = matmul(hat_m, skew(mul(A, s)))
+    H_01 = mscale(-1.0, matmul(hat_m, matmul(A, hat_s)))
+    H_10 = mscale(-1.0, matmul(hat_s, matmul(transpose(A), hat_m)))
+    return (H_00, H_01), (H_10, matmul(hat_s, skew(tmul(A, m))))
 
 
 @njit
@@ -73,32 +73,37 @@ def twist(A, mu, xi):
 
 @njit
 def twist_gradient(A, mu_3, xi_3):
-    """(G_0, G_1): dangle = G_1 . dTheta_1 - G_0 . dTheta_0; both are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
+    """Gradients (-G_0, G_1) of the angle; G_0 and G_1 are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
     xi, mu = mul(A, xi_3), tmul(A, mu_3)
     size = 1.0 / (1.0 + dot(mu_3, xi))
-    return scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+    return scale(-size, add(mu_3, xi)), scale(size, add(mu, xi_3))
 
 
 @njit
 def twist_curvature(A, mu_3, xi_3):
-    """((H_00, H_01), (H_10, H_11)): derivative of G_i by the material rotation of node j, not symmetric."""
+    """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
     xi, mu = mul(A, xi_3), tmul(A, mu_3)
     size = 1.0 / (1.0 + dot(mu_3, xi))
-    G_0, G_1 = scale(size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+    b_0, b_1 = scale(-size, add(mu_3, xi)), scale(size, add(mu, xi_3))
     by_0, by_1 = scale(-size, cross(mu_3, xi)), scale(-size, cross(xi_3, mu))
-    H_00 = madd(mscale(size, skew(xi)), outer(G_0, by_0))
-    H_01 = madd(mscale(-size, matmul(A, skew(xi_3))), outer(G_0, by_1))
-    H_10 = madd(mscale(-size, matmul(transpose(A), skew(mu_3))), outer(G_1, by_0))
-    H_11 = madd(mscale(size, skew(mu)), outer(G_1, by_1))
+    H_00 = madd(mscale(-size, skew(xi)), outer(b_0, by_0))
+    H_01 = madd(mscale(size, matmul(A, skew(xi_3))), outer(b_0, by_1))
+    H_10 = madd(mscale(-size, matmul(transpose(A), skew(mu_3))), outer(b_1, by_0))
+    H_11 = madd(mscale(size, skew(mu)), outer(b_1, by_1))
     return (H_00, H_01), (H_10, H_11)
+
+
+@njit
+def turning_rate(gradient, omega_0, omega_1):
+    """Rate of a quantity of the relative rotation, from its gradients and the material angular velocities."""
+    return dot(gradient[0], omega_0) + dot(gradient[1], omega_1)
 
 
 @njit
 def turned(R_0, omega_0, mu, R_1, omega_1, xi):
     """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
     A = relative_rotation(R_0, R_1)
-    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
-    return twist(A, mu, xi), dot(G_1, omega_1) - dot(G_0, omega_0)
+    return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), omega_0, omega_1)
 
 
 @njit
@@ -117,3 +122,12 @@ def follow(previous, angle):
 def relative_rotation(R_0, R_1):
     """R_0^T R_1"""
     return matmul(transpose(R_0), R_1)
+
+
+@njit
+def add_blocks(K, i, j, s, H):
+    """Add s ((H_00, H_01), (H_10, H_11)) to K; i, j are the local indices of two rotations."""
+    add_mat(K, i, i, s, H[0][0])
+    add_mat(K, i, j, s, H[0][1])
+    add_mat(K, j, i, s, H[1][0])
+    add_mat(K, j, j, s, H[1][1])

@@ -7,9 +7,10 @@ from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import carried, product_rates
+from mecano.constraints.slide import add_slide_curvature, slide_gradient
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add_mat, cross, dot, mat, matmul, mul, scale, skew, sub, tmul, transpose, vec
+from mecano.maths.vec import dot, mat, sub, tmul, vec
 
 RECORD = record(mu=3, **TARGET)
 MULTIPLIER = 9
@@ -19,19 +20,10 @@ MULTIPLIER = 9
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
     mu, A = vec(p.mu, 0), mat(R[0])
-    d = tmul(A, sub(vec(q, 6), vec(q, 0)))
-    normal = mul(A, mu)
-    Phi = dot(mu, d) - target(p, laws, t)[0]
-    blocks = ((0, scale(-1.0, normal)), (3, cross(mu, d)), (6, normal))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
-
-    hat_mu = skew(mu)
-    turn, arm = matmul(A, hat_mu), matmul(hat_mu, transpose(A))
-    add_mat(K, 6, 3, -g, turn)
-    add_mat(K, 0, 3, g, turn)
-    add_mat(K, 3, 6, g, arm)
-    add_mat(K, 3, 0, -g, arm)
-    add_mat(K, 3, 3, g, matmul(hat_mu, skew(d)))
+    b_0, b_R, b_1 = slide_gradient(q, A, mu)
+    Phi = dot(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))) - target(p, laws, t)[0]
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_R), (6, b_1)))
+    add_slide_curvature(K, g, q, A, mu)
 
 
 @njit

@@ -9,15 +9,30 @@ ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [
 def triad(axis, first=None):
     """Right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 along ``first`` made perpendicular to it.
 
-    Without ``first``, mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y before z).
+    Without ``first`` (None), mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y
+    before z).
     """
     mu_3 = np.asarray(axis, float) / np.linalg.norm(axis)
     if first is None:
         # rounding must not decide between axes that are equally perpendicular
         first = np.eye(3)[np.argmin(np.round(np.abs(mu_3), 6))]
-    mu_1 = first - (first @ mu_3) * mu_3
+    mu_1 = np.asarray(first, float) - (first @ mu_3) * mu_3
     mu_1 /= np.linalg.norm(mu_1)
     return np.array([mu_1, np.cross(mu_3, mu_1), mu_3])
+
+
+def flipped(R, mu, xi):
+    """Text when the axis xi_3 of the second node points against mu_3 of the first; R (2, 3, 3), axes as rows."""
+    if (R[0] @ mu[2]) @ (R[1] @ xi[2]) < 0.0:
+        return "the axis carried by its second node points against that of the first (flipped by half a turn)"
+    return ""
+
+
+def not_across(d):
+    """Texts when the direction ``axis_1`` of a joint, if given, is along its axis and so gives no axis across it."""
+    if d["axis_1"] is None or np.linalg.norm(np.cross(triad(d["axis_1"])[2], triad(d["axis"])[2])) > PLACE:
+        return []
+    return ["'axis_1' must not be parallel to the axis"]
 
 
 def turned_onto(a, b):

@@ -8,8 +8,9 @@ from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import (
-    add_product_curvature,
+    add_blocks,
     carried,
+    product_curvature,
     product_gradient,
     product_rates,
     relative_rotation,
@@ -29,7 +30,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     b_0, b_1 = product_gradient(A, mu, xi)
     Phi = dot(mu, mul(A, xi))
     g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_1)))
-    add_product_curvature(K, 0, 3, g, A, mu, xi)
+    add_blocks(K, 0, 3, g, product_curvature(A, mu, xi))
 
 
 @njit

@@ -10,6 +10,7 @@ from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import (
+    add_blocks,
     carried,
     product_rates,
     relative_rotation,
@@ -21,7 +22,7 @@ from mecano.constraints.carried import (
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add, add_mat, dot, mat, mul, scale, sub, vec
+from mecano.maths.vec import add, dot, mat, mul, scale, sub, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 MULTIPLIER = 6
@@ -33,12 +34,9 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     mu, xi = mat(p.mu), mat(p.xi)
     A = relative_rotation(mat(R[0]), mat(R[1]))
     Phi = wrap(twist(A, mu, xi) - target(p, laws, t)[0])
-    G_0, G_1 = twist_gradient(A, mu[2], xi[2])
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, scale(-1.0, G_0)), (3, G_1)))
-    H_0, H_1 = twist_curvature(A, mu[2], xi[2])
-    for j in range(2):
-        add_mat(K, 0, 3 * j, -g, H_0[j])
-        add_mat(K, 3, 3 * j, g, H_1[j])
+    b_0, b_1 = twist_gradient(A, mu[2], xi[2])
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_1)))
+    add_blocks(K, 0, 3, g, twist_curvature(A, mu[2], xi[2]))
 
 
 @njit

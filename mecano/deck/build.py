@@ -2,13 +2,12 @@
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.deck.physics import element_nodes, poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
 from mecano.schema import CURVE
-
-SECTIONS = ("elements", "joints", "loads")
 
 
 def build(deck):
@@ -53,7 +52,7 @@ def set_velocities(deck, system, s):
 def time_breakpoints(deck):
     """Times [s] at which a law of time has a jump or a corner, ascending: steps must end there."""
     times = set()
-    for section in ("joints", "loads"):
+    for section in SECTIONS:
         for d in deck.values[section].values():
             laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type is CURVE)
             times |= {t for law in laws for t in breakpoints(law)}

@@ -34,6 +34,7 @@ CHECKS = {
     "direction": values.direction,
     "inertia": values.inertia,
     "matrix": values.matrix,
+    "matrix_6": values.matrix_6,
     "points": values.points,
     "node": values.node_name,
     "nodes": values.node_names,

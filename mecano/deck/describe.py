@@ -1,6 +1,7 @@
 """Kinds, terms of laws and sections in words, from their declarations: what `mecano explain` prints."""
 
 import math
+from dataclasses import replace
 from textwrap import wrap
 
 WIDTH = 100
@@ -11,6 +12,8 @@ def describe(kind):
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
+    for field in dict.fromkeys(field for field, _, _ in kind.optional):
+        parts += _option(field, [(part, label) for name, part, label in kind.optional if name == field])
     if kind.multipliers:
         parts += ["", "Multipliers"]
         parts += [f"  {row.name} [{row.unit}]" for row in kind.multipliers]
@@ -18,6 +21,17 @@ def describe(kind):
         parts += ["", "Events"]
         parts += [f"  {event.name}: {event.doc}" for event in kind.events]
     return "\n".join(parts) + "\n"
+
+
+def _option(field, found):
+    """What the deck field ``field`` adds: documentation and outputs of its parts, [(Kind, label)]."""
+    lines = ["", f"With '{field}'"]
+    for doc in dict.fromkeys(part.doc for part, _ in found):
+        lines += ["", doc.strip()]
+    lines += ["", f"Outputs with '{field}'"]
+    for part, label in found:
+        lines += output_lines(replace(output, name=output.name + label) for output in part.outputs)
+    return lines
 
 
 def describe_term(term):

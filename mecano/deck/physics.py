@@ -4,12 +4,11 @@ from collections import Counter
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import Element
-
-SECTIONS_OF_KINDS = ("elements", "joints", "loads")
 
 
 def element_nodes(kind, values):
@@ -45,7 +44,7 @@ def check_model(values, root, scope):
     """Note everything in the elements, joints, loads and nodes that cannot be."""
     at, used, owners = poses(values["nodes"]), set(), {}
     left = _place_members(values["elements"], at, scope.kinds)
-    for section in SECTIONS_OF_KINDS:
+    for section in SECTIONS:
         for name, element in values[section].items():
             key, node = root.value[section][1].value[name]
             kind = scope.kinds[element["type"]]

@@ -123,6 +123,16 @@ def _listed(node):
     return node.value if type(node.value) is list else ()
 
 
+def matrix_6(node, field, scope):
+    """Six numbers or six rows of six; as written."""
+    rows = node.value if type(node.value) is list and len(node.value) == 6 else []
+    if rows and type(rows[0].value) is not list:
+        return items(node, field, scope, NUMBER)
+    if rows and all(type(row.value) is list and len(row.value) == 6 for row in rows):
+        return items(node, field, scope, SIX)
+    return scope.refuse_value(node, field)
+
+
 def points(node, field, scope):
     """A list of pairs of numbers."""
     if type(node.value) is not list:

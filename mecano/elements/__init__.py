@@ -1,13 +1,14 @@
 """The registry: one line for each kind of element, joint and load, nothing else."""
 
 from mecano.elements.beam import BEAM
+from mecano.elements.bushing import BUSHING
+from mecano.elements.cable import BAR, CABLE
 from mecano.elements.couple import COUPLE
 from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
-from mecano.elements.force import FOLLOWER_FORCE, FORCE
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
-from mecano.elements.moment import FOLLOWER_MOMENT, MOMENT
+from mecano.elements.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
@@ -28,7 +29,7 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
-        BEAM, SUPERELEMENT, SPRING_DAMPER, TORSION_SPRING_DAMPER,
+        BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE,
         WHEEL,
     )

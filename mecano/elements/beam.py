@@ -22,8 +22,8 @@ import numpy as np
 from numba import njit
 
 from mecano.contract import Kind, Output, record
-from mecano.elements.beam_elastic import add_elastic, end_loads, strain_rates, strains, stresses
-from mecano.elements.beam_flexibility import element_stiffness
+from mecano.elements.beam_elastic import add_elastic, end_loads, strain_rates, strains, stresses, stretched, unstretched
+from mecano.elements.beam_flexibility import element_stiffness, elongation
 from mecano.elements.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.beam_line import check_line, stations
 from mecano.elements.cross_section import MOST_POINTS, constants, is_round
@@ -33,7 +33,7 @@ from mecano.maths.vec import add, cross, dot, mat, matmul, mul, put, scale, sub,
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 RECORD = record(
-    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), u0=3, phi0=3, damping=(), gravity=3,
+    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
     axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3), E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
 )  # fmt: skip
@@ -49,10 +49,10 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @njit
-def _at_ends(p, y, H, E, e_u, e_phi):
+def _at_ends(p, y, H, E, b, e_u, e_phi):
     """Force and the moments at both ends, in section axes of node 2 and, of the first moment, of node 1."""
     p_u, p_phi = stresses(p, e_u, e_phi)
-    P, _, m_1, m_2 = end_loads(p, y, H, E, p_u, p_phi)
+    P, _, m_1, m_2 = end_loads(p, y, H, E, unstretched(p, p_u, b), p_phi)
     return P, scale(-1.0, tmul(mat(p.S), m_1)), m_2
 
 
@@ -96,13 +96,14 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     R1, R2 = mat(R[0]), mat(R[1])
     W = matmul(transpose(R1), R2)
     phi, d, H, c, c1, _, e_u, e_phi = strains(p, q, W, R2)
-    E = first_derivative(phi, d, -0.5, c, c1)
+    E, b = first_derivative(phi, d, -0.5, c, c1), mul(mat(p.B), e_u)
     u_rate, phi_rate, _ = strain_rates(p, v, d, R2, H, E)
+    e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, scale(2.0, b))
     p_u, p_phi = stresses(p, e_u, e_phi)
     rate_u, rate_phi = stresses(p, u_rate, phi_rate)
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
-    N, first, second = _at_ends(p, d, H, E, e_u, e_phi)
+    N, first, second = _at_ends(p, d, H, E, b, e_u, e_phi)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
     strain, curvature = _local_strains(p, N, M)
     normal, shear, equivalent = _stress(p, N, M)
@@ -110,7 +111,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         n_end, s_end, e_end = _stress(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
     total_u, total_phi = add(e_u, scale(p.damping, u_rate)), add(e_phi, scale(p.damping, phi_rate))
-    N, first, second = _at_ends(p, d, H, E, total_u, total_phi)
+    N, first, second = _at_ends(p, d, H, E, b, total_u, total_phi)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
@@ -137,14 +138,14 @@ def prepare(d, nodes, context):
     phi = np.array(log(tuple(map(tuple, A_1.T @ A_2))))
     u = np.array(tangent_inverse(tuple(phi))) @ A_2.T @ np.subtract(x_2, x_1)
     K, F = element_stiffness(section.C, np.concatenate([u, phi])), np.linalg.inv(section.C)
-    turned = np.kron(np.eye(2), S_2)
+    length, c, turned = np.linalg.norm(u), section.center, np.kron(np.eye(2), S_2)
+    B = S_2 @ elongation(section.C, K, length) @ S_2.T
     K = turned @ K @ turned.T
-    length, c = np.linalg.norm(u), section.center
     tangent = u + np.cross(phi, c)
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
     return {
-        "S": S_1 @ S_2.T, "K_uu": K[:3, :3], "K_up": K[:3, 3:], "K_pp": K[3:, 3:], "u0": S_2 @ u, "phi0": S_2 @ phi,
+        "S": S_1 @ S_2.T, "K_uu": K[:3, :3], "K_up": K[:3, 3:], "K_pp": K[3:, 3:], "B": B, "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
         "damping": d["section"]["damping"], "gravity": context.gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
         "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,

@@ -11,7 +11,6 @@ a slender straight element is that of the cubic beam.
 """
 
 import numpy as np
-from scipy.linalg import expm
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
 
@@ -31,6 +30,8 @@ def adjoint(h):
 
 def element_stiffness(C, h0):
     """K_e (6, 6) [N/m, N, N m] from the section stiffness C (6, 6) and the strain-free screw h0 (6,) [m, rad]."""
+    from scipy.linalg import expm  # 0.2 s that decks without beams save
+
     X, length = adjoint(h0), np.linalg.norm(h0[:3])
     stations = 0.5 * (POINTS + 1.0)
     T = sum(0.5 * w * expm(-s * X) for s, w in zip(stations, WEIGHTS, strict=True))  # twist of the end = T dh
@@ -40,3 +41,12 @@ def element_stiffness(C, h0):
         F += 0.5 * w * length * N.T @ compliance @ N
     K = np.linalg.inv(F)
     return 0.5 * (K + K.T)
+
+
+def elongation(C, K, length):
+    """B (3, 3) [1/m], section axes: u . B u is by how much an element bent as an S by the tilts u/length is longer.
+
+    With r = K_22 L/(GA), the part of the tilt that is bending (1/(1 + 12 EI/(GA L^2)) in the book): r - 2/5 r^2 over L.
+    """
+    bending = np.clip(length * np.diag(K)[1:3] / np.diag(C)[1:3], 0.0, 1.0)
+    return np.diag([0.0, *(bending * (1.0 - 0.4 * bending) / length)])

@@ -64,9 +64,15 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
     turn_2 = add(add(scale(-N_LT * m, u1), scale(N_TT * m, g1)), add(scale(-M_LT * m, u2), scale(M_TT * m, g2)))
     _add_force(p.eccentric, vec(p.c1, 0), vec(p.t1, 0), tmul(R1, line_1), tmul(R1, turn_1), line_1, 0, f, K)
     _add_force(p.eccentric, vec(p.c2, 0), vec(p.t2, 0), tmul(R2, line_2), tmul(R2, turn_2), line_2, 6, f, K)
-    _add_pair(p.eccentric, tangent_1, center_1, tangent_1, center_1, 0, 0, M_LL * m, M_LT * m, M_LT * m, M_TT * m, K, C, M)
-    _add_pair(p.eccentric, tangent_1, center_1, tangent_2, center_2, 0, 6, N_LL * m, -N_LT * m, N_LT * m, N_TT * m, K, C, M)
-    _add_pair(p.eccentric, tangent_2, center_2, tangent_1, center_1, 6, 0, N_LL * m, N_LT * m, -N_LT * m, N_TT * m, K, C, M)
+    _add_pair(
+        p.eccentric, tangent_1, center_1, tangent_1, center_1, 0, 0, M_LL * m, M_LT * m, M_LT * m, M_TT * m, K, C, M
+    )
+    _add_pair(
+        p.eccentric, tangent_1, center_1, tangent_2, center_2, 0, 6, N_LL * m, -N_LT * m, N_LT * m, N_TT * m, K, C, M
+    )
+    _add_pair(
+        p.eccentric, tangent_2, center_2, tangent_1, center_1, 6, 0, N_LL * m, N_LT * m, -N_LT * m, N_TT * m, K, C, M
+    )
     _add_pair(
         p.eccentric, tangent_2, center_2, tangent_2, center_2, 6, 6, M_LL * m, -M_LT * m, -M_LT * m, M_TT * m, K, C, M
     )

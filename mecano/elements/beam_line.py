@@ -4,9 +4,9 @@ A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes th
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mecano.constraints.joint_frame import PLACE, at_one_place, triad
+from mecano.maths.so3 import exp
 
 MOST_TURN = 3.0  # rad between the ends of one element
 PARALLEL = 1e-6  # sine of the angle between directions that count as parallel
@@ -21,9 +21,9 @@ def stations(d, nodes):
     A = _section_axes(axis, d["up"])
     found = []
     for s in np.linspace(0.0, 1.0, d["mesh"] + 1):
-        turned = Rotation.from_rotvec(s * angle * about).as_matrix()
+        turned = np.array(exp(tuple(s * angle * about)))
         x = x_1 + s * (x_2 - x_1) if centre is None else centre + turned @ (x_1 - centre)
-        found.append((x, turned @ A @ Rotation.from_rotvec([s * d["twist"], 0.0, 0.0]).as_matrix()))
+        found.append((x, turned @ A @ np.array(exp((s * d["twist"], 0.0, 0.0)))))
     return found
 
 

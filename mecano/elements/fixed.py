@@ -1,12 +1,31 @@
-"""Fixed joint: two nodes share position and rotation (Boolean identification: no equation)."""
+r"""Fixed joint: two nodes share position and rotation (Boolean identification: no equation).
+
+With ``compliance`` laws hold b along and about the axes that a carries; what has no law is held by a multiplier each.
+:math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For stiffness that
+couples the axes see ``bushing``.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
-from mecano.constraints.joint_frame import not_at_one_place, not_parallel
-from mecano.contract import Kind, Output
-from mecano.maths.vec import mat, mul, put, scale, vec
-from mecano.schema import NODE_PAIR, Field
+from mecano.constraints.joint_frame import flipped, not_across, not_at_one_place, not_parallel, triad
+from mecano.constraints.pair import (
+    AXES,
+    AXIS_1,
+    PAIR_RECORD,
+    compliance_field,
+    law_outputs,
+    pair_force,
+    pair_moment,
+    pair_parts,
+    pair_record,
+    triads_together,
+)
+from mecano.contract import Kind, Output, nothing
+from mecano.maths.vec import mat, mul, put, scale, tmul, vec
+from mecano.schema import DIRECTION, NODE_PAIR, Field
 
 
 @njit
@@ -16,6 +35,37 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
 
 
+@njit
+def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reactions, where every axis is held by a part of its own."""
+    put(y, 0, mul(mat(R[0]), tmul(mat(p.mu), pair_force(p, laws, q, v, R))))
+    put(y, 3, mul(mat(R[0]), tmul(mat(p.mu), pair_moment(p, laws, q, v, R))))
+
+
+def _place(d, nodes):
+    return {**triads_together(nodes, triad(d["axis"], d["axis_1"])), "start": np.zeros(3)}
+
+
+def prepare_held(d, nodes, context):
+    """Axes of both nodes, and what holds each axis."""
+    return pair_record(_place(d, nodes), AXES, d["compliance"], context)
+
+
+def parts_held(d, nodes, context):
+    """Six axes held."""
+    return pair_parts(_place(d, nodes), AXES, d["compliance"], context)
+
+
+def variant(d):
+    """The joint that shares all, or the one whose axes are held by parts."""
+    return FIXED_HELD if d["compliance"] else FIXED
+
+
+def admissible(p, q, R):
+    """Refuse the flipped solution."""
+    return flipped(R, p["mu"], p["xi"])
+
+
 def shares(d, n_nodes):
     """One position and one rotation."""
     return [("x", 0, 1), ("R", 0, 1)]
@@ -23,13 +73,20 @@ def shares(d, n_nodes):
 
 def check(d, nodes):
     """The nodes start at one place with one rotation."""
-    return not_at_one_place(nodes) + not_parallel(nodes)
+    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d)
 
 
 def sample(rng):
-    """Two equal nodes."""
+    """Two equal nodes, rigidly joined and by laws along all axes or some."""
     node = (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))
-    return [({}, [node, node], "")]
+    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
+    play = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
+    d = {"axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
+    return [
+        ({}, [node, node], ""),
+        ({**d, "compliance": dict.fromkeys(AXES, law)}, [node, node], ""),
+        ({**d, "compliance": {"along_2": play, "about_1": law}}, [node, node], ""),
+    ]
 
 
 FIXED = Kind(
@@ -37,13 +94,31 @@ FIXED = Kind(
     section="joints",
     doc=__doc__,
     layout=("x0", "R0", "x1", "R1"),
-    fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
+        AXIS_1,
+        compliance_field(AXES),
+    ),
     outputs=(
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
     ),
+    optional=law_outputs("compliance", AXES),
     shares=shares,
+    variant=variant,
     check=check,
     observe=observe,
     sample=sample,
+)
+
+FIXED_HELD = replace(
+    FIXED,
+    name="fixed_held",
+    dtype=PAIR_RECORD,
+    prepare=prepare_held,
+    shares=nothing,
+    parts=parts_held,
+    observe=observe_held,
+    admissible=admissible,
 )

@@ -1,10 +1,18 @@
-"""Spherical joint: two nodes share one position and turn freely (Boolean identification: no equation)."""
+"""Spherical joint: two nodes share one position and turn freely (Boolean identification: no equation).
+
+With ``friction`` the force is that of three multipliers, and nothing is shared.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
+from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
+from mecano.constraints.friction import check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import not_at_one_place
-from mecano.contract import Kind, Output
+from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.contract import Kind, Output, Part, nothing
 from mecano.maths.vec import put, scale, vec
 from mecano.schema import NODE_PAIR, Field
 
@@ -15,20 +23,40 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 0, scale(-1.0, vec(F, 3)))
 
 
+@njit
+def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Reaction."""
+    put(y, 0, vec(q, 6))
+
+
+def parts_held(d, nodes, context):
+    """Three multipliers, and the friction that they drive."""
+    friction = Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), borrows=(0,))
+    return [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), friction]
+
+
+def variant(d):
+    """The joint that shares its position, or the one that is held by multipliers."""
+    return SPHERICAL_HELD if d["friction"] else SPHERICAL
+
+
 def shares(d, n_nodes):
     """One position."""
     return [("x", 0, 1)]
 
 
 def check(d, nodes):
-    """The nodes start at one place."""
-    return not_at_one_place(nodes)
+    """The nodes start at one place; friction is not negative."""
+    return not_at_one_place(nodes) + check_friction(d)
 
 
 def sample(rng):
     """Two nodes at one place."""
     x = rng.normal(size=3)
-    return [({}, [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))], "")]
+    nodes = [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))]
+    falling = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+    friction = {"coefficient": falling, "regularization": 0.2, "radius": 0.3}
+    return [({}, nodes, ""), *(({"friction": {**friction, "regularization": eps}}, nodes, "") for eps in (0.2, 50.0))]
 
 
 SPHERICAL = Kind(
@@ -36,10 +64,17 @@ SPHERICAL = Kind(
     section="joints",
     doc=__doc__,
     layout=("x0", "x1"),
-    fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        friction_fields(radius("radius", "radius of the ball")),
+    ),
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
+    optional=(("friction", BALL_FRICTION, ""),),
     shares=shares,
+    variant=variant,
     check=check,
     observe=observe,
     sample=sample,
 )
+
+SPHERICAL_HELD = replace(SPHERICAL, name="spherical_held", shares=nothing, parts=parts_held, observe=observe_held)

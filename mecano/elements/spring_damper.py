@@ -4,58 +4,35 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
 
 .. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0), \qquad N = N(e, \dot e), \qquad f_1 = -f_0 = N u
 
-N > 0 pulls the nodes together. With :math:`P = I - u u^T` and :math:`w = P (v_1 - v_0)/\ell` the tangents of
-:math:`f_1` by :math:`d` and :math:`\dot d` are
-
-.. math::  K = u\,(N_e u + N_{\dot e} w)^T + \frac{N}{\ell} P, \qquad C = N_{\dot e}\, u u^T
+N > 0 pulls the nodes together.
 """
 
 import numpy as np
 from numba import njit
 
 from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.line import add_line_force, line
+from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output, record
-from mecano.elements.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.laws.table import evaluate_force, potential
-from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, madd, mscale, norm, outer, scale, sub, vec
 from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
 
-SHORTEST = 1e-12  # [m]: below it the line has no direction
 RECORD = record(law="i", natural_length=(), low=(), high=())
-
-
-@njit
-def _line(p, q, v):
-    """Length, its inverse, direction, relative velocity, extension and rate."""
-    d, velocity = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0))
-    length = norm(d)
-    inverse = 1.0 / max(length, SHORTEST)
-    u = scale(inverse, d)
-    return length, inverse, u, velocity, length - p.natural_length, dot(u, velocity)
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Equal and opposite forces along the line."""
-    _, inverse, u, velocity, extension, rate = _line(p, q, v)
-    N, N_e, N_rate = evaluate_force(laws, p.law, extension, rate)
-    add_vec(f, 0, -N, u)
-    add_vec(f, 3, N, u)
-    across = madd(EYE, mscale(-1.0, outer(u, u)))
-    w = scale(inverse, sub(velocity, scale(rate, u)))
-    stiffness = madd(outer(u, add(scale(N_e, u), scale(N_rate, w))), mscale(N * inverse, across))
-    damping = mscale(N_rate, outer(u, u))
-    for i in range(2):
-        for j in range(2):
-            sign = 1.0 if i == j else -1.0
-            add_mat(K, 3 * i, 3 * j, sign, stiffness)
-            add_mat(C, 3 * i, 3 * j, sign, damping)
+    length, rate, geometry = line(q, v)
+    N, N_e, N_rate = evaluate_force(laws, p.law, length - p.natural_length, rate)
+    add_line_force(f, K, C, rate, geometry, N, N_e, N_rate)
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Length, extension, rate, force, stroke; energies."""
-    length, _, _, _, extension, rate = _line(p, q, v)
+    length, rate, _ = line(q, v)
+    extension = length - p.natural_length
     N, _, _ = evaluate_force(laws, p.law, extension, rate)
     elastic, _, _ = evaluate_force(laws, p.law, extension, 0.0)
     y[0] = length
@@ -70,7 +47,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 @njit
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Stops of the law."""
-    put_stop_events(g, p.low, p.high, _line(p, q, v)[4])
+    put_stop_events(g, p.low, p.high, line(q, v)[0] - p.natural_length)
 
 
 def prepare(d, nodes, context):

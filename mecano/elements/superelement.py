@@ -164,7 +164,7 @@ def check(d, nodes):
     return found or ([off] if off else [])
 
 
-def sized(d):
+def variant(d):
     """The kind of a superelement with as many nodes and modes as these values have."""
     n_nodes = len(d["file"]["positions"])
     return _of_size(n_nodes, len(d["file"]["stiffness"]) - 6 * n_nodes)
@@ -215,181 +215,6 @@ def _body_like(M, rigid, rng):
 
 
 OUTPUTS = (
-    ("displacement", "m", "displacement of boundary node {} from its place in the frame, axes of the frame"),
-    ("rotation", "rad", "rotation vector of boundary node {} from its direction in the frame, axes of the frame"),
-    ("force", "N", "force of the rest of the model on boundary node {}, inertial; inertia of the superelement included"),
-    ("moment", "N m", "moment of the rest of the model on boundary node {}, inertial"),
-)
-
-
-@njit
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
-    """Elastic forces, damping, weight and inertia; see contract.py for the arguments."""
-    n = 6 * p.n_nodes + p.n_modes
-    work, turns = np.zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), np.zeros((p.n_nodes, 2, 3, 3))
-    R_f, _, D_inverse = configuration(p, laws, q, R, work, turns)
-    spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
-    velocities(p, laws, v, a, R_f, spin, work, turns)
-    of_motion(p, laws, load, work)
-    moment = add(vec(p.moment, 0), first_moment(p, laws, work[U]))
-    nu = mul(D_inverse, frame_moment(p, laws, load, moment, work, turns))
-    mean = mean_force(p, load, work[FORCE])
-    add_forces(p, laws, R_f, spin, mean, nu, work, turns, f)
-    if wanted(K):
-        add_tangents(p, laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
-
-
-@njit
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Frame, amplitudes, coordinates, resultants, energies."""
-    n = 6 * p.n_nodes + p.n_modes
-    work, turns = np.zeros((ROWS, n)), np.zeros((p.n_nodes, 2, 3, 3))
-    R_f, centre, D_inverse = configuration(p, laws, q, R, work, turns)
-    spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
-    velocities(p, laws, v, a, R_f, spin, work, turns)
-    of_motion(p, laws, load, work)
-    moment = add(vec(p.moment, 0), first_moment(p, laws, work[U]))
-    nu = mul(D_inverse, frame_moment(p, laws, load, moment, work, turns))
-    y[0], kinetic, dissipated = _energies(p, laws, work)
-    y[1] = kinetic
-    put(y, 2, centre)
-    w = quaternion(R_f)
-    for i in range(4):
-        y[5 + i] = w[i]
-    mean = mean_force(p, load, work[FORCE])
-    total = np.zeros(n)
-    add_forces(p, laws, R_f, spin, mean, nu, work, turns, total)
-    for i in range(p.n_nodes):
-        j = 9 + 12 * i
-        put(y, j, vec(work[U], 6 * i))
-        put(y, j + 3, vec(work[U], 6 * i + 3))
-        put(y, j + 6, vec(total, 6 * i))
-        put(y, j + 9, mul(mat(R[i]), vec(total, 6 * i + 3)))
-    for i in range(p.n_modes):
-        y[9 + 12 * p.n_nodes + 2 * i] = q[6 * p.n_nodes + i]
-        y[10 + 12 * p.n_nodes + 2 * i] = v[6 * p.n_nodes + i]
-    e[0] = kinetic
-    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
-    e[2] = dissipated
-
-
-@njit
-def _energies(p, laws, work):
-    """Elastic energy, kinetic energy, dissipated power; spoils the row INERTIA."""
-    n = work.shape[1]
-    stiffness = p.table + 12 * p.n_nodes + 3 * n
-    elastic, kinetic, dissipated = 0.0, 0.0, 0.0
-    scratch = np.zeros((2, n))
-    add_product(laws, stiffness, work[U], scratch[0])
-    if p.damped > 0:
-        add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
-    for i in range(n):
-        elastic += 0.5 * work[U, i] * scratch[0, i]
-        dissipated += work[U_RATE, i] * scratch[1, i]
-        kinetic += 0.5 * work[V, i] * work[MOMENTUM, i]
-    return elastic, kinetic, dissipated
-
-
-def prepare(d, nodes, context):
-    """Record of one element; its matrices go to the flat table."""
-    reduced = d["file"]
-    K, M = (_symmetric(reduced[key]) for key in ("stiffness", "mass"))
-    mass, moment, _, loads = mass_moments(M, reduced["positions"])
-    X = np.array(reduced["positions"], float)
-    X -= X.mean(axis=0)
-    table = context.laws.append([])
-    for place, (_, R) in zip(X, nodes, strict=True):
-        context.laws.append(place)
-        context.laws.append(R.T @ nodes[0][1])
-    for block in (loads, K, M, _damping(d, K, M)):
-        context.laws.append(block)
-    return {
-        "n_nodes": len(X), "n_modes": len(K) - 6 * len(X), "table": table, "damped": int(_is_damped(d)),
-        "mass": mass, "square": np.mean(np.sum(X * X, axis=1)) or 1.0, "moment": moment, "gravity": context.gravity,
-    }  # fmt: skip
-
-
-def _symmetric(rows):
-    A = np.array(rows, float)
-    return 0.5 * (A + A.T)
-
-
-def _is_damped(d):
-    return d["file"].get("damping") is not None or d["mass_damping"] > 0.0 or d["stiffness_damping"] > 0.0
-
-
-def _damping(d, K, M):
-    """Damping matrix (n, n), or nothing."""
-    if not _is_damped(d):
-        return np.zeros(0)
-    given = d["file"].get("damping")
-    own = 0.0 * K if given is None else _symmetric(given)
-    return own + d["mass_damping"] * M + d["stiffness_damping"] * K
-
-
-def check(d, nodes):
-    """Matrices that can be, nodes that stand as those of the superelement."""
-    reduced = d["file"]
-    if len(nodes) != len(reduced["positions"]):
-        return [f"'nodes' has {len(nodes)} names, but the superelement has {len(reduced['positions'])} boundary nodes"]
-    found = [f"'file': {text}" for text in problems(reduced)]
-    off = misplaced(reduced, nodes)
-    return found or ([off] if off else [])
-
-
-def sized(d):
-    """The kind of a superelement with as many nodes and modes as these values have."""
-    n_nodes = len(d["file"]["positions"])
-    return _of_size(n_nodes, len(d["file"]["stiffness"]) - 6 * n_nodes)
-
-
-@cache
-def _of_size(n_nodes, n_modes):
-    numbers, modes = range(1, n_nodes + 1), range(1, n_modes + 1)
-    return Kind(
-        **DECLARED,
-        layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
-        scalars=tuple(f"amplitude_{i}" for i in modes),
-        outputs=(
-            *OUTPUTS,
-            *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
-            *(Output(name.format(i), unit, doc.format(i)) for i in modes for name, unit, doc in MODE_OUTPUTS),
-        ),
-    )
-
-
-def sample(rng):
-    """One node alone; two and three nodes with modes, damped and not, oriented in any way."""
-    found = []
-    for n_nodes, n_modes, damping in ((1, 2, {}), (2, 3, {"stiffness_damping": 0.1}), (3, 0, {"mass_damping": 0.3})):
-        X, n = rng.normal(size=(n_nodes, 3)), 6 * n_nodes + n_modes
-        rigid = np.hstack(rigid_motions(X, n))
-        free = np.eye(n) - rigid @ np.linalg.pinv(rigid)
-        stiff, heavy = rng.normal(size=(2, n, n))
-        K = free @ stiff @ stiff.T @ free
-        M = _body_like(heavy @ heavy.T, rigid, rng)
-        reduced = {"positions": X.tolist(), "stiffness": K.tolist(), "mass": M.tolist()}
-        if n_nodes == 2:
-            reduced["damping"] = (0.5 * free @ heavy @ heavy.T @ free).tolist()
-        turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(n_nodes)]
-        turns = [A * np.linalg.det(A) for A in turns]
-        nodes = [(x @ turns[0].T + 0.3, A) for x, A in zip(X, turns, strict=True)]
-        found.append(({"file": reduced, **damping}, nodes, ""))
-    return found
-
-
-def _body_like(M, rigid, rng):
-    """M changed so that its rigid motions are those of a body: mass 2, some first moment and inertia."""
-    S, J = 0.3 * rng.normal(size=3), 2.0 * np.eye(3)
-    cross = -2.0 * np.cross(np.eye(3), S).T / 2.0
-    wanted_block = np.block([[2.0 * np.eye(3), cross], [cross.T, J]])
-    inverse = np.linalg.pinv(rigid)
-    P = rigid @ inverse
-    free = np.eye(len(M)) - P
-    return free @ M @ free + inverse.T @ wanted_block @ inverse
-
-
-OUTPUTS = (
     Output("strain_energy", "J", "elastic energy"),
     Output("kinetic_energy", "J", "kinetic energy"),
     Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,)),
@@ -416,6 +241,6 @@ DECLARED = {
     "force": force,
     "observe": observe,
     "sample": sample,
-    "sized": sized,
+    "variant": variant,
 }
 SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS)

@@ -85,16 +85,3 @@ def radial_force(p, laws, w, w1):
     if factor <= 0.0:
         return 0.0, 0.0, 0.0
     return F * factor, dF * factor, F * p.radial_damping
-
-
-@njit
-def friction_factor(p, laws, u):
-    """mu phi [-], b = mu phi/u [s/m] and u db/du of the slip speed u >= 0 [m/s]; finite at u = 0."""
-    mu, d_mu, _ = evaluate_curve(laws, p.friction, u)
-    if mu <= 0.0:
-        return 0.0, 0.0, 0.0
-    eps = p.slip_regularization
-    if u >= eps:
-        return mu, mu / u, d_mu - mu / u
-    ramp = (2.0 - u / eps) / eps
-    return mu * ramp * u, mu * ramp, u * (d_mu * ramp - mu / (eps * eps))

@@ -5,52 +5,91 @@ Both nodes share one position. With :math:`\mu_3` the pin carried by a and :math
 .. math::  \mu_3 \cdot \xi_3 = 0
 
 The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one that the cross transmits.
+
+Options. ``turning_law_a`` and ``turning_law_b`` give moments about the pins from their angles and rates. ``friction``
+acts at both pins, driven by the three multipliers that then hold the position, and by that of the cross.
+``compliance`` puts laws in the place of rigid constraints: along axis_b, axis_a x axis_b and axis_a, as a carries them
+(1, 2, axis), and for the moment of the cross. Force and moment are those of what holds b; laws and friction have
+outputs of their own.
 """
 
-import math
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
-from mecano.constraints.carried import carried, follow, product_rates
+from mecano.constraints.carried import follow, relative_rotation, turning_rate
+from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import not_at_one_place, triad
 from mecano.constraints.orthogonal import ORTHOGONAL
-from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import ZERO, mat, put, scale, vec
-from mecano.schema import DIRECTION, NODE_PAIR, Field
+from mecano.constraints.pair import (
+    PAIR_RECORD,
+    compliance_field,
+    held,
+    law_outputs,
+    pair_force,
+    pair_parts,
+    pair_record,
+)
+from mecano.constraints.pin_angle import pin_angle, pin_gradient
+from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
+from mecano.constraints.pin_law import PIN_LAW, pin_law_record
+from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
+from mecano.contract import Kind, Output, Part, nothing, record
+from mecano.maths.vec import mat, mul, put, scale, tmul, transpose, vec
+from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
+CROSS = "about_cross"
+PIN_LENGTH = "distance of both ends of each pin, which carry the couple; when absent the couple causes no friction"
+ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py, the first one standing for the cross
 PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
-
-
-@njit
-def _pin_angle(A, omega_a, mu, B, omega_b, pin):
-    """Angle and rate, about mu_3 carried by the rotation A, of a pin carried by B."""
-    xi = carried(B, omega_b, ZERO, pin)
-    u, du, _ = product_rates(carried(A, omega_a, ZERO, mu[0]), xi)
-    w, dw, _ = product_rates(carried(A, omega_a, ZERO, mu[1]), xi)
-    return math.atan2(w, u), (u * dw - w * du) / (u * u + w * w)
 
 
 @njit
 def _angles(p, v, R):
     """Angle and rate of the cross about the pin of a, and of b about its own pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
-    A, B, omega_a, omega_b = mat(R[0]), mat(R[1]), vec(v, 3), vec(v, 9)
-    first, first_rate = _pin_angle(A, omega_a, mu, B, omega_b, xi[2])
+    A, omega_a, omega_b = relative_rotation(mat(R[0]), mat(R[1])), vec(v, 3), vec(v, 9)
+    back = transpose(A)
+    first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
+    second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
     # seen from b the cross turns the other way
-    second, second_rate = _pin_angle(B, omega_b, xi, A, omega_a, mu[2])
-    return first, first_rate, -second, -second_rate
+    return pin_angle(A, mu, xi[2]), first_rate, -pin_angle(back, xi, mu[2]), -second_rate
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Both angles and the reactions."""
+    _put_angles(p, m, v, R, y)
+    put(y, 4, scale(-1.0, vec(F, 6)))
+    y[7] = q[12]
+
+
+@njit
+def _put_angles(p, m, v, R, y):
     first, y[1], second, y[3] = _angles(p, v, R)
     y[0] = follow(m[0], first)
     y[2] = follow(m[1], second)
-    put(y, 4, scale(-1.0, vec(F, 6)))
+
+
+@njit
+def observe_rubbing(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Both angles and the reactions, where three multipliers hold the position."""
+    _put_angles(p, m, v, R, y)
+    put(y, 4, vec(q, 13))
     y[7] = q[12]
+
+
+@njit
+def observe_elastic(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Both angles and the reactions, where laws hold some axes."""
+    _put_angles(p, m, v, R, y)
+    put(y, 4, mul(mat(R[0]), tmul(mat(p.mu), pair_force(p, laws, q, v, R))))
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    tilt, rate = tilted(vec(p.mu[2], 0), vec(p.xi[2], 0), A, vec(v, 3), vec(v, 9))
+    y[7] = held(p, laws, q, 0, tilt, rate)
 
 
 @njit
@@ -69,9 +108,58 @@ def prepare(d, nodes, context):
 
 
 def parts(d, nodes, context):
-    """The pins are perpendicular."""
+    """The pins are perpendicular; laws of their angles."""
     p = prepare(d, nodes, context)
-    return [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][2], "xi": p["xi"][2]})]
+    return [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][2], "xi": p["xi"][2]}), *_turning(d, p, context)]
+
+
+def _seen_by_pins(p):
+    """(nodes, axes, other pin, a or b) for each pin; axis 2 of b is turned round: its angle counts from the cross."""
+    return (((0, 1), p["mu"], p["xi"][2], "a"), ((1, 0), p["xi"] * [[1], [-1], [1]], p["mu"][2], "b"))
+
+
+def _turning(d, p, context):
+    return [
+        Part(PIN_LAW, on, pin_law_record(mu, xi, law, d[f"natural_angle_{end}"], context), label=f"_{end}")
+        for on, mu, xi, end in _seen_by_pins(p)
+        if (law := d[f"turning_law_{end}"])
+    ]
+
+
+def parts_rubbing(d, nodes, context):
+    """The position held by multipliers, and the friction of both pins."""
+    p, given = prepare(d, nodes, context), d["friction"]
+    perpendicular, *turning = parts(d, nodes, context)
+    friction = [
+        Part(PIN_FRICTION, on, pin_friction_record(mu, xi, given[f"radius_{end}"], given, context), (0, 1), f"_{end}")
+        for on, mu, xi, end in _seen_by_pins(p)
+    ]
+    return [perpendicular, Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), *friction, *turning]
+
+
+def _compliance(d):
+    """The axes of pair.py: the cross stands at the first of them."""
+    return {("about_2" if axis == CROSS else axis): law for axis, law in d["compliance"].items()}
+
+
+def prepare_elastic(d, nodes, context):
+    """Axes of both nodes, and what holds each of four axes."""
+    return pair_record({**prepare(d, nodes, context), "start": np.zeros(3)}, ELASTIC, _compliance(d), context)
+
+
+def parts_elastic(d, nodes, context):
+    """The position and the cross held along each axis by a constraint or a law."""
+    p = {**prepare(d, nodes, context), "start": np.zeros(3)}
+    perpendicular, *turning = parts(d, nodes, context)
+    if law := d["compliance"].get(CROSS):
+        values = tilt_law_record(p["mu"][2], p["xi"][2], law, context)
+        perpendicular = Part(TILT_LAW, (0, 1), values, label=f"_{CROSS}")
+    return [perpendicular, *pair_parts(p, ELASTIC[1:], d["compliance"], context), *turning]
+
+
+def variant(d):
+    """The joint that shares its position, or one that holds it by multipliers or laws."""
+    return UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL
 
 
 def shares(d, n_nodes):
@@ -82,7 +170,7 @@ def shares(d, n_nodes):
 def check(d, nodes):
     """The nodes start at one place and the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
-    texts = not_at_one_place(nodes)
+    texts = not_at_one_place(nodes) + check_friction(d)
     if abs(cosine) > PERPENDICULAR:
         degrees = np.degrees(np.arccos(cosine))
         texts.append(f"'axis_a' and 'axis_b' must be perpendicular; they are {degrees:.6g} degrees apart")
@@ -90,10 +178,20 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Random perpendicular pins."""
+    """Random perpendicular pins; every option."""
     pins = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     x = rng.normal(size=3)
-    return [({"axis_a": pins[0], "axis_b": 2 * pins[1]}, [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))], "")]
+    nodes, d = [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))], {"axis_a": pins[0], "axis_b": 2 * pins[1]}
+    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
+    friction = {"coefficient": 0.4, "regularization": 0.2, "radius_a": 0.3, "radius_b": 0.2, "length": 0.7}
+    laws = {"turning_law_a": law, "turning_law_b": law, "natural_angle_b": 0.3}
+    return [
+        (d, nodes, ""),
+        ({**d, **laws, "friction": friction}, nodes, ""),
+        ({**d, "friction": {**friction, "regularization": 50.0, "length": None}}, nodes, ""),
+        ({**d, **laws, "compliance": {CROSS: law, "along_2": law}}, nodes, ""),
+        ({**d, "compliance": {"along_1": law, "along_axis": law}}, nodes, ""),
+    ]
 
 
 UNIVERSAL = Kind(
@@ -106,6 +204,24 @@ UNIVERSAL = Kind(
         Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
         Field("axis_a", DIRECTION, "-", "pin carried by a at the start, inertial"),
         Field("axis_b", DIRECTION, "-", "pin carried by b at the start, inertial, perpendicular to axis_a"),
+        *(
+            field
+            for end in "ab"
+            for field in (
+                Field(
+                    f"turning_law_{end}", LAW, "-",
+                    f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
+                ),
+                Field(
+                    f"natural_angle_{end}", NUMBER, "rad", f"angle_{end} at which the extension of its law is zero", 0.0
+                ),
+            )
+        ),
+        friction_fields(
+            radius("radius_a", "radius of the pin in a"), radius("radius_b", "radius of the pin in b"),
+            replace(LENGTH, doc=PIN_LENGTH),
+        ),
+        compliance_field((CROSS, *ELASTIC[1:])),
     ),
     outputs=(
         Output("angle_a", "rad", "rotation of the cross relative to a about axis_a since the start, over any turns"),
@@ -115,12 +231,26 @@ UNIVERSAL = Kind(
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b about axis_b x axis_a"),
     ),
+    optional=(
+        ("turning_law_a", PIN_LAW, "_a"), ("turning_law_b", PIN_LAW, "_b"),
+        ("friction", PIN_FRICTION, "_a"), ("friction", PIN_FRICTION, "_b"),
+        ("compliance", TILT_LAW, f"_{CROSS}"), *law_outputs("compliance", ELASTIC[1:]),
+    ),
     memory=("angle_a", "angle_b"),
     prepare=prepare,
     shares=shares,
     parts=parts,
+    variant=variant,
     check=check,
     observe=observe,
     commit=commit,
     sample=sample,
+)  # fmt: skip
+
+UNIVERSAL_RUBBING = replace(
+    UNIVERSAL, name="universal_rubbing", shares=nothing, parts=parts_rubbing, observe=observe_rubbing
 )
+UNIVERSAL_ELASTIC = replace(
+    UNIVERSAL, name="universal_elastic", dtype=PAIR_RECORD, prepare=prepare_elastic, shares=nothing,
+    parts=parts_elastic, observe=observe_elastic,
+)  # fmt: skip

@@ -39,10 +39,10 @@ from mecano.elements.tire_law import (
     check_tire_law,
     elastic_energy,
     elastic_force,
-    friction_factor,
     prepare_tire_law,
     radial_force,
 )
+from mecano.laws.friction import friction_factor
 from mecano.maths.surface import disc_variation
 from mecano.maths.vec import (
     EYE,
@@ -120,7 +120,7 @@ def _slip(p, laws, g, u):
     F, F_w, F_w1 = radial_force(p, laws, p.radius - g.r, w1)
     v_C = sub(u, scale(along, g.n))
     speed = norm(v_C)
-    grip, b, b1 = friction_factor(p, laws, speed)
+    grip, b, b1 = friction_factor(laws, p.friction, p.slip_regularization, speed)
     N = F / g.q
     f = scale(N, sub(scale(b, v_C), g.n))
     e = scale(1.0 / speed, v_C) if speed > 0.0 else ZERO

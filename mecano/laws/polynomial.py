@@ -2,8 +2,8 @@
 
 from numba import njit
 
-from mecano.laws.term import ARGUMENT, NUMBERS, SLOPE, VALUE, Term, numbers_of
-from mecano.schema import NUMBER, Field
+from mecano.laws.term import ARGUMENT, SLOPE, VALUE, Term, numbers_of
+from mecano.schema import NUMBER, NUMBERS, Field
 
 
 def at_least_one(coefficients):

@@ -10,8 +10,8 @@ along its end tangent.
 import numpy as np
 from numba import njit
 
-from mecano.laws.term import POINTS, Term
-from mecano.schema import TEXT, Field, choice
+from mecano.laws.term import Term
+from mecano.schema import POINTS, TEXT, Field, choice
 
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 

@@ -3,11 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mecano.schema import Type
-
-NUMBERS = Type("numbers", "a list of numbers")
-POINTS = Type("points", "a list of [x, y] pairs")
-
 # A law serves metres as well as seconds or radians: its units are those of its place in the deck.
 ARGUMENT = "unit of the argument"
 VALUE = "unit of the value"

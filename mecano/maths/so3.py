@@ -28,7 +28,7 @@ def coefficients(t2):
     return s, 0.5 * half * half, (1.0 - s) / t2
 
 
-@njit
+@njit(cache=True)  # for Python, too
 def exp(psi):
     """Rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
     s, c, _ = coefficients(dot(psi, psi))
@@ -61,7 +61,7 @@ def quaternion(R):
     return (w, x, y, z)
 
 
-@njit
+@njit(cache=True)  # for Python, too
 def log(R):
     """Rotation vector [rad] of R, of length in [0, pi]."""
     w, x, y, z = quaternion(R)
@@ -78,7 +78,7 @@ def tangent(psi):
     return madd(EYE, madd(mscale(-c, H), mscale(b, matmul(H, H))))
 
 
-@njit
+@njit(cache=True)  # for Python, too
 def tangent_inverse(psi):
     """T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
     t2 = dot(psi, psi)

@@ -14,6 +14,7 @@ class Batch:
 
     kind: object
     names: list  # (n,) names of the owners, from the deck
+    paths: list  # (n,) sections and names of the owners, with the labels of the outputs: (path, label)
     p: np.ndarray  # (n,) records
     dofs: np.ndarray  # (n, n_local) entries of z
     rots: np.ndarray  # (n, n_rotations) rotation matrices
@@ -61,11 +62,13 @@ class Batch:
 def batches(instances, of, n_slots, sides):
     """Batches in the order in which their kinds first appear; ``of`` the numbering, ``sides`` of the joints."""
     places = _Places(of, n_slots)
+    taken = [places.take(item.kind) for item in instances]
     groups = {}
     for number, item in enumerate(instances):
-        own = places.take(item.kind)
-        parts = instances[number + 1 : number + 1 + item.n_parts]
-        groups.setdefault(id(item.kind), []).append((number, item, own, places.next_rows(parts)))
+        scalars, rows = taken[number]
+        lent = [row for lender in item.borrows for row in taken[lender][1]]
+        of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
+        groups.setdefault(id(item.kind), []).append((number, item, scalars, rows, lent, of_parts))
     found, n_modes, n_memory = [], 0, 0
     for members in groups.values():
         found.append(_batch(members, of, places, sides, n_modes, n_memory))
@@ -91,23 +94,19 @@ class _Places:
         self.row += len(rows)
         return scalars, rows
 
-    def next_rows(self, parts):
-        """The rows that the parts which follow will take."""
-        return list(range(self.row, self.row + sum(len(part.kind.multipliers) for part in parts)))
-
 
 def _batch(members, of, places, sides, first_mode, first_memory):
     kind = members[0][1].kind
     p = np.zeros(len(members), kind.dtype)
     dofs, rots, slots, watched, watched_slots, multipliers = [], [], [], [], [], []
-    for e, (number, item, (scalars, rows), part_rows) in enumerate(members):
+    for e, (number, item, scalars, rows, lent, of_parts) in enumerate(members):
         for key, value in item.parameters.items():
             p[key][e] = value
         at = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
-        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows]
+        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + lent]
         place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]
         dofs.append(place + own)
-        watched.append(place + own + ([places.first_row + i for i in part_rows] if kind.force is None else []))
+        watched.append(place + own + ([places.first_row + i for i in of_parts] if kind.force is None else []))
         rots.append([of.rotation[node] for what, node in at if what == "R"])
         plain = [6 * node + 3 * (what == "R") + i for what, node in at for i in range(3)]
         slots.append(plain + [places.first_slot + i - places.first_scalar for i in own])
@@ -119,4 +118,5 @@ def _batch(members, of, places, sides, first_mode, first_memory):
         for rows in (dofs, rots, slots, watched, watched_slots, multipliers)
     ]
     names = [item.owner for _, item, *_ in members]
-    return Batch(kind, names, p, *tables[:5], columns, tables[5], first_mode, first_memory)
+    paths = [(item.path, item.label) for _, item, *_ in members]
+    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], first_mode, first_memory)

@@ -10,15 +10,13 @@ class Instance:
     """One element or part of an element, before it is numbered."""
 
     owner: str
+    path: str  # section and name of the owner
     kind: object
     nodes: tuple  # indices
     parameters: dict
     n_parts: int = 0  # parts that follow it in the list
-
-
-def of_size(kind, values):
-    """The kind of an element with these deck values."""
-    return kind.sized(values) if kind.sized else kind
+    borrows: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
+    label: str = ""  # of its outputs
 
 
 def expand(model, context):
@@ -26,15 +24,16 @@ def expand(model, context):
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared, used = [], [], set()
     for element in model.elements:
-        kind, nodes = of_size(element.kind, element.values), tuple(index[name] for name in element.nodes)
+        kind, nodes = element.kind.chosen(element.values), tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
-        title = f"{kind.name} '{element.name}'"
+        title, path = f"{element.kind.name} '{element.name}'", f"{kind.section}/{element.name}"
         record = kind.prepare(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)
-        instances.append(Instance(title, kind, nodes, record, len(parts)))
+        instances.append(Instance(title, path, kind, nodes, record, len(parts)))
+        first = len(instances)
         for part in parts:
-            on = tuple(nodes[i] for i in part.nodes)
-            instances.append(Instance(title, part.kind, on, part.parameters))
+            on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.borrows)
+            instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label))
         for what, i, j in kind.shares(element.values, len(nodes)):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
     for item in instances:

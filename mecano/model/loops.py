@@ -232,7 +232,7 @@ def loop_of(kind, template):
 
 @cache
 def _compiled(template, function, parameters, kind_name):
-    """The loop; kinds that differ in the number of their unknowns only (Kind.sized) have one loop."""
+    """The loop; kinds that differ in the number of their unknowns only (Kind.variant) have one loop."""
     name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(
         template.__code__, {**template.__globals__, "function": function, "parameters": parameters}, name

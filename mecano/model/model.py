@@ -13,6 +13,7 @@ class Node:
     x: np.ndarray  # (3,) [m], inertial
     R: np.ndarray = field(default_factory=lambda: np.eye(3))  # (3, 3) material to inertial
     fixed: bool = False
+    internal: bool = False  # stands in no deck, so its motion is no output
 
 
 @dataclass
@@ -46,7 +47,7 @@ def with_ground(model):
         names = list(element.nodes)
         if GROUND in names:
             other = by_name[names[1 - names.index(GROUND)]]
-            ground = Node(f"{GROUND} of {element.name}", other.x.copy(), other.R.copy(), fixed=True)
+            ground = Node(f"{GROUND} of {element.name}", other.x.copy(), other.R.copy(), fixed=True, internal=True)
             nodes.append(ground)
             names[names.index(GROUND)] = ground.name
         elements.append(Element(element.name, element.kind, tuple(names), element.values))

@@ -52,61 +52,75 @@ class Numbering:
         return self.n_q + self.n_l
 
 
+class _Entries:
+    """The entries of z as they are listed: names, kinds, and where each class of shared unknowns begins."""
+
+    def __init__(self, sharing):
+        self.name, self.kind, self.first, self.sharing = [], [], {}, sharing
+
+    def add(self, names, kinds):
+        self.name += names
+        self.kind += kinds
+
+    def add_class(self, c):
+        self.first[c] = len(self.name)
+        self.add(_names(self.sharing[c], c), [ROTATION if c % 2 else TRANSLATION] * 3)
+
+
 def number(nodes, used, shared, fixed, scalars, multipliers):
     """Number all unknowns.
 
     nodes: names; used: set of ("x" or "R", node index) that some element works on; shared: list of
     ("x" or "R", i, j); fixed: set of node indices; scalars: names; multipliers: list of (name, Row).
     """
-    n_nodes = len(nodes)
-    classes = Classes(2 * n_nodes)
-    for what, i, j in shared:
-        classes.join(2 * i + (what == "R"), 2 * j + (what == "R"))
-    of = np.array([classes.find(i) for i in range(2 * n_nodes)])
-    held = {of[2 * i + k] for i in fixed for k in (0, 1)}
-    working = {of[2 * i + (what == "R")] for what, i in used}
-    members = sorted(set(of))
-    free = [c for c in members if c in working and c not in held]
-    rest = [c for c in members if not (c in working and c not in held)]
-
-    sharing = {c: [] for c in members}
-    for i in range(2 * n_nodes):
-        sharing[of[i]].append(nodes[i // 2])
-    first, name, kind, group = {}, [], [], []
+    of = _classes(len(nodes), shared)
+    sharing = {}
+    for i, c in enumerate(of):
+        sharing.setdefault(c, []).append(nodes[i // 2])
+    members, free, entries = sorted(sharing), _free(of, used, fixed), _Entries(sharing)
     for c in free:
-        first[c] = len(name)
-        name += _names(sharing[c], c)
-        kind += [ROTATION if c % 2 else TRANSLATION] * 3
-        group += [c // 2] * 3
-    name += scalars
-    kind += [SCALAR] * len(scalars)
-    group += range(n_nodes, n_nodes + len(scalars))
-    n_q = len(name)
-    name += [text for text, _ in multipliers]
-    kind += [ANGLE_CONSTRAINT if row.constraint_unit == "rad" else LENGTH_CONSTRAINT for _, row in multipliers]
-    for c in rest:
-        first[c] = len(name)
-        name += _names(sharing[c], c)
-        kind += [ROTATION if c % 2 else TRANSLATION] * 3
-
+        entries.add_class(c)
+    entries.add(scalars, [SCALAR] * len(scalars))
+    n_q = len(entries.name)
+    units = [row.constraint_unit for _, row in multipliers]
+    kinds = [ANGLE_CONSTRAINT if unit == "rad" else LENGTH_CONSTRAINT for unit in units]
+    entries.add([text for text, _ in multipliers], kinds)
+    for c in members:
+        if c not in entries.first:
+            entries.add_class(c)
     rotations = [c for c in members if c % 2]
     index = {c: i for i, c in enumerate(rotations)}
+    group = [c // 2 for c in free for _ in AXES] + [len(nodes) + i for i in range(len(scalars))]
     return Numbering(
         n_q=n_q,
         n_l=len(multipliers),
-        n_all=len(name),
-        x=np.array([first[of[2 * i]] for i in range(n_nodes)], np.int64),
-        r=np.array([first[of[2 * i + 1]] for i in range(n_nodes)], np.int64),
-        rotation=np.array([index[of[2 * i + 1]] for i in range(n_nodes)], np.int64),
-        rotation_dof=np.array([first[c] for c in rotations], np.int64),
-        kind=np.array(kind, np.int64),
+        n_all=len(entries.name),
+        x=np.array([entries.first[c] for c in of[::2]], np.int64),
+        r=np.array([entries.first[c] for c in of[1::2]], np.int64),
+        rotation=np.array([index[c] for c in of[1::2]], np.int64),
+        rotation_dof=np.array([entries.first[c] for c in rotations], np.int64),
+        kind=np.array(entries.kind, np.int64),
         group=np.array(group, np.int64),
-        name=name,
+        name=entries.name,
     )
 
 
+def _classes(n_nodes, shared):
+    """The class (2 n_nodes,) of the position (even places) and the rotation (odd ones) of each node."""
+    classes = Classes(2 * n_nodes)
+    for what, i, j in shared:
+        classes.join(2 * i + (what == "R"), 2 * j + (what == "R"))
+    return np.array([classes.find(i) for i in range(2 * n_nodes)], np.int64)
+
+
+def _free(of, used, fixed):
+    """Classes, ascending, that some element works on and no fixed node holds."""
+    held = {of[2 * i + k] for i in fixed for k in (0, 1)}
+    return sorted({of[2 * i + (what == "R")] for what, i in used} - held)
+
+
 def motion_name(name):
-    """What moves where the equation of a node is called ``name``: "node tip: displacement x" for "node tip: force x"."""
+    """What moves where the equation is ``name``: "node tip: displacement x" for "node tip: force x"."""
     for equation, motion in (
         (": force ", ": displacement "),
         (": moment about material ", ": rotation about material "),

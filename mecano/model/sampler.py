@@ -8,8 +8,6 @@ from numba import njit
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
 
-SECTIONS = ("elements", "joints", "loads")
-
 
 @dataclass(frozen=True)
 class Column:
@@ -39,7 +37,11 @@ ENERGIES = (
     ("dissipated", "J", "energy dissipated since the start"),
     ("given", "J", "work done by loads and prescribed motions since the start"),
     ("total", "J", "kinetic + potential"),
-    ("balance", "J", "kinetic + potential + dissipated - given: constant for an exact integration"),
+    (
+        "balance",
+        "J",
+        "kinetic + potential + dissipated - given; keeps its value of the start, up to integration errors",
+    ),
 )
 
 
@@ -49,16 +51,15 @@ class Sampler:
     def __init__(self, system):
         self.system, self.columns = system, []
         of = system.numbering
-        shown = [i for i, node in enumerate(system.nodes) if " " not in node.name]
+        shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)
         self.node_size = self._size()
-        self.batches = [b for b in system.batches if b.kind.section and b.n_outputs]
+        self.batches = [b for b in system.batches if b.n_outputs]
         for b in self.batches:
-            for name in b.names:
-                outputs = [(o.name, o.unit, o.doc, o.shape) for o in b.kind.outputs]
-                self._declare(f"{b.kind.section}/{name.split(chr(39))[1]}", outputs)
+            for path, label in b.paths:
+                self._declare(path, [(o.name + label, o.unit, o.doc, o.shape) for o in b.kind.outputs])
         self.energy_start = self._size()
         self._declare("energy", [(*item, ()) for item in ENERGIES])
         self.row = np.zeros(self._size())

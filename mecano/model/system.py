@@ -16,6 +16,8 @@ from mecano.model.numbering import SCALAR, number
 from mecano.model.sides import Sides
 from mecano.model.state import State
 
+NO_MULTIPLIERS = np.zeros(0, np.int64)
+
 
 class System:
     """Equations of a model; built once, never changed by solving."""
@@ -122,6 +124,17 @@ class System:
         return self._conductor(conduct.count_again, loops.tangent, *others, chosen=loads)
 
     @cached_property
+    def _add_borrowed(self):
+        borrowing = lambda kind: kind.borrowed  # noqa: E731
+        add = self._conductor(conduct.add, loops.tangent, self._no_turn, 1.0, 1.0, self.data, chosen=borrowing)
+        batches = [b for b in self.batches if b.kind.borrowed]
+        self._borrowed_entries = [b.entries.copy() for b in batches]
+        for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
+            entries[:, :, : b.kind.n_local - len(b.kind.borrowed)] = self.nnz
+            record_of["entries"] = entries.ctypes.data
+        return add
+
+    @cached_property
     def _levels(self):
         return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
 
@@ -171,6 +184,16 @@ class System:
         """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
         self._count_again(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
+
+    @cached_property
+    def borrowed(self):
+        """Numbers, ascending, of the multipliers on which forces depend otherwise than as reactions: friction."""
+        found = [b.dofs[:, b.kind.n_local - len(b.kind.borrowed) :] for b in self.batches if b.kind.borrowed]
+        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+
+    def add_borrowed(self, s, k, data):
+        """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
+        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, data)
 
     def levels(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""

@@ -17,7 +17,8 @@ from mecano.post.style import (
     with_unit,
 )
 
-EVENT_ROOM = 0.035  # of the width of the axes: labels of events are not closer to one another
+EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
+MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
 TINY = 1e-300
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 LINE, WIDER = 1.3, 0.9  # points
@@ -94,20 +95,28 @@ def draw_panel(ax, panel, look, events, labelled):
         if style["linestyle"] == "-":
             style.setdefault("linewidth", _width(curve, panel.curves[i + 1 :]))
         ax.plot(curve.x.values / x_factor, y, **style)
+        if _misses_peak(curve) and not panel.logarithmic:
+            value, time = curve.peak
+            ax.plot(time / x_factor, value / y_factor, "o", color=style["color"], markersize=3.5, zorder=3)
     _scales(ax, panel, x_factor, y_factor)
     ax.set_ylabel(with_unit(panel.label, y_unit))
     ax.set_xlabel(with_unit(panel.curves[0].x.what, x_unit))
     taken = legend_above(ax, look.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
-        _draw_events(ax, events, x_factor, look)
-    if panel.over_time and labelled:
-        own = [mark for mark in events if mark.element in look.owners(panel)]
-        _name_events(ax, own or events, x_factor, look, taken)
+        marks = [mark for mark in events if mark.element in look.owners(panel)] or events
+        _draw_events(ax, marks, x_factor, look)
+        if labelled:
+            _name_events(ax, marks, x_factor, look, taken)
 
 
 def _all(panel, side):
     return np.concatenate([getattr(curve, side).values for curve in panel.curves])
+
+
+def _misses_peak(curve):
+    """Whether the values shown leave out the largest one of all accepted steps."""
+    return bool(curve.peak) and abs(curve.peak[0]) > (1.0 + MISSED) * np.abs(curve.y.values).max(initial=0.0)
 
 
 def _width(curve, later):
@@ -164,17 +173,26 @@ def _draw_events(ax, marks, factor, look):
 
 
 def _name_events(ax, marks, factor, look, height):
-    """Names so many points above the axes, as far as there is room."""
+    """Names so many points above the axes, as far as there is room; "+ 2" stands for two more close behind."""
     low, high = ax.get_xlim()
     several = len({mark.element for mark in marks}) > 1
-    last = -np.inf
-    for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
-        t = mark.time / factor
-        if not low <= t <= high or t - last < EVENT_ROOM * (high - low):
-            continue
-        last = t
+    shown = [mark for mark in marks if low <= mark.time / factor <= high]
+    room = EVENT_ROOM * (1.5 if several else 1.0)  # names of elements make the labels long
+    for mark, behind in _thinned(shown, room * (high - low) * factor):
+        name = f"{mark.element}: {mark.text}" if several else mark.text
         ax.annotate(
-            f"{mark.element}: {mark.text}" if several else mark.text, (t, 1.0), xycoords=ax.get_xaxis_transform(),
+            f"{name} + {behind}" if behind else name, (mark.time / factor, 1.0), xycoords=ax.get_xaxis_transform(),
             xytext=(0, 3 + height), textcoords="offset points", rotation=40, rotation_mode="anchor", fontsize=7,
             color=COLOURS[mark.run % len(COLOURS)] if look.runs else GREY,
         )  # fmt: skip
+
+
+def _thinned(marks, room):
+    """Marks that are at least ``room`` [s] apart, each with the number of those left out behind it."""
+    kept = []
+    for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
+        if kept and mark.time - kept[-1][0].time < room:
+            kept[-1][1] += 1
+        else:
+            kept.append([mark, 0])
+    return kept

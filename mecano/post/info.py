@@ -12,6 +12,7 @@ from mecano.results.reader import open_results
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
+ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
 
@@ -50,6 +51,7 @@ def _run(results):
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
         ("automatic", _automatic(results)),
+        ("energy", _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
         *(("remark", text) for text in results.remarks),
@@ -65,6 +67,17 @@ def _run(results):
 def _automatic(results):
     chosen = {name.replace("_", " "): value for name, value in results.automatic.items()}
     return ", ".join(f"{name} {value:.4g}" for name, value in chosen.items() if value is not None) or "none"
+
+
+def _energy(results):
+    """How far the energy balance is off, over the largest change of an energy."""
+    extremes = {name: results.extremes.get(f"energy/{name}") for name in ENERGIES}
+    balance = results.extremes.get("energy/balance")
+    if balance is None or None in extremes.values() or not np.isfinite(balance.maximum - balance.minimum):
+        return "not known"
+    off, exchanged = balance.maximum - balance.minimum, max(e.maximum - e.minimum for e in extremes.values())
+    relative = f", {off / exchanged:.2g} of the largest change of an energy" if exchanged > 0.0 else ""
+    return f"the balance varies by {off:.3g} J{relative}"
 
 
 def _status(results):

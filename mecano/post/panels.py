@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.post.quantity import DERIVED, MAGNITUDE, find, time_of
+from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
@@ -20,7 +20,7 @@ def planned_panels(plan, runs):
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
     remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
     parts = [part for panel in worth_showing(panels, runs) for part in _by_size(panel)]
-    return [replace(part, peak=peak_of(part, runs)) for part in parts], remark
+    return [with_peaks(part, runs) for part in parts], remark
 
 
 def _by_size(panel):
@@ -115,14 +115,10 @@ def _name_of(run, thing, output):
     return ""
 
 
-def peak_of(panel, runs):
-    """Value and time [s] of largest magnitude over all accepted steps; () unless one curve is shown over time."""
-    curves = [curve for curve in panel.curves if not curve.reference]
-    if len(runs) > 1 or len(curves) != 1 or not panel.over_time:
-        return ()
-    extreme = runs[0].results.extremes.get(curves[0].y.path)
-    if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
-        return ()
-    if extreme.maximum >= -extreme.minimum:
-        return extreme.maximum, extreme.maximum_time
-    return extreme.minimum, extreme.minimum_time
+def with_peaks(panel, runs):
+    """The panel with the peaks of its curves over all accepted steps, when they are shown over time."""
+    if not panel.over_time:
+        return panel
+    curves = tuple(replace(curve, peak=peak_of(runs[curve.run].results, curve.y)) for curve in panel.curves)
+    own = [curve for curve in curves if not curve.reference]
+    return replace(panel, curves=curves, peak=own[0].peak if len(runs) == len(own) == 1 else ())

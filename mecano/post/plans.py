@@ -48,9 +48,9 @@ WHEELS = Plan(
 STRUTS = Plan(
     "struts", "Springs and struts", ("spring_damper",),
     (
-        View("axial force", ("force",), against="stroke"),
+        View("compression force", ("compression_force",), against="stroke"),
         View("stroke", ("stroke",)),
-        View("axial force", ("force",)),
+        View("compression force", ("compression_force",)),
         View("rate of extension", ("rate",)),
     ),
     lead=2,

@@ -6,6 +6,7 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
     <vector>.magnitude      length of a vector
     <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
     <superelement>.<node>.position, displacement    of a node inside a superelement
+    <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
     solver.<column>         solver history, a value for each accepted step
     time
 """
@@ -66,12 +67,13 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Derived:
-    """A quantity that follows from outputs of the same element."""
+    """A quantity that follows from outputs of the same element; ``factor``: it is such a multiple of a single one."""
 
     unit: str
     doc: str
     needs: tuple
     function: object
+    factor: float | None = None
 
 
 DERIVED = {
@@ -80,7 +82,10 @@ DERIVED = {
         "v/r: spin rate without longitudinal slip",
         ("spin_rate", "longitudinal_slip", "loaded_radius"),
         lambda spin, slip, radius: spin + slip / radius,  # slip along t = v - r spin, exact for any lean
-    )
+    ),
+    "compression_force": Derived(
+        "N", "axial force, > 0 pushes the nodes apart", ("force",), lambda force: -force, factor=-1.0
+    ),
 }
 
 
@@ -111,6 +116,20 @@ def _found(results, name):
     if last in DERIVED:
         return [_derived(results, stem, last)]
     return _components(results.find(name))
+
+
+def peak_of(results, quantity):
+    """Value and time [s] of largest magnitude over all accepted steps; () where it is not known."""
+    owner, _, name = quantity.path.rpartition("/")
+    derived = DERIVED.get(name)
+    factor = derived.factor if derived else 1.0
+    path = f"{owner}/{derived.needs[0]}" if derived and factor else quantity.path
+    extreme = results.extremes.get(path)
+    if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
+        return ()
+    if abs(extreme.maximum) >= abs(extreme.minimum):
+        return factor * extreme.maximum, extreme.maximum_time
+    return factor * extreme.minimum, extreme.minimum_time
 
 
 def time_of(quantity):
@@ -144,6 +163,8 @@ def _magnitude(trace):
 def _derived(results, stem, name):
     derived = DERIVED[name]
     traces = [results.find(f"{stem}.{needed}") for needed in derived.needs]
+    if any(trace.components for trace in traces):
+        raise UsageError(f"'{name}' is known of springs and dampers only, whose force is one number; not of '{stem}'")
     path = traces[0].path.rpartition("/")[0] + "/" + name
     values = derived.function(*(trace.values for trace in traces))
     return Quantity(path, derived.unit, derived.doc, SAVED, results.time, values)
@@ -153,6 +174,5 @@ def _of_solver(results, column):
     known = results.step_columns
     if column not in known:
         raise UsageError(f"no column '{column}' in the solver history; {suggestion(column, known)}")
-    unit, doc = known[column]
-    steps = results.steps
-    return Quantity(f"solver/{column}", unit, doc, STEPS, steps["time"], steps[column])
+    trace = results.find(f"solver.{column}")
+    return Quantity(trace.path, trace.unit, trace.doc, STEPS, trace.time, trace.values)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from mecano.deck.wording import quoted
 from mecano.errors import UnknownNameError, UsageError
-from mecano.post.panels import peak_of
+from mecano.post.panels import with_peaks
 from mecano.post.quantity import find, time_of
 from mecano.post.sheet import Curve, Panel, Sheet, event_marks
 
@@ -45,8 +45,7 @@ def requested_sheet(request, runs):
     panels = []
     for unit in dict.fromkeys(curve.y.unit for curve in curves):
         of_unit = tuple(curve for curve in curves if curve.y.unit == unit)
-        panel = Panel(_label(of_unit, subjects), of_unit)
-        panels.append(Panel(panel.label, of_unit, peak=peak_of(panel, runs)))
+        panels.append(with_peaks(Panel(_label(of_unit, subjects), of_unit), runs))
     heading = f"{', '.join(request.ys)} over {request.x}"
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     return Sheet(request.name, heading, tuple(panels), event_marks(runs), labels)

@@ -5,9 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.results.reader import Results, open_results
-
-SECTIONS = ("elements", "joints", "loads")
 
 
 @dataclass(frozen=True)

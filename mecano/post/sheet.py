@@ -15,7 +15,8 @@ CONSTANT = 1e-5  # of its size: what varies less is constant
 class Curve:
     """One quantity over another: of run number ``run`` and of the element, joint, load or node ``subject``.
 
-    A ``reference`` is what other curves are compared with.
+    A ``reference`` is what other curves are compared with. ``peak``: value and time [s] of largest magnitude over all
+    accepted steps, which saved times may miss; empty when it is not known.
     """
 
     x: Quantity
@@ -23,6 +24,7 @@ class Curve:
     run: int
     subject: str
     reference: bool = False
+    peak: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Panel:
     stepped : bool
         A value holds for the whole step that ends at its time.
     peak : (value, time [s])
-        Extreme over all accepted steps, of the only curve; may be empty.
+        That of the only curve, of one run, to be told in words; may be empty.
     note : str
         Said in small print.
     """

@@ -14,6 +14,7 @@ MOST_SKETCHES = 4  # on one sheet, of several runs
 PLACES = 9  # of the overview; a sketch of a mechanism that stays in place takes one
 WIDE_RANGE = 3.0  # a quantity that varies by more than this factor gets a logarithmic axis
 SMALLEST = 1e-16  # shown on logarithmic axes
+EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 REMARKS = {
     "step size": lambda values: f"{len(values)} steps",
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
@@ -85,22 +86,31 @@ def _path(runs):
 
 
 def _energies(runs):
-    changes = [
-        (number, name, _changed(quantity))
-        for number, run in enumerate(runs)
-        for name in ("kinetic", "potential", "dissipated", "given", "balance")
-        for quantity in (find(run.results, f"energy/{name}") if f"energy/{name}" in run.paths else ())
-    ]
-    curves = [(name, Curve(time_of(y), y, number, "energy")) for number, name, y in changes]
-    main = Panel("change of energy", tuple(curve for name, curve in curves if name != "balance"))
-    error = Panel("error of the energy balance", tuple(curve for name, curve in curves if name == "balance"))
+    changes, errors = [], []
+    for number, run in enumerate(runs):
+        exchanged = [_changed(y) for name in EXCHANGED for y in _found(run, f"energy/{name}")]
+        size = max((float(np.abs(y.values).max(initial=0.0)) for y in exchanged), default=0.0)
+        off = [_relative(_changed(y), size) for y in _found(run, "energy/balance")]
+        changes += [Curve(time_of(y), y, number, "energy") for y in exchanged]
+        errors += [Curve(time_of(y), y, number, "energy") for y in off]
+    main = Panel("change of energy", tuple(changes))
+    error = Panel("error of the energy balance", tuple(errors), note="over the largest change")
     panels = (*worth_showing([main], runs), *worth_showing([error], runs))
     return Sheet("energy", "Energy: changes since the start", panels)
+
+
+def _found(run, path):
+    return find(run.results, path) if path in run.paths else []
 
 
 def _changed(quantity):
     """Its change since the start: the level of potential energies has no meaning."""
     return replace(quantity, values=quantity.values - quantity.values[:1])
+
+
+def _relative(quantity, size):
+    """The quantity over a size of the same unit; where that is zero, nothing is left of it."""
+    return replace(quantity, unit="-", values=quantity.values / size if size else 0.0 * quantity.values)
 
 
 def _solver(runs):
@@ -109,6 +119,7 @@ def _solver(runs):
         _history(runs, "Newton iterations", ("iterations",)),
         _history(runs, "residuals over their tolerances", ("force_residual", "constraint_residual", "increment")),
         _history(runs, "estimated error of a step", ("error_estimate",)),
+        _history(runs, "error of a step over what is allowed", ("error_over_tolerance",)),
         _history(runs, "rejected trials", ("rejected",)),
     )
     return Sheet("solver", "Solver", tuple(panel for panel in panels if panel is not None))

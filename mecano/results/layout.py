@@ -58,7 +58,8 @@ class Series:
 STEPS = (
     Series("step_size", "s", "size of the accepted step"),
     Series("iterations", "", "Newton iterations of the accepted step"),
-    Series("error_estimate", "", "estimated local error over its tolerance"),
+    Series("error_estimate", "", "estimated local error, relative to the length scale or to one radian"),
+    Series("error_over_tolerance", "", "estimated local error over what the tolerance allows; 0 for fixed steps"),
     Series("rejected", "", "attempts rejected before this step was accepted"),
     Series("force_residual", "", "largest residual force over its scale"),
     Series("constraint_residual", "", "largest residual constraint over its scale"),

@@ -22,7 +22,7 @@ _EVENT_COLUMNS = ("events/event_time", *(f"events/{name}" for name in EVENT_TEXT
 
 @dataclass(frozen=True)
 class Trace:
-    """A series over the saved times, or one component of it.
+    """A series over the saved times, or one component of it, or a column of the solver history over the steps.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Trace:
     components : tuple of str
         Names of the components; empty for numbers.
     time : (n,) array
-        Saved times [s].
+        Saved times, or ends of the accepted steps [s].
     values : (n, ...) array
     """
 
@@ -176,11 +176,17 @@ class Results:
     def find(self, name):
         """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
+        ``solver.step_size`` is a column of the solver history, over the ends of the accepted steps.
+
         Raises
         ------
         ResultsError
             None has that name, with the most similar names; or several have.
         """
+        head, _, column = name.replace("/", ".").partition(".")
+        if head == "solver" and column in self.step_columns:
+            unit, doc = self.step_columns[column]
+            return Trace(f"solver/{column}", unit, doc, (), self.steps["time"], self.steps[column])
         series, component = self._lookup.find(name)
         start = 1 + self._layout.slices[series.path].start
         if component is not None:

@@ -14,6 +14,8 @@ from mecano.errors import AssemblyError
 from mecano.solve.increments import displaced, moved
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
+RUBBING = 20  # iterations on the friction at most
+ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
 
 class Consistent:
@@ -36,8 +38,8 @@ class Consistent:
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
+        self.data, self.bare = data, bare
         self._solve(data, np.zeros(system.n))
-        self.bare = bare
 
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
@@ -76,6 +78,29 @@ class Consistent:
         s.a[:] = 0.0
         s.a[: system.n_q] = a
         s.z[system.n_q : system.n] = reaction + self.k * gamma
+        if len(system.borrowed):
+            self._rub(s)
+
+    def _rub(self, s):
+        """Let accelerations and multipliers of ``s`` fit the forces that depend on the multipliers (Newton).
+
+        The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
+        to the first step to find the motion.
+        """
+        system, n_q, n = self.system, self.system.n_q, self.system.n
+        for _ in range(RUBBING):
+            here = _with(self.bare, s.v, s.a)
+            here.z[n_q:n] = s.z[n_q:n]
+            system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0)
+            unbalanced = np.where(self.loose, 0.0, -system.residual[:n_q])
+            data = self.data.copy()
+            system.add_borrowed(here, self.k, data)
+            change = self._solve(data, np.concatenate([unbalanced, np.zeros(system.n_l)]))
+            s.a[:n_q] += change[:n_q]
+            s.z[n_q:n] += self.k * change[n_q:]
+            if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
+                break
+        self._solve(self.data, np.zeros(n))
 
     def give_way(self, s, compliance):
         """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""

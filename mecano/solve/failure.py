@@ -55,7 +55,7 @@ def _acting(system, i):
 
 
 def minimum_step(system, before, after, error, t, h):
-    """The error when a step of the least size allowed, ``h`` [s], is too rough: ``error`` over its share of the tolerance.
+    """The error when a step of the least size, ``h`` [s], is too rough: ``error`` over its share of the tolerance.
 
     ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
     """

@@ -8,6 +8,7 @@ What is measured and how: docs/benchmarks.md.
 """
 
 import argparse
+import dataclasses
 import json
 import os
 import statistics
@@ -118,6 +119,7 @@ def main():
     parser.add_argument("case", nargs="?", choices=list(CASES))
     parser.add_argument("--json", action="store_true", help="one JSON object per case")
     parser.add_argument("--repetitions", type=int, default=7)
+    parser.add_argument("--steps", type=int, help="take so many steps only")
     parser.add_argument("--mecano-only", action="store_true", help="leave Exudyn out even where it is installed")
     given = parser.parse_args()
     other = None if given.mecano_only else exudyn()
@@ -126,6 +128,7 @@ def main():
         return
     cases = list(CASES.values()) if given.what == "all" else [CASES[given.what]]
     for case in cases:
+        case = dataclasses.replace(case, steps=given.steps or case.steps)
         found = measure(case, given.repetitions, other)
         print(json.dumps(found) if given.json else table(found), flush=True)
 

@@ -1,0 +1,104 @@
+"""Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
+
+import math
+
+from numba import njit
+
+from mecano.contract import Output, Row
+from mecano.laws.friction import friction_factor
+from mecano.laws.probe import curve_at
+from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
+
+FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
+PADS = r"""
+Two pads stand at the ends of the bearing or guide, of length :math:`\ell`, around node b. With the force F across the
+axis and the couple that the joint transmits, written as the vector m of the multipliers that hold the axis
+(:math:`m_i` works along :math:`\mu_i \cdot \xi_3`), they bear together
+
+.. math::  N = |F/2 + m/\ell| + |F/2 - m/\ell|
+
+which is :math:`|F|` where no length is given.
+"""
+REGULARIZED = r"""
+The friction is regularized at rest after Oden & Martins 1985: :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for
+sliding speeds :math:`u < \epsilon`, 1 beyond. A joint that sticks creeps at the speed at which its friction is what the
+load asks for. :math:`\mu` may depend on the speed. The sizes of forces are exact, with a corner where they vanish; the
+derivative is taken as zero there.
+"""
+TINY = 1e-200  # [N]: below it a force has no direction
+AXIS_ROWS = (
+    Row("moment that keeps the axes together, of mu_1", "N m", "rad"),
+    Row("moment that keeps the axes together, of mu_2", "N m", "rad"),
+)
+FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
+NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
+POWER = Output("dissipated_power", "W", "power lost by friction")
+
+
+@njit
+def pads(F_1, F_2, m_1, m_2, inverse_length):
+    """N [N] and its derivatives by F_1, F_2, m_1, m_2."""
+    a_1, a_2 = 0.5 * F_1 + inverse_length * m_1, 0.5 * F_2 + inverse_length * m_2
+    b_1, b_2 = 0.5 * F_1 - inverse_length * m_1, 0.5 * F_2 - inverse_length * m_2
+    a, b = math.sqrt(a_1 * a_1 + a_2 * a_2), math.sqrt(b_1 * b_1 + b_2 * b_2)
+    a_inverse = 1.0 / a if a > TINY else 0.0
+    b_inverse = 1.0 / b if b > TINY else 0.0
+    a_1, a_2, b_1, b_2 = a_1 * a_inverse, a_2 * a_inverse, b_1 * b_inverse, b_2 * b_inverse
+    by_m = (inverse_length * (a_1 - b_1), inverse_length * (a_2 - b_2))
+    return a + b, (0.5 * (a_1 + b_1), 0.5 * (a_2 + b_2), by_m[0], by_m[1])
+
+
+@njit
+def drag(p, laws, velocity):
+    """Friction over normal force, odd in the sliding velocity [m/s], and its derivative."""
+    grip, b, b1 = friction_factor(laws, p.coefficient, p.regularization, abs(velocity))
+    return b * velocity, b + b1
+
+
+def friction_fields(*geometry):
+    """The mapping ``friction`` of a joint; ``geometry`` are the fields that the joint adds."""
+    given = (
+        Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
+        Field(
+            "regularization", NUMBER, "m/s",
+            "sliding speed at which the friction is fully reached; a joint that sticks creeps below it", check=positive,
+        ),
+        *geometry,
+    )  # fmt: skip
+    doc = "Coulomb friction driven by the reactions of the joint; there is none when absent"
+    return Field("friction", mapping(*given), "-", doc, None)
+
+
+def radius(name, doc, default=None):
+    """A radius at which friction acts; required without a default."""
+    given = {} if default is None else {"default": default}
+    return Field(name, NUMBER, "m", doc, check=not_negative if default == 0.0 else positive, **given)
+
+
+LENGTH = Field(
+    "length", NUMBER, "m",
+    "length of the bearing or guide, centred at node b, whose ends carry the couple; when absent the couple causes no "
+    "friction", None, positive,
+)  # fmt: skip
+
+
+def friction_record(friction, context):
+    """Values of ``FRICTION_RECORD`` from the deck."""
+    length = friction.get("length")
+    return {
+        "coefficient": context.laws.add(friction["coefficient"]),
+        "regularization": friction["regularization"],
+        "inverse_length": 0.0 if length is None else 1.0 / length,
+    }
+
+
+def check_friction(d):
+    """Texts on a joint with the fields ``friction`` and ``compliance``."""
+    if d["friction"] is None:
+        return []
+    texts = []
+    if curve_at(d["friction"]["coefficient"], 0.0)[0] < 0.0:
+        texts.append("'friction' needs a coefficient that is not negative")
+    if d.get("compliance"):
+        texts.append("'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'")
+    return texts

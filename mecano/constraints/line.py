@@ -1,0 +1,41 @@
+r"""The line between two nodes, and a force along it.
+
+With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`, a force N that pulls the nodes
+together gives :math:`f_1 = -f_0 = N u`. With :math:`P = I - u u^T` and :math:`w = P (v_1 - v_0)/\ell` the tangents of
+:math:`f_1` by :math:`d` and :math:`\dot d` are
+
+.. math::  K = u\,(N_\ell u + N_{\dot\ell} w)^T + \frac{N}{\ell} P, \qquad C = N_{\dot\ell}\, u u^T
+"""
+
+from numba import njit
+
+from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, madd, mscale, norm, outer, scale, sub, vec
+
+SHORTEST = 1e-12  # [m]: below it the line has no direction
+
+
+@njit
+def line(q, v):
+    """Length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
+    d, velocity = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0))
+    length = norm(d)
+    inverse = 1.0 / max(length, SHORTEST)
+    u = scale(inverse, d)
+    return length, dot(u, velocity), (inverse, u, velocity)
+
+
+@njit
+def add_line_force(f, K, C, rate, geometry, N, N_length, N_rate):
+    """Add the force N [N] along the line, whose derivatives by length and rate are given; the rest from ``line``."""
+    inverse, u, velocity = geometry
+    add_vec(f, 0, -N, u)
+    add_vec(f, 3, N, u)
+    across = madd(EYE, mscale(-1.0, outer(u, u)))
+    w = scale(inverse, sub(velocity, scale(rate, u)))
+    stiffness = madd(outer(u, add(scale(N_length, u), scale(N_rate, w))), mscale(N * inverse, across))
+    damping = mscale(N_rate, outer(u, u))
+    for i in range(2):
+        for j in range(2):
+            sign = 1.0 if i == j else -1.0
+            add_mat(K, 3 * i, 3 * j, sign, stiffness)
+            add_mat(C, 3 * i, 3 * j, sign, damping)

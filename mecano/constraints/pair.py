@@ -1,0 +1,148 @@
+r"""A pair of nodes held along some of six axes: rigidly, by a multiplier each, or by a law each.
+
+In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, with :math:`d = R_a^T (x_b - x_a)`: sliding ``along_1``,
+``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i`; tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2``
+is :math:`\mu_1 \cdot \xi_3` (the sines of the angles); ``about_axis`` is the twist. A joint is the list of axes that it
+holds; where its deck gives a law for one of them (``compliance``), the law takes the place of the constraint.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.carried import relative_rotation, turned
+from mecano.constraints.in_plane import IN_PLANE
+from mecano.constraints.orthogonal import ORTHOGONAL
+from mecano.constraints.relative_angle import RELATIVE_ANGLE
+from mecano.constraints.slide import slide
+from mecano.constraints.slide_law import SLIDE_LAW, slide_law_record
+from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
+from mecano.constraints.twist_law import TWIST_LAW, twist_law_record
+from mecano.contract import Part, record
+from mecano.laws.table import evaluate_force
+from mecano.maths.vec import mat, scale, vec
+from mecano.schema import DIRECTION, LAW, Field, mapping
+
+AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
+PAIR_RECORD = record(row=6, law=6, mu=(3, 3), xi=(3, 3), start=3)
+"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; axes, c."""
+FIRST_ROW = 12
+AXIS_1 = Field(
+    "axis_1", DIRECTION, "-",
+    "direction of mu_1 at the start, inertial, made perpendicular to the axis; when absent, the inertial axis most "
+    "perpendicular to it", None,
+)  # fmt: skip
+BOTH = (0, 1)
+
+
+def law_fields(axes):
+    """A law for each of ``axes``, or none."""
+    units = {"along": "force [N] from displacement [m]", "about": "moment [N m] from angle [rad]"}
+    return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in _ordered(axes)]
+
+
+def compliance_field(axes):
+    """The mapping ``compliance`` of a joint that holds ``axes``."""
+    doc = "laws that take the place of rigid constraints: elasticity, damping, free play; 1, 2: of mu_1, mu_2"
+    return Field("compliance", mapping(*law_fields(axes)), "-", doc, None)
+
+
+def pair_record(place, axes, compliance, context):
+    """Record of the owner: ``place`` {mu, xi, start}, ``axes`` that it holds, the deck's ``compliance`` or None."""
+    row, law, next_row = np.full(6, -1), np.zeros(6), FIRST_ROW
+    for i, axis in enumerate(AXES):
+        if given := _law(compliance, axis):
+            law[i] = context.laws.add(given)
+        elif axis in axes:
+            row[i], next_row = next_row, next_row + 1
+    return {**place, "row": row, "law": law}
+
+
+def pair_parts(place, axes, compliance, context):
+    """[Part], one for each of the ``axes``, in the order of ``AXES``."""
+    return [
+        _elastic(axis, place, law, context) if (law := _law(compliance, axis)) else _rigid(axis, place)
+        for axis in AXES
+        if axis in axes
+    ]
+
+
+def law_outputs(field, axes):
+    """What ``Kind.optional`` says of the laws of the mapping ``field``."""
+    kinds = {axis: TILT_LAW if axis in ("about_1", "about_2") else SLIDE_LAW for axis in axes}
+    if "about_axis" in axes:
+        kinds["about_axis"] = TWIST_LAW
+    return tuple((field, kinds[axis], f"_{axis}") for axis in _ordered(axes))
+
+
+def _ordered(axes):
+    """First sliding, then turning."""
+    return sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
+
+
+def law_parts(place, axes, laws, context):
+    """[Part] of the laws given for some of the ``axes``; ``laws`` may be None."""
+    return [_elastic(axis, place, law, context) for axis in axes if (law := _law(laws, axis))]
+
+
+def _law(compliance, axis):
+    return (compliance or {}).get(axis)
+
+
+def _rigid(axis, place):
+    mu, xi, start = place["mu"], place["xi"], place["start"]
+    if axis == "about_axis":
+        return Part(RELATIVE_ANGLE, BOTH, {"mu": mu, "xi": xi, "offset": 0.0, "law": 0})
+    if axis.startswith("about"):
+        return Part(ORTHOGONAL, BOTH, {"mu": mu[0 if axis == "about_2" else 1], "xi": xi[2]})
+    i = ("along_1", "along_2", "along_axis").index(axis)
+    return Part(IN_PLANE, BOTH, {"mu": mu[i], "offset": start[i], "law": 0})
+
+
+def _elastic(axis, place, law, context):
+    mu, xi, start = place["mu"], place["xi"], place["start"]
+    if axis == "about_axis":
+        return Part(TWIST_LAW, BOTH, twist_law_record(mu, xi, law, 0.0, context), label=f"_{axis}")
+    if axis.startswith("about"):
+        across = mu[0] if axis == "about_2" else -mu[1]
+        return Part(TILT_LAW, BOTH, tilt_law_record(across, xi[2], law, context), label=f"_{axis}")
+    i = ("along_1", "along_2", "along_axis").index(axis)
+    return Part(SLIDE_LAW, BOTH, slide_law_record(mu[i], law, start[i], context), label=f"_{axis}")
+
+
+@njit
+def held(p, laws, q, i, coordinate, rate):
+    """Reaction on b along the axis number i of ``AXES``, from its multiplier or its law; 0 if it is free."""
+    if p.row[i] >= 0.0:
+        return q[int(p.row[i])]
+    return -evaluate_force(laws, int(p.law[i]), coordinate, rate)[0]
+
+
+@njit
+def pair_force(p, laws, q, v, R):
+    """Force of a on b [N] along mu_1, mu_2, mu_3, in a pair with the local unknowns x0, R0, x1, R1."""
+    A, mu = mat(R[0]), mat(p.mu)
+    s_1, v_1 = slide(q, v, A, mu[0])
+    s_2, v_2 = slide(q, v, A, mu[1])
+    s_3, v_3 = slide(q, v, A, mu[2])
+    F_1, F_2 = held(p, laws, q, 3, s_1 - p.start[0], v_1), held(p, laws, q, 4, s_2 - p.start[1], v_2)
+    return F_1, F_2, held(p, laws, q, 5, s_3 - p.start[2], v_3)
+
+
+@njit
+def pair_moment(p, laws, q, v, R):
+    """Moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
+    mu, xi, omega_0, omega_1 = mat(p.mu), mat(p.xi), vec(v, 3), vec(v, 9)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    tilt_2, rate_2 = tilted(mu[0], xi[2], A, omega_0, omega_1)
+    # the constraint about_1 is mu_2 . xi_3 = 0, its law is one of the angle -mu_2 . xi_3 about mu_1
+    tilt_1, rate_1 = tilted(scale(-1.0, mu[1]), xi[2], A, omega_0, omega_1)
+    angle, rate = turned(mat(R[0]), omega_0, mu, mat(R[1]), omega_1, xi)
+    M_1 = held(p, laws, q, 1, tilt_1, rate_1)
+    M_1 = -M_1 if p.row[1] >= 0.0 else M_1
+    return M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate)
+
+
+def triads_together(nodes, mu, xi=None):
+    """{mu, xi, start} of a pair from inertial unit axes (3, 3), rows; those of b are the same if absent."""
+    start = mu @ np.subtract(nodes[1][0], nodes[0][0])
+    return {"mu": mu @ nodes[0][1], "xi": (mu if xi is None else xi) @ nodes[1][1], "start": start}

@@ -1,0 +1,74 @@
+"""Pin law: a moment from a law of the angle of a pin about an axis, followed over whole turns (see pin_angle.py)."""
+
+from numba import njit
+
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.carried import add_blocks, follow, relative_rotation, turning_rate
+from mecano.constraints.pin_angle import pin_angle, pin_curvature, pin_gradient
+from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
+from mecano.contract import Kind, record
+from mecano.laws.table import evaluate_force
+from mecano.maths.vec import mat, vec
+
+RECORD = record(mu=(3, 3), xi=3, **LAW_RECORD)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Opposite moments on both nodes."""
+    mu, xi = mat(p.mu), vec(p.xi, 0)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    gradient, H = pin_gradient(A, mu, xi), pin_curvature(A, mu, xi)
+    omega_0, omega_1 = vec(v, 0), vec(v, 3)
+    angle = follow(m[0], pin_angle(A, mu, xi)) - p.natural
+    P, P_angle, P_rate = evaluate_force(laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
+    add_along(f, K, C, P, P_angle, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
+    add_blocks(K, 0, 3, P, H)
+
+
+@njit
+def _followed(p, m, v, R):
+    mu, xi = mat(p.mu), vec(p.xi, 0)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    return follow(m[0], pin_angle(A, mu, xi)), turning_rate(pin_gradient(A, mu, xi), vec(v, 0), vec(v, 3))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment; energies."""
+    angle, rate = _followed(p, m, v, R)
+    report(p, laws, angle, rate, y, e)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Stops of the law."""
+    put_stop_events(g, p.low, p.high, _followed(p, m, v, R)[0] - p.natural)
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """Remember the angle."""
+    m_out[0] = _followed(p, m, v, R)[0]
+
+
+def pin_law_record(mu, xi, law, natural, context):
+    """Record: axes (3, 3) of the first node, rows, the pin (3,) of the second."""
+    return {"mu": mu, "xi": xi, **axis_law_record(law, natural, context)}
+
+
+PIN_LAW = Kind(
+    name="pin_law",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    outputs=(law_output("law_moment", "N m"),),
+    modes=MODES,
+    events=EVENTS,
+    memory=("angle",),
+    force=force,
+    observe=observe,
+    event_values=event_values,
+    commit=commit,
+)

@@ -1,0 +1,44 @@
+r"""Sliding of a node along an axis mu carried by another: :math:`s = \mu \cdot d` with :math:`d = R_0^T (x_1 - x_0)`.
+
+Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`. Local unknowns: x0 at 0, R0 at 3,
+x1 at 6.
+"""
+
+from numba import njit
+
+from mecano.maths.vec import add, add_mat, cross, dot, matmul, mul, scale, skew, sub, tmul, transpose, vec
+
+
+@njit
+def slide(q, v, A, mu):
+    """s [m], its rate [m/s]."""
+    d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
+
+
+@njit
+def slide_gradient(q, A, mu):
+    """Gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
+    normal = mul(A, mu)
+    return scale(-1.0, normal), cross(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))), normal
+
+
+@njit
+def slide_rate_gradient(q, v, A, mu):
+    """Gradients of the rate of s at the local indices 0, 3, 6."""
+    d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    spin = cross(vec(v, 3), mu)
+    turn = mul(A, spin)
+    return scale(-1.0, turn), add(cross(mu, e), cross(spin, d)), turn
+
+
+@njit
+def add_slide_curvature(K, g, q, A, mu):
+    """Add g times the derivative of the gradients of s to K."""
+    hat_mu = skew(mu)
+    turn, arm = matmul(A, hat_mu), matmul(hat_mu, transpose(A))
+    add_mat(K, 6, 3, -g, turn)
+    add_mat(K, 0, 3, g, turn)
+    add_mat(K, 3, 6, g, arm)
+    add_mat(K, 3, 0, -g, arm)
+    add_mat(K, 3, 3, g, matmul(hat_mu, skew(tmul(A, sub(vec(q, 6), vec(q, 0))))))

@@ -1,0 +1,74 @@
+r"""Slide law: a force from a law of the sliding of one node along an axis that the other carries (see slide.py).
+
+P > 0 pulls the second node back along the axis; the first node receives the opposite force at the place of the second.
+"""
+
+from numba import njit
+
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report
+from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
+from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
+from mecano.contract import Kind, Part, record
+from mecano.laws.table import evaluate_force
+from mecano.maths.vec import mat, vec
+from mecano.schema import LAW, NUMBER, Field
+
+RECORD = record(mu=3, **LAW_RECORD)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Opposite forces on both nodes, and the moment on the first."""
+    mu, A = vec(p.mu, 0), mat(R[0])
+    displacement, rate = slide(q, v, A, mu)
+    P, P_s, P_rate = evaluate_force(laws, p.law, displacement - p.natural, rate)
+    b, r = slide_gradient(q, A, mu), slide_rate_gradient(q, v, A, mu)
+    add_along(f, K, C, P, P_s, P_rate, ((0, b[0], r[0]), (3, b[1], r[1]), (6, b[2], r[2])))
+    add_slide_curvature(K, P, q, A, mu)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Force; energies."""
+    displacement, rate = slide(q, v, mat(R[0]), vec(p.mu, 0))
+    report(p, laws, displacement, rate, y, e)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Stops of the law."""
+    put_stop_events(g, p.low, p.high, slide(q, v, mat(R[0]), vec(p.mu, 0))[0] - p.natural)
+
+
+def slide_law_record(mu, law, natural, context):
+    """Record: axis (3,) in the axes of the first node, value of mu . R_0^T (x_1 - x_0) where the extension is zero."""
+    return {"mu": mu, **axis_law_record(law, natural, context)}
+
+
+SLIDING_FIELDS = (
+    Field("sliding_law", LAW, "-", "force [N] from displacement [m] and velocity [m/s]; > 0 drives b back", None),
+    Field("natural_displacement", NUMBER, "m", "displacement at which the extension of the sliding law is zero", 0.0),
+)
+
+
+def sliding_parts(d, place, context):
+    """[Part] of the fields ``SLIDING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    if d["sliding_law"] is None:
+        return []
+    natural = place["start"][2] + d["natural_displacement"]
+    return [Part(SLIDE_LAW, (0, 1), slide_law_record(place["mu"][2], d["sliding_law"], natural, context))]
+
+
+SLIDE_LAW = Kind(
+    name="slide_law",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1"),
+    outputs=(law_output("law_force", "N"),),
+    modes=MODES,
+    events=EVENTS,
+    force=force,
+    observe=observe,
+    event_values=event_values,
+)

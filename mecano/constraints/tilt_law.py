@@ -1,0 +1,80 @@
+r"""Tilt law: a moment from a law of :math:`c = \mu \cdot \xi`, for mu carried by the first node and xi by the second.
+
+For unit vectors that are perpendicular at the start, c is the sine of the angle by which they lean to each other: what
+the constraint ``orthogonal`` holds at zero. The moment on the second node is :math:`-P` about :math:`\xi \times \mu`.
+"""
+
+from numba import njit
+
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.carried import (
+    add_blocks,
+    product_curvature,
+    product_gradient,
+    relative_rotation,
+    turning_rate,
+)  # fmt: skip
+from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
+from mecano.contract import Kind, record
+from mecano.laws.table import evaluate_force
+from mecano.maths.vec import dot, mat, mul, vec
+
+RECORD = record(mu=3, xi=3, **LAW_RECORD)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Opposite moments on both nodes."""
+    mu, xi = vec(p.mu, 0), vec(p.xi, 0)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    gradient, H = product_gradient(A, mu, xi), product_curvature(A, mu, xi)
+    omega_0, omega_1 = vec(v, 0), vec(v, 3)
+    tilt, rate = tilted(mu, xi, A, omega_0, omega_1)
+    P, P_tilt, P_rate = evaluate_force(laws, p.law, tilt - p.natural, rate)
+    add_along(f, K, C, P, P_tilt, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
+    add_blocks(K, 0, 3, P, H)
+
+
+@njit
+def tilted(mu, xi, A, omega_0, omega_1):
+    """c and its rate [1/s]; A = R_0^T R_1, material angular velocities."""
+    return dot(mu, mul(A, xi)), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
+
+
+@njit
+def _tilted(p, v, R):
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    return tilted(vec(p.mu, 0), vec(p.xi, 0), A, vec(v, 0), vec(v, 3))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment; energies."""
+    tilt, rate = _tilted(p, v, R)
+    report(p, laws, tilt, rate, y, e)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Stops of the law."""
+    put_stop_events(g, p.low, p.high, _tilted(p, v, R)[0] - p.natural)
+
+
+def tilt_law_record(mu, xi, law, context):
+    """Record: unit vectors (3,) in the axes of the nodes."""
+    return {"mu": mu, "xi": xi, **axis_law_record(law, 0.0, context)}
+
+
+TILT_LAW = Kind(
+    name="tilt_law",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    outputs=(law_output("law_moment", "N m"),),
+    modes=MODES,
+    events=EVENTS,
+    force=force,
+    observe=observe,
+    event_values=event_values,
+)

@@ -1,0 +1,113 @@
+r"""Twist law: a moment from a law of the angle between two nodes about an axis that both carry, and of its rate.
+
+Node a carries the unit axes :math:`\mu_i`, node b the axes :math:`\xi_i`, equal to them at the start. With Q the
+rotation of the second triad in the first, the angle is the twist of Q,
+
+.. math::  \theta = \mathrm{atan2}(Q_{21} - Q_{12},\; Q_{11} + Q_{22}),
+
+the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes off that alignment,
+up to :math:`\xi_3 = -\mu_3`. It is followed over whole turns by the memory of the last accepted angle. Its gradient
+(inertial) is :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`:
+
+.. math::  \dot\theta = g \cdot (\omega_b - \omega_a), \qquad f_a = -M R_a^T g, \qquad f_b = M R_b^T g,
+   \qquad M = M(\theta - \theta_0, \dot\theta)
+
+M > 0 turns the nodes back against a positive angle. Even where the axes are aligned the derivative of g does not
+vanish.
+"""
+
+from numba import njit
+
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.carried import (
+    add_blocks,
+    follow,
+    relative_rotation,
+    turned,
+    turning_rate,
+    twist,
+    twist_curvature,
+    twist_gradient,
+)  # fmt: skip
+from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
+from mecano.contract import Kind, Part, record
+from mecano.laws.table import evaluate_force
+from mecano.maths.vec import mat, vec
+from mecano.schema import LAW, NUMBER, Field
+
+RECORD = record(mu=(3, 3), xi=(3, 3), **LAW_RECORD)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Opposite moments on both nodes."""
+    mu, xi = mat(p.mu), mat(p.xi)
+    A = relative_rotation(mat(R[0]), mat(R[1]))
+    gradient, H = twist_gradient(A, mu[2], xi[2]), twist_curvature(A, mu[2], xi[2])
+    omega_0, omega_1 = vec(v, 0), vec(v, 3)
+    angle = follow(m[0], twist(A, mu, xi)) - p.natural
+    P, P_angle, P_rate = evaluate_force(laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
+    add_along(f, K, C, P, P_angle, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
+    add_blocks(K, 0, 3, P, H)
+
+
+@njit
+def followed(p, m, v, R):
+    """Angle [rad], by whole turns nearest to the memory, and its rate [rad/s]."""
+    angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
+    return follow(m[0], angle), rate
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment; energies."""
+    angle, rate = followed(p, m, v, R)
+    report(p, laws, angle, rate, y, e)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Stops of the law."""
+    put_stop_events(g, p.low, p.high, followed(p, m, v, R)[0] - p.natural)
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """Remember the angle."""
+    m_out[0] = followed(p, m, v, R)[0]
+
+
+def twist_law_record(mu, xi, law, natural, context):
+    """Record: axes (3, 3), rows, in the axes of each node."""
+    return {"mu": mu, "xi": xi, **axis_law_record(law, natural, context)}
+
+
+TURNING_FIELDS = (
+    Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns b back", None),
+    Field("natural_angle", NUMBER, "rad", "angle at which the extension of the turning law is zero", 0.0),
+)
+
+
+def turning_parts(d, place, context):
+    """[Part] of the fields ``TURNING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    if d["turning_law"] is None:
+        return []
+    values = twist_law_record(place["mu"], place["xi"], d["turning_law"], d["natural_angle"], context)
+    return [Part(TWIST_LAW, (0, 1), values)]
+
+
+TWIST_LAW = Kind(
+    name="twist_law",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "R1"),
+    outputs=(law_output("law_moment", "N m"),),
+    modes=MODES,
+    events=EVENTS,
+    memory=("angle",),
+    force=force,
+    observe=observe,
+    event_values=event_values,
+    commit=commit,
+)

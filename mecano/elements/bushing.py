@@ -1,0 +1,234 @@
+r"""Bushing: an elastic and damping tie of two nodes, with 6 x 6 stiffness and damping matrices.
+
+In axes :math:`\mu_i` that a carries (those of node a, or ``axis`` and ``axis_1``), :math:`\xi_i` being the same axes of
+the start carried by b, rows of :math:`\mu` and :math:`\xi`:
+
+.. math::  d = \mu R_a^T (x_b - x_a) - d_0, \qquad \psi = \log(\mu R_a^T R_b \xi^T), \qquad e = (d, \psi)
+
+.. math::  V = \tfrac12 e^T S e, \qquad (n, m) = S e + D \dot e, \qquad \dot\psi = T^{-1}(\psi)\,\omega
+
+with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces work along :math:`\delta e`, so
+nothing depends on where and how the model stands, and the elastic forces have a potential for any rotation up to
+:math:`|\psi| < \pi`, where the rotation vector ends:
+
+.. math::  f_{x_b} = R_a \mu^T n = -f_{x_a}, \qquad f_{\Theta_b} = \xi^T T^{-T} m, \qquad
+   f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
+
+``laws`` add a law for single axes, with free play and stops: along them as in d, about them of
+the sines of tilt and of the twist.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.joint_frame import not_across, triad
+from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
+from mecano.contract import Kind, Output, record
+from mecano.maths.so3 import log, tangent, tangent_derivative, tangent_inverse
+from mecano.maths.vec import (
+    add,
+    add_mat,
+    add_vec,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    put,
+    scale,
+    skew,
+    sub,
+    tmul,
+    transpose,
+    vec,
+)  # fmt: skip
+from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
+
+RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
+NONE = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+ROUNDING = 1e-9  # of the largest eigenvalue: below zero by no more than this counts as zero
+
+
+@njit
+def _blocks(S):
+    """The four 3 x 3 blocks ((S_dd, S_dp), (S_pd, S_pp)) of a matrix (6, 6)."""
+    return (mat(S[:3, :3]), mat(S[:3, 3:])), (mat(S[3:, :3]), mat(S[3:, 3:]))
+
+
+@njit
+def _strain(p, q, v, R):
+    """d and psi, their rates, d_a = R_a^T (x_b - x_a), Q, omega."""
+    A, mu, xi = mat(R[0]), mat(p.mu), mat(p.xi)
+    omega_a, omega_b = vec(v, 3), vec(v, 9)
+    d_a, w = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    Q = matmul(mu, matmul(matmul(transpose(A), mat(R[1])), transpose(xi)))
+    psi = log(Q)
+    omega = sub(mul(xi, omega_b), tmul(Q, mul(mu, omega_a)))
+    d, d_rate = sub(mul(mu, d_a), vec(p.start, 0)), mul(mu, add(w, cross(d_a, omega_a)))
+    return d, psi, d_rate, mul(tangent_inverse(psi), omega), d_a, Q, omega
+
+
+@njit
+def _product(S, d, psi):
+    """S (d, psi) for a matrix in blocks."""
+    return add(mul(S[0][0], d), mul(S[0][1], psi)), add(mul(S[1][0], d), mul(S[1][1], psi))
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Forces and moments on both nodes."""
+    A, mu, xi, S, D = mat(R[0]), mat(p.mu), mat(p.xi), _blocks(p.stiffness), _blocks(p.damping)
+    d, psi, d_rate, psi_rate, d_a, Q, omega = _strain(p, q, v, R)
+    elastic, viscous = _product(S, d, psi), _product(D, d_rate, psi_rate)
+    n, couple = add(elastic[0], viscous[0]), add(elastic[1], viscous[1])
+    J, back = tangent_inverse(psi), transpose(tangent_inverse(psi))
+    n_a, moment_a, moment_b = tmul(mu, n), mul(J, couple), mul(back, couple)
+    add_vec(f, 0, -1.0, mul(A, n_a))
+    add_vec(f, 3, 1.0, sub(cross(n_a, d_a), tmul(mu, moment_a)))
+    add_vec(f, 6, 1.0, mul(A, n_a))
+    add_vec(f, 9, 1.0, tmul(xi, moment_b))
+
+    # gradients of d, psi and of their rates, by x_a, Theta_a, x_b, Theta_b
+    E, omega_a, w = matmul(mu, transpose(A)), vec(v, 3), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    swept = matmul(matmul(mu, skew(omega_a)), transpose(A))
+    turned = matmul(mu, madd(skew(w), mscale(-1.0, matmul(skew(omega_a), skew(d_a)))))
+    B_d = (mscale(-1.0, E), matmul(mu, skew(d_a)), E, NONE)
+    B_p = (NONE, mscale(-1.0, matmul(back, mu)), NONE, matmul(J, xi))
+    R_d = (swept, turned, mscale(-1.0, swept), NONE)
+    frame = matmul(skew(tmul(Q, mul(mu, omega_a))), tangent(psi))
+    W = mscale(-1.0, matmul(J, madd(tangent_derivative(psi, psi_rate), frame)))
+    for j in range(4):
+        R_p = matmul(W, B_p[j])
+        by_d, by_p = _times(S, B_d[j], B_p[j]), _times(D, B_d[j], B_p[j])
+        by_rate = _times(D, R_d[j], R_p)
+        for i in range(4):
+            T_d, T_p = transpose(B_d[i]), transpose(B_p[i])
+            add_mat(K, 3 * i, 3 * j, 1.0, matmul(T_d, madd(by_d[0], by_rate[0])))
+            add_mat(K, 3 * i, 3 * j, 1.0, matmul(T_p, madd(by_d[1], by_rate[1])))
+            add_mat(C, 3 * i, 3 * j, 1.0, matmul(T_d, by_p[0]))
+            add_mat(C, 3 * i, 3 * j, 1.0, matmul(T_p, by_p[1]))
+    _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p)
+
+
+@njit
+def _times(S, X, Y):
+    """S (X, Y) for matrices in blocks."""
+    upper = madd(matmul(S[0][0], X), matmul(S[0][1], Y))
+    return upper, madd(matmul(S[1][0], X), matmul(S[1][1], Y))
+
+
+@njit
+def _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p):
+    """Derivative of the gradients of d and psi, times the forces."""
+    hat_n, minus = skew(n_a), scale(-1.0, psi)
+    turn, arm = matmul(A, hat_n), matmul(hat_n, transpose(A))
+    add_mat(K, 0, 3, 1.0, turn)
+    add_mat(K, 6, 3, -1.0, turn)
+    add_mat(K, 3, 0, -1.0, arm)
+    add_mat(K, 3, 6, 1.0, arm)
+    add_mat(K, 3, 3, 1.0, matmul(hat_n, skew(d_a)))
+    on_a = matmul(transpose(mu), matmul(J, tangent_derivative(psi, moment_a)))
+    on_b = matmul(transpose(xi), matmul(back, tangent_derivative(minus, moment_b)))
+    for j in (1, 3):
+        add_mat(K, 3, 3 * j, 1.0, matmul(on_a, B_p[j]))
+        add_mat(K, 9, 3 * j, 1.0, matmul(on_b, B_p[j]))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Displacement, rotation, force and moment; energies."""
+    d, psi, d_rate, psi_rate, _, _, _ = _strain(p, q, v, R)
+    elastic = _product(_blocks(p.stiffness), d, psi)
+    viscous = _product(_blocks(p.damping), d_rate, psi_rate)
+    put(y, 0, d)
+    put(y, 3, psi)
+    put(y, 6, scale(-1.0, add(elastic[0], viscous[0])))
+    put(y, 9, scale(-1.0, mul(tangent_inverse(psi), add(elastic[1], viscous[1]))))
+    e[1] = 0.5 * (dot(d, elastic[0]) + dot(psi, elastic[1]))
+    e[2] = dot(d_rate, viscous[0]) + dot(psi_rate, viscous[1])
+
+
+def matrix(values):
+    """(6, 6) of six diagonal numbers, of a 6 x 6 matrix, or of nothing (zero)."""
+    if values is None:
+        return np.zeros((6, 6))
+    S = np.asarray(values, float)
+    return np.diag(S) if S.ndim == 1 else S
+
+
+def _place(d, nodes):
+    """Axes of both nodes (pair.py); those of node a unless an axis is given."""
+    return triads_together(nodes, nodes[0][1].T if d["axis"] is None else triad(d["axis"], d["axis_1"]))
+
+
+def prepare(d, nodes, context):
+    """Record of one bushing, without force at the start."""
+    return {"stiffness": matrix(d["stiffness"]), "damping": matrix(d["damping"]), **_place(d, nodes)}
+
+
+def parts(d, nodes, context):
+    """The laws of single axes."""
+    return law_parts(_place(d, nodes), AXES, d["laws"], context)
+
+
+def check(d, nodes):
+    """Symmetric stiffness; neither stiffness nor damping gives energy; something is given."""
+    texts = [] if d["axis"] is None else not_across(d)
+    if d["axis"] is None and d["axis_1"] is not None:
+        texts.append("'axis_1' is given without 'axis'")
+    if all(d[name] is None for name in ("stiffness", "damping", "laws")):
+        texts.append("give 'stiffness', 'damping' or 'laws'")
+    S = matrix(d["stiffness"])
+    if not np.allclose(S, S.T, rtol=1e-9, atol=0.0):
+        texts.append("'stiffness' must be symmetric: it has a potential")
+    for name in ("stiffness", "damping"):
+        found = matrix(d[name])
+        values = np.linalg.eigvalsh(0.5 * (found + found.T))
+        if values[0] < -ROUNDING * max(values[-1], 0.0):
+            texts.append(f"{name!r} must not give energy: its symmetric part has the eigenvalue {values[0]:.6g}")
+    return texts
+
+
+def sample(rng):
+    """Full matrices in the axes of a; damping that is not symmetric in axes of its own, with laws."""
+    X, Y = rng.normal(size=(2, 6, 6))
+    law = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
+    full = {"stiffness": X @ X.T, "damping": Y @ Y.T + X - X.T}
+    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    diagonal = {"stiffness": [1, 2, 3, 4, 5, 6], "axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
+    return [
+        (full, nodes, ""),
+        ({**diagonal, "damping": 0.1 * Y @ Y.T, "laws": {"along_2": law, "about_axis": law}}, nodes, ""),
+    ]
+
+
+BUSHING = Kind(
+    name="bushing",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axes) and b; either may be ground"),
+        Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
+        Field("damping", MATRIX_6, "N s/m, N s, N m s/rad", "the same by their rates", None),
+        Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),
+        AXIS_1,
+        Field("laws", mapping(*law_fields(AXES)), "-", "laws of single axes, added to the matrices", None),
+    ),
+    outputs=(
+        Output("displacement", "m", "d, displacement of b from the start, along the axes", (3,)),
+        Output("rotation", "rad", "psi, rotation vector of b relative to a, in the axes", (3,)),
+        Output("force", "N", "force of the matrices on b, along the axes", (3,)),
+        Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
+    ),
+    optional=law_outputs("laws", AXES),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    force=force,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,166 @@
+r"""Loads at a node, as functions of time: forces and moments, dead (fixed direction) or following the node.
+
+With the unit direction d, inertial for dead loads and carried by the node for followers, a force F(t) gives
+
+.. math::  f_x = -F d \quad\text{(dead)}, \qquad f_x = -F R d \quad\text{(follower)}
+
+and a moment M(t), in material axes,
+
+.. math::  f_\Theta = -M R^T d \quad\text{(dead)}, \qquad f_\Theta = -M d \quad\text{(follower)}
+
+The tangents of the follower force, :math:`F R \hat d`, and of the dead moment, :math:`-M \widehat{R^T d}`, are not
+symmetric: these loads have no potential.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from mecano.contract import Kind, Output, record
+from mecano.laws.table import evaluate_curve
+from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, put, scale, skew, tmul, vec
+from mecano.schema import CURVE, DIRECTION, NODE, Field
+
+RECORD = record(law="i", direction=3)
+EQUATIONS = __doc__.partition("\n\n")[2]
+
+
+@njit
+def _load(p, laws, t):
+    """Size and unit direction."""
+    return evaluate_curve(laws, p.law, t)[0], vec(p.direction, 0)
+
+
+@njit
+def _report(size, inertial, direction, v, y, e):
+    """Load, inertial, and its power: ``direction`` in the axes of the velocity v."""
+    put(y, 0, scale(size, inertial))
+    y[3] = size * dot(direction, vec(v, 0))
+    e[3] = y[3]
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """The dead force; it has no tangent."""
+    size, d = _load(p, laws, t)
+    add_vec(f, 0, -size, d)
+
+
+@njit
+def observe_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Force and power."""
+    size, d = _load(p, laws, t)
+    _report(size, d, d, v, y, e)
+
+
+@njit
+def follower_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """The force carried by the node."""
+    size, d = _load(p, laws, t)
+    add_vec(f, 0, -size, mul(mat(R[0]), d))
+    add_mat(K, 0, 3, size, matmul(mat(R[0]), skew(d)))
+
+
+@njit
+def observe_follower_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Force and power."""
+    size, d = _load(p, laws, t)
+    inertial = mul(mat(R[0]), d)
+    _report(size, inertial, inertial, v, y, e)
+
+
+@njit
+def moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """The dead moment."""
+    size, d = _load(p, laws, t)
+    material = tmul(mat(R[0]), d)
+    add_vec(f, 0, -size, material)
+    add_mat(K, 0, 0, -size, skew(material))
+
+
+@njit
+def observe_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment and power."""
+    size, d = _load(p, laws, t)
+    _report(size, d, tmul(mat(R[0]), d), v, y, e)
+
+
+@njit
+def follower_moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """The moment carried by the node; it has no tangent in material axes."""
+    size, d = _load(p, laws, t)
+    add_vec(f, 0, -size, d)
+
+
+@njit
+def observe_follower_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Moment and power."""
+    size, d = _load(p, laws, t)
+    _report(size, mul(mat(R[0]), d), d, v, y, e)
+
+
+def prepare(d, nodes, context):
+    """Record of a dead load."""
+    direction = np.asarray(d["direction"], float)
+    return {"law": context.laws.add(d["value"]), "direction": direction / np.linalg.norm(direction)}
+
+
+def prepare_follower(d, nodes, context):
+    """Record of a follower: the direction in the axes of the node."""
+    values = prepare(d, nodes, context)
+    return {**values, "direction": nodes[0][1].T @ values["direction"]}
+
+
+def sample(rng):
+    """A swelling sine and a smooth step, in random directions."""
+    sine = (
+        ("sine", {"amplitude": 2.0, "frequency": 0.3, "phase": 0.4, "offset": 0.0}),
+        ("linear", {"slope": 0.5, "offset": rng.uniform(3, 4)}),
+    )
+    step = (
+        ("step", {"time": -5.0, "rise": 10.0, "from": 1.0, "to": 3.0}),
+        ("constant", {"value": rng.uniform(1, 2)}),
+    )
+    return [({"direction": rng.normal(size=3), "value": value}, 1, "") for value in (sine, step)]
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """What distinguishes forces from moments in a deck."""
+
+    name: str
+    unit: str
+
+    def kind(self, name, layout, follows, force, observe):
+        """A kind of load of this quantity."""
+        carries = " and that carries its direction" if follows else ""
+        given = "direction at the start, inertial" if follows else "direction, inertial"
+        what = "that follows its node" if follows else "with a fixed direction"
+        return Kind(
+            name=name,
+            section="loads",
+            doc=f"{self.name.capitalize()} at a node, a function of time, {what}.\n\n{EQUATIONS}",
+            dtype=RECORD,
+            layout=layout,
+            fields=(
+                Field("node", NODE, "-", f"node that it acts on{carries}"),
+                Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
+                Field("value", CURVE, self.unit, f"{self.name} as a function of time [s]"),
+            ),
+            outputs=(
+                Output(self.name, self.unit, f"{self.name} on the node, inertial", (3,)),
+                Output("power", "W", "power given to the node"),
+            ),
+            prepare=prepare_follower if follows else prepare,
+            force=force,
+            observe=observe,
+            sample=sample,
+        )
+
+
+_FORCE, _MOMENT = _Quantity("force", "N"), _Quantity("moment", "N m")
+FORCE = _FORCE.kind("force", ("x0",), False, force, observe_force)
+FOLLOWER_FORCE = _FORCE.kind("follower_force", ("x0", "R0"), True, follower_force, observe_follower_force)
+MOMENT = _MOMENT.kind("moment", ("R0",), False, moment, observe_moment)
+FOLLOWER_MOMENT = _MOMENT.kind("follower_moment", ("R0",), True, follower_moment, observe_follower_moment)

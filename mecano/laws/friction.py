@@ -1,0 +1,21 @@
+r"""Coulomb friction that is smooth at rest (Oden & Martins 1985).
+
+A normal force N and a sliding velocity of size u give the friction :math:`\mu(u)\,\phi(u)\,N` against the sliding, with
+:math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for :math:`u < \epsilon`, 1 beyond: C1 in the velocity vector.
+"""
+
+from numba import njit
+
+from mecano.laws.table import evaluate_curve
+
+
+@njit
+def friction_factor(laws, law, eps, u):
+    """mu phi [-], b = mu phi/u [s/m] and u db/du of the sliding speed u >= 0 [m/s]; finite at u = 0."""
+    mu, d_mu, _ = evaluate_curve(laws, law, u)
+    if mu <= 0.0:
+        return 0.0, 0.0, 0.0
+    if u >= eps:
+        return mu, mu / u, d_mu - mu / u
+    ramp = (2.0 - u / eps) / eps
+    return mu * ramp * u, mu * ramp, u * (d_mu * ramp - mu / (eps * eps))

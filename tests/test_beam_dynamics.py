@@ -1,0 +1,210 @@
+"""Moving beams: decks of inputs/ and published examples against independent answers."""
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+from scipy.integrate import solve_ivp
+
+THREADS = {  # flexible_pendulum without the shear and the rotary inertia of its section
+    "type": "stiffness", "EA": 7853.981633974483, "GA2": 2.7e6, "GA3": 2.7e6, "GJ": 0.0377610413,
+    "EI2": 0.04908738521234052, "EI3": 0.04908738521234052, "mass_per_length": 0.08639379797371933,
+    "rotary_inertia": "[1e-9, 5e-10, 5e-10]",
+}  # fmt: skip
+
+
+def test_flexible_pendulum():
+    """Tip at 1 s: 64 ANCF cable elements of Exudyn 1.9, step 2.5e-4 s, without shear and rotary inertia."""
+    section = "{" + ", ".join(f"{key}: {value}" for key, value in THREADS.items()) + "}"
+    march = March(input_deck("flexible_pendulum", f"sections.rubber={section}", "elements.rod.mesh=12", "time.step=5e-4"))
+    np.testing.assert_allclose(march["nodes/tip/position"][-1], [-0.999461, 0.0, 0.007782], rtol=0, atol=5e-5)
+    march = March(input_deck("flexible_pendulum"))
+    np.testing.assert_allclose(march["nodes/tip/position"][-1], [-0.999448, 0.0, 0.007979], rtol=0, atol=1.5e-4)
+    energy = march["energy/balance"]
+    assert np.abs(energy - energy[0]).max() < 2e-5 * march["energy/kinetic"].max()
+
+
+class SpinUp:
+    """The arm of beam_spin_up as a small vibration in the turning frame, stiffened by the centrifugal force.
+
+    EI w'''' + m w_tt - (P w')' - m p_t^2 w = -m p_tt x with P = m p_t^2 (L^2 - x^2)/2, in powers x^2 ... x^7.
+    """
+
+    EI, m, L = 1.4e4, 1.2, 10.0
+    c, f = 0.4 * (7.5 / np.pi) ** 2, 2.0 * np.pi / 15.0
+
+    def __init__(self, n=6):
+        points, weights = np.polynomial.legendre.leggauss(20)
+        s, weights = 0.5 * (points + 1.0), 0.5 * weights * self.L
+        k = np.arange(2, 2 + n)[:, None]
+        w, slope, bend = s**k, k * s ** (k - 1) / self.L, k * (k - 1) * s ** (k - 2) / self.L**2
+        tension = 0.5 * (1.0 - s**2) * self.L**2
+        self.mass = self.m * (w * weights) @ w.T
+        self.bending = self.EI * (bend * weights) @ bend.T
+        self.tension = self.m * (slope * weights * tension) @ slope.T
+        self.drive = -self.m * (w * weights) @ (s * self.L)
+
+    def rate(self, t):
+        """Angular velocity and acceleration [rad/s, rad/s2]."""
+        return 0.4 * t - self.c * self.f * np.sin(self.f * t), 0.4 - self.c * self.f**2 * np.cos(self.f * t)
+
+    def tip(self, times):
+        """Deflection of the tip [m]."""
+        inverse, n = np.linalg.inv(self.mass), len(self.drive)
+
+        def change(t, y):
+            w, a = self.rate(t)
+            K = self.bending + w**2 * (self.tension - self.mass)
+            return np.concatenate([y[n:], inverse @ (a * self.drive - K @ y[:n])])
+
+        found = solve_ivp(change, (0, times[-1]), np.zeros(2 * n), rtol=1e-8, atol=1e-10, t_eval=times, method="Radau")
+        return found.y[:n].sum(axis=0)
+
+
+def test_spin_up():
+    """Lag of the tip within 1.5 % of the largest of the linear theory; stretched at full speed (closed form)."""
+    march = March(input_deck("beam_spin_up"))
+    t, (x, y, _) = march.time, march["nodes/tip/position"].T
+    angle = 0.2 * t**2 + SpinUp.c * (np.cos(SpinUp.f * t) - 1.0)
+    deflection, elongation = y * np.cos(angle) - x * np.sin(angle), x * np.cos(angle) + y * np.sin(angle) - 10.0
+    expected = SpinUp().tip(t)
+    assert deflection.min() == pytest.approx(-0.574, abs=0.002)
+    np.testing.assert_allclose(deflection, expected, rtol=0, atol=0.015 * np.abs(expected).max())
+    assert elongation[-1] == pytest.approx(1.2 * 36.0 * 1000.0 / (3 * 2.8e7), rel=2e-3)
+
+
+class Rod:
+    """The rod of flexible_slider_crank as sine waves between ends that move as those of the rigid mechanism.
+
+    m w_tt + EI w'''' - (P w')' - m a_t^2 w = -m (transverse acceleration of the straight rod).
+    """
+
+    r, L, w, slider = 0.15, 0.3, 150.0, 0.033377
+    m, EI = 7870 * np.pi * 0.003**2, 2e11 * np.pi * 0.006**4 / 64
+
+    def __init__(self, n=4):
+        self.k = np.arange(1, n + 1) * np.pi / self.L
+        points, weights = np.polynomial.legendre.leggauss(40)
+        self.x, self.weights = 0.5 * (points + 1) * self.L, 0.5 * weights * self.L
+        self.waves, self.slopes = np.sin(np.outer(self.k, self.x)), self.k[:, None] * np.cos(np.outer(self.k, self.x))
+
+    def kinematics(self, t):
+        """Of the straight rod: rate and acceleration of its angle, accelerations of big end along and across, of slider."""
+        s = self.r / self.L * np.sin(self.w * t)
+        b = -np.arcsin(s)
+        b1 = -self.r / self.L * self.w * np.cos(self.w * t) / np.cos(b)
+        b2 = (self.r / self.L * self.w**2 * np.sin(self.w * t) + b1**2 * np.sin(b)) / np.cos(b)
+        a = -self.r * self.w**2 * np.array([np.cos(self.w * t), np.sin(self.w * t)])
+        along, across = np.array([np.cos(b), np.sin(b)]), np.array([-np.sin(b), np.cos(b)])
+        end = a + self.L * (b2 * across - b1**2 * along)
+        return b, b1, b2, a @ along, a @ across, end[0]
+
+    def middle(self, times):
+        """Deflection of the middle [m], positive to the left of the line from big end to slider."""
+        n = len(self.k)
+
+        def change(t, y):
+            b, b1, b2, a_along, a_across, a_slider = self.kinematics(t)
+            acceleration = a_across + b2 * self.x
+            beyond = self.m * (a_along * (self.L - self.x) - 0.5 * b1**2 * (self.L**2 - self.x**2))
+            moment = self.m * (a_across * self.L**2 / 2 + b2 * self.L**3 / 3) / self.L  # about the big end
+            guide = (moment - self.slider * a_slider * np.sin(b)) / np.cos(b)
+            P = -(beyond + self.slider * a_slider * np.cos(b) - guide * np.sin(b))
+            K = (self.slopes * self.weights * P) @ self.slopes.T * 2 / (self.m * self.L)
+            load = self.waves @ (self.weights * acceleration) * 2 / self.L
+            w = y[:n]
+            return np.concatenate([y[n:], -load - (self.EI / self.m * self.k**4 - b1**2) * w - K @ w])
+
+        found = solve_ivp(change, (0, times[-1]), np.zeros(2 * n), rtol=1e-8, atol=1e-11, t_eval=times, max_step=1e-4)
+        return np.sin(self.k * self.L / 2) @ found.y[:n]
+
+
+def test_slider_crank():
+    """Middle of the rod, in the first two turns; the difference grows with the phase of the first mode."""
+    march = March(input_deck("flexible_slider_crank", "time.step=4e-5"))
+    middle, a, b = (march[f"nodes/{name}/position"][:, [0, 2]] for name in ("rod.4", "big_end", "small_end"))
+    line = (b - a) / np.linalg.norm(b - a, axis=1)[:, None]
+    across = np.stack([-line[:, 1], line[:, 0]], axis=1)
+    deflection = np.sum((middle - 0.5 * (a + b)) * across, axis=1)
+    expected = Rod().middle(march.time)
+    early = march.time < 0.03
+    np.testing.assert_allclose(deflection[early], expected[early], rtol=0, atol=0.03 * np.abs(expected).max())
+    assert np.abs(deflection).max() == pytest.approx(0.00466, abs=5e-5)
+
+
+def breathing(times):
+    """Radius [m] of the ring of flexible_ring, an exact motion with one degree of freedom."""
+    area, i2 = np.pi * 0.05**2 / 4.0, 0.05**2 / 16.0
+    m, EA = 1000.0 * area, 1e7 * area
+    H = 10.0 * m * (1.0 + i2)
+
+    def change(t, y):
+        return [y[1], (H / m) ** 2 * y[0] / (y[0] ** 2 + i2) ** 2 - EA * (y[0] - 1.0) / m]
+
+    return solve_ivp(change, (0, times[-1]), [1.0, 0.0], rtol=1e-10, atol=1e-12, t_eval=times).y[0]
+
+
+def test_ring():
+    """Radius against the exact breathing; energy error falls fourfold with half the step."""
+    errors, energies = [], []
+    for step in (5e-4, 2.5e-4):
+        march = March(input_deck("flexible_ring", f"time.step={step}", "time.end=0.2"))
+        radius = np.linalg.norm(march["nodes/first.6/position"], axis=1)
+        np.testing.assert_allclose(radius, np.linalg.norm(march["nodes/west/position"], axis=1), rtol=0, atol=1e-7)
+        errors.append(np.abs(radius - breathing(march.time)).max())
+        energy = march["energy/balance"]
+        energies.append(np.abs(energy - energy[0]).max())
+    assert errors[1] < 1e-4
+    assert energies[0] / energies[1] == pytest.approx(4.0, abs=0.2)
+
+
+SPAGHETTI = {  # reference e2c: x1, y1, x2, y2 of the ends and the energy; twelve cubic elements, three per span
+    1.25: (7.048325071325772, 1.041203071203035, 0.03384048624568741, 7.834832764070934, 48.53348943077292),
+    2.5: (9.186087131217691, 4.418736953777211, -0.6432718453860622, 4.6276226231677375, 89.36474990050836),
+    4.0: (8.732797905831017, 7.914737545954473, 3.735211862384658, -0.5149188356755916, 89.36474990051269),
+    6.0: (4.2365819940577785, 7.509531813446165, 11.842066100694145, 1.230520573188391, 89.36474990051454),
+    10.0: (13.639556820590572, -0.48572723839851345, 8.598136780066554, 7.759949255978887, 89.3647499005133),
+}
+
+
+def spaghetti(n, step, end):
+    """The flying beam of Simo & Vu-Quoc (1986) under smooth loads, in the x-y plane."""
+    t = np.linspace(0.0, 2.5, 101)
+    rise = [[float(a), float(b)] for a, b in zip(t, np.sin(np.pi * t / 2.5) ** 2, strict=True)]
+    points = {scale: [[a, scale * b] for a, b in rise] for scale in (8.0, 80.0)}
+    return deck(f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        sections:
+          soft: {{type: stiffness, EA: 1e4, GA2: 1e4, GA3: 1e4, GJ: 500, EI2: 500, EI3: 500, mass_per_length: 1,
+                  rotary_inertia: [10, 10, 10]}}
+        nodes: {{a: {{position: [6, 0, 0]}}, b: {{position: [0, 8, 0]}}}}
+        elements: {{rod: {{type: beam, nodes: [a, b], section: soft, up: [0, 0, 1], mesh: {n}}}}}
+        loads:
+          push: {{type: force, node: a, direction: [1, 0, 0], value: {{table: {{points: {points[8.0]}}}}}}}
+          turn: {{type: moment, node: a, direction: [0, 0, 1], value: {{table: {{points: {points[80.0]}}}}}}}
+        time: {{end: {end}, step: {step}, rho_inf: 0.95}}
+    """)
+
+
+def spaghetti_errors(n, step, end):
+    """Largest error of the ends [m] at each time of the reference, and of the energy, relative."""
+    march, errors = March(spaghetti(n, step, end)), {}
+    for time, (x1, y1, x2, y2, energy) in SPAGHETTI.items():
+        if time <= end:
+            i = int(np.argmin(np.abs(march.time - time)))
+            a, b = march["nodes/a/position"][i, :2], march["nodes/b/position"][i, :2]
+            off = np.abs([*(a - [x1, y1]), *(b - [x2, y2])]).max()
+            errors[time] = float(off), float(abs(march["energy/total"][i] / energy - 1.0))
+    return errors
+
+
+def test_spaghetti():
+    errors = spaghetti_errors(8, 0.01, 4.0)
+    assert max(off for off, _ in errors.values()) < 5e-3 and max(energy for _, energy in errors.values()) < 1e-3
+
+
+@pytest.mark.slow
+def test_spaghetti_to_the_accuracy_of_the_reference():
+    """The references with 8 and 12 elements differ by 8e-5."""
+    errors = spaghetti_errors(24, 1e-3, 10.0)
+    assert max(off for off, _ in errors.values()) < 3e-4 and max(energy for _, energy in errors.values()) < 1e-5

@@ -1,0 +1,27 @@
+"""The benchmarks of tests/benchmarks run: a few steps of mecano alone."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+RUN = Path(__file__).parent / "benchmarks" / "run.py"
+
+
+@pytest.mark.parametrize("case", ["chain-1", "four-bar-10", "gear-drop"])
+def test_a_case_runs(case):
+    options = ["--json", "--mecano-only", "--steps", "40", "--repetitions", "1"]
+    ended = subprocess.run([sys.executable, RUN, case, *options], capture_output=True, text=True, check=True)
+    found = json.loads(ended.stdout)
+    assert (found["case"], found["steps"]) == (case, 40) and "exudyn" not in found and "ratio" not in found
+    steps, iterations = found["mecano"]["counts"]
+    assert 40 <= steps <= 45 and iterations >= steps  # touch-downs cut steps
+    assert 5.0 < found["mecano"]["us_per_step"] < 1e5
+    assert 0.0 < found["mecano"]["error"] < 1e-2
+
+
+def test_without_a_case_it_says_which_there_are():
+    ended = subprocess.run([sys.executable, RUN, "chain"], capture_output=True, text=True)
+    assert ended.returncode == 2 and "'chain-100'" in ended.stderr

@@ -1,0 +1,119 @@
+"""Bars and cables: a fall on a slack rope, a hoist, damping that never pushes, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+from scipy.integrate import solve_ivp
+
+from mecano.elements import KINDS
+
+g = 9.81
+M, FALL, STIFFNESS = 50.0, 0.5, 5000.0
+OMEGA, TAUT = math.sqrt(STIFFNESS / M), math.sqrt(2 * FALL / g)
+SLACK = TAUT + (2 * math.pi - 2 * math.atan(g * TAUT * OMEGA / g)) / OMEGA
+PEAK = M * g * (1 + math.sqrt(1 + 2 * FALL * STIFFNESS / (M * g)))
+
+
+def test_fall_on_a_slack_rope():
+    """Taut at sqrt(2 h/g), exactly; slack again and peak with errors of the second order (closed form)."""
+    errors, drifts = [], []
+    for step in (2e-3, 1e-3, 5e-4):
+        march = March(input_deck("cable_snatch", f"time.step={step}", "time.end=0.75"))
+        assert [h.name for h in march.happenings] == ["goes taut", "goes slack"]
+        assert march.happenings[0].t == pytest.approx(TAUT, abs=1e-9)
+        tension = march["elements/rope/tension"]
+        errors.append((abs(march.happenings[1].t - SLACK), abs(tension.max() - PEAK) / PEAK))
+        assert tension.min() > -1e-9 * PEAK
+        np.testing.assert_allclose(march["elements/rope/stress"], tension / 8e-5, rtol=1e-14)
+        drifts.append(np.ptp(march["energy/balance"]))
+    errors = np.array(errors)
+    assert errors[-1].max() < 2e-6
+    assert errors[0, 0] / errors[2, 0] == pytest.approx(16.0, rel=0.2)
+    assert drifts[2] < 2e-4 and drifts[0] / drifts[2] == pytest.approx(16.0, rel=0.2)  # [J] of 245
+
+
+def length_of_the_wire(march):
+    """The one equation of the hoist, integrated to 1e-11: the length at the times of the march."""
+    m, mu, EA, tau = 200.0, 8.0, 5e5, 0.02
+
+    def natural(t):
+        u = min(max((t - 0.5) / 3.0, 0.0), 1.0)
+        return 10 - 4 * u**3 * (10 - 15 * u + 6 * u**2), -4 * 30 * u**2 * (1 - u) ** 2 / 3.0
+
+    def rate(t, y):
+        L, L1 = natural(t)
+        strain, strain_rate = y[0] / L - 1, y[1] / L - y[0] * L1 / L**2
+        return y[1], ((m + mu / 2) * g - EA * (strain + tau * strain_rate)) / (m + mu / 3)
+
+    ends = (0.0, 0.5, 3.5, march.time[-1])
+    y, found = np.array([10.04, 0.0]), []
+    for start, end in zip(ends, ends[1:], strict=False):
+        times = march.time[(march.time > start) & (march.time <= end)]
+        part = solve_ivp(rate, (start, end), y, method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
+        y = part.y[:, -1]
+        found.append(part.sol(times)[0])
+    return np.concatenate([[10.04], *found])
+
+
+def test_hoist():
+    """Length, hanging state and the work of the winch; errors of the second order."""
+    errors, drifts = [], []
+    for step in (4e-3, 2e-3):
+        march = March(input_deck("hoist", f"time.step={step}"))
+        errors.append(np.abs(march["elements/wire/length"] - length_of_the_wire(march)).max())
+        drifts.append(np.ptp(march["energy/balance"]))
+    assert errors[1] < 1e-6 and drifts[1] < 0.005  # [m] of 10, [J] of 8000
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
+    assert drifts[0] / drifts[1] == pytest.approx(4.0, rel=0.2)
+    weight = 204.0 * g
+    assert march["elements/wire/length"][-1] == pytest.approx(6 * (1 + weight / 5e5), rel=1e-6)
+    work = march["energy/given"][-1]
+    change = march["energy/potential"][-1] - march["energy/potential"][0]
+    assert work == pytest.approx(change + march["energy/dissipated"][-1], abs=0.1)
+    assert change == pytest.approx(weight * (10.04 - march["elements/wire/length"][-1]), rel=0.01)
+
+
+BOUNCE = """
+    mecano: 1
+    nodes:
+      anchor: {{position: [0, 0, 0], fixed: true}}
+      load: {{position: [0, 0, -1]}}
+    elements:
+      load: {{type: point_mass, node: load, mass: 2.0}}
+      rope: {{type: cable, nodes: [anchor, load], axial_stiffness: 2000, natural_length: {length}, damping: {damping}}}
+    time: {{end: 2.0, step: {step}}}
+"""
+
+
+@pytest.mark.parametrize("damping", [2e-3, 2e-2])
+def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
+    """It jumps to a force when it is taut at a speed, and is slack again before it is short (see the docstring)."""
+    drift = []
+    for step in (2e-3, 1e-3):
+        march = March(deck(BOUNCE.format(length=1.2, damping=damping, step=step)))
+        tension, strain = march["elements/rope/tension"], march["elements/rope/strain"]
+        assert tension.min() >= -1e-6 * tension.max()
+        assert {h.name for h in march.happenings} == {"goes taut", "goes slack"}
+        left = strain[[np.argmin(np.abs(march.time - h.t)) for h in march.happenings if h.name == "goes slack"]]
+        assert left[0] > 1e-4  # slack while longer than natural
+        drift.append(np.ptp(march["energy/balance"]) / np.ptp(march["energy/dissipated"]))
+    assert drift[1] < 2e-3 and drift[1] < 0.5 * drift[0]
+    assert np.all(np.diff(march["energy/dissipated"]) >= -1e-12)
+
+
+def test_stiffness_and_length_are_checked():
+    nodes = [(np.zeros(3), np.eye(3)), (np.array([2.0, 0, 0]), np.eye(3))]
+    for d, texts in (
+        ({}, ["give either 'axial_stiffness' or 'young_modulus' with 'area'"]),
+        (
+            {"axial_stiffness": 1.0, "young_modulus": 1.0},
+            ["give either 'axial_stiffness' or 'young_modulus' with 'area'"],
+        ),
+        ({"young_modulus": 1.0}, ["'area' is missing: 'young_modulus' alone gives no axial stiffness"]),
+        ({"axial_stiffness": 1.0, "natural_length": 0.0}, ["'natural_length' must be greater than zero at t = 0"]),
+        ({"young_modulus": 1.0, "area": 1.0}, []),
+    ):
+        for kind in (KINDS["bar"], KINDS["cable"]):
+            assert kind.check({**{f.name: f.default for f in kind.fields}, **d}, nodes) == texts

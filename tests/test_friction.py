@@ -1,0 +1,207 @@
+"""Friction in joints, driven by their reactions: a braked pendulum, a strut that binds, spinning bodies and shafts."""
+
+import math
+
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+from scipy.integrate import solve_ivp
+
+from mecano.elements import KINDS
+from mecano.errors import ConvergenceError
+from mecano.prepare import prepare, remarks
+
+g = 9.81
+
+
+def drag(mu, eps, v):
+    """Friction over normal force: mu phi(|v|) sign v (Oden & Martins 1985)."""
+    u = min(abs(v) / eps, 1.0)
+    return mu * u * (2.0 - u) * math.copysign(1.0, v)
+
+
+def pendulum(times, mu=0.4, r=0.04, eps=2e-3, start=1.2, m=1.0, L=0.5, J=0.01):
+    """Angle from the vertical at the times, of the one equation with the force in the pin, integrated to 1e-11."""
+
+    def rate(t, y):
+        theta, omega = y
+        c, turning = r * drag(mu, eps, r * omega), 0.0
+        for _ in range(60):  # the force in the pin depends on the angular acceleration
+            across, along = m * (L * turning + g * math.sin(theta)), m * (L * omega**2 + g * math.cos(theta))
+            found = -(m * g * L * math.sin(theta) + c * math.hypot(across, along)) / (m * L**2 + J)
+            if abs(found - turning) < 1e-15 * abs(found):
+                break
+            turning = found
+        return omega, turning
+
+    found = solve_ivp(
+        rate, (0.0, times[-1]), [start, 0.0], method="DOP853", rtol=1e-11, atol=1e-12, t_eval=times, max_step=2e-3
+    )
+    return found.y[0]
+
+
+def test_pendulum_braked_by_its_pin():
+    """The angle is that of the one equation, with errors of the second order in the step."""
+    errors, drifts = [], []
+    for step in (2e-3, 1e-3):
+        march = March(input_deck("friction_pendulum", f"time.step={step}", "time.end=1.5"))
+        exact = pendulum(march.time)
+        errors.append(np.abs(1.2 - march["joints/hinge/angle"] - exact).max())
+        drifts.append(np.ptp(march["energy/balance"]))
+    assert errors[1] < 1e-5 and drifts[1] < 1e-5  # [rad], [J] of 1
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3)
+    assert drifts[0] / drifts[1] == pytest.approx(4.0, rel=0.3)
+
+
+def test_small_swings_lose_a_constant_amplitude_and_end():
+    """Rigid bob, N = m g: each half swing is smaller by 2 mu r m g/(m g L); then it sticks within half of that."""
+    march = March(input_deck("friction_pendulum", "nodes.pin.orientation=[0, -0.2, 0]", "time.end=5"))
+    angle = 0.2 - march["joints/hinge/angle"]
+    turns = np.abs(angle[np.r_[0, np.flatnonzero(np.diff(np.sign(march["joints/hinge/rate"][1:]))) + 1]])
+    np.testing.assert_allclose(-np.diff(turns[:3]), 2 * 0.4 * 0.04 / 0.5, rtol=0.02)
+    assert abs(angle[-1]) < 0.4 * 0.04 / 0.5 and abs(march["joints/hinge/rate"][-1]) < 2e-3 / 0.04
+
+
+def test_strut_binds_beyond_the_threshold():
+    """mu < b/(2 a) slides with P/m (1 - 2 mu a/b); mu > b/(2 a) creeps at eps (1 - sqrt(1 - b/(2 mu a)))."""
+    march = March(input_deck("binding_strut"))
+    np.testing.assert_allclose(march["joints/rail_1/normal_force"], 6000.0, rtol=1e-9)
+    acceleration = np.diff(march["joints/rail_1/velocity"]) / np.diff(march.time)
+    np.testing.assert_allclose(acceleration[100:], 100.0 * (1 - 2 * 0.15 * 3), rtol=1e-7)
+    creep = 1e-3 * (1 - math.sqrt(1 - 1 / (6 * 0.18)))
+    assert march["joints/rail_2/velocity"][-1] == pytest.approx(creep, rel=1e-9)
+    assert march["joints/rail_2/friction_force"][-1] == pytest.approx(1000.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("mu", "slides"), [(0.166, True), (0.1675, False)])
+@pytest.mark.parametrize("kind", ["prismatic", "cylindrical"])
+def test_threshold_is_sharp_in_both_guides(kind, mu, slides):
+    """b/(2 a) = 0.16667; a cylindrical guide binds alike."""
+    rails = [f"joints.rail_{i}.{key}" for i in (1, 2) for key in (f"type={kind}", f"friction.coefficient={mu}")]
+    march = March(input_deck("binding_strut", *rails, "time.end=0.1"))
+    assert bool(march["joints/rail_2/velocity"][-1] > 2e-3) is slides
+
+
+BRAKED = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{slider: {{position: [0, 0, 0]}}}}
+    elements:
+      body: {{type: rigid_body, node: slider, mass: 10, inertia: [0.1, 0.1, 0.1], center_of_mass: [0.3, 0, 0]}}
+    joints:
+      rail:
+        type: prismatic
+        nodes: [ground, slider]
+        axis: [0, 0, 1]
+        friction: {{coefficient: {mu}, regularization: 1.0e-3, length: 0.1}}
+    loads: {{brake: {{type: force, node: slider, direction: [0, 0, 1], value: -100}}}}
+    initial: {{velocities: [{{nodes: [slider], velocity: [0, 0, 1]}}]}}
+    time: {{end: 3.0e-3, step: 1.0e-3}}
+"""
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.15, 0.16])
+def test_a_guide_that_inertia_presses(mu):
+    """A mass at the arm a: m s'' = P - 2 mu m |s''| a/b, so s'' = (P/m)/(1 - 2 mu a/b), from the first instant on."""
+    march = March(deck(BRAKED.format(mu=mu)))
+    exact = -10.0 / (1 - 2 * mu * 0.3 / 0.1)
+    np.testing.assert_allclose(np.diff(march["joints/rail/velocity"]) / 1e-3, exact, rtol=1e-7)
+    np.testing.assert_allclose(march["joints/rail/normal_force"], -2 * 10 * exact * 0.3 / 0.1, rtol=1e-6)
+
+
+def test_a_guide_that_no_acceleration_satisfies_is_told():
+    """Beyond mu = b/(2 a) that equation has no solution: the run ends, naming the guide."""
+    with pytest.raises(ConvergenceError, match="prismatic 'rail'"):
+        March(deck(BRAKED.format(mu=0.18)))
+
+
+SPIN = """
+    mecano: 1
+    nodes: {{body: {{position: [0, 0, 0]}}}}
+    elements:
+      body: {{type: rigid_body, node: body, mass: 2.0, inertia: [0.3, 0.3, 0.3], center_of_mass: {center}}}
+    joints:
+      joint: {{type: {kind}, nodes: [ground, body], {axes} friction: {{coefficient: 0.25, regularization: 1.0e-4, {geometry}}}}}
+    initial: {{velocities: [{{nodes: [body], angular_velocity: {spin}}}]}}
+    time: {{end: 0.1, step: 5.0e-3}}
+"""  # noqa: E501
+WEIGHT = 2.0 * g
+ENDS = abs(WEIGHT / 2 + 0.3 * WEIGHT / 0.4) + abs(WEIGHT / 2 - 0.3 * WEIGHT / 0.4)
+SPINNING = {
+    "radial": ("hinge", "axis: [0, 1, 0],", "radius: 0.05", [0, 0, 0], [0, 9, 0], 0.05 * WEIGHT),
+    "couple": ("hinge", "axis: [0, 1, 0],", "radius: 0.05, length: 0.4", [0, 0.3, 0], [0, 9, 0], 0.05 * ENDS),
+    "collar": ("hinge", "axis: [0, 0, 1],", "radius: 0.05, collar_radius: 0.2", [0, 0, 0], [0, 0, 9], 0.2 * WEIGHT),
+    "ball": ("spherical", "", "radius: 0.05", [0, 0, 0], [1, -4, 8], 0.05 * WEIGHT),
+    "pin of a": (
+        "universal", "axis_a: [1, 0, 0], axis_b: [0, 1, 0],", "radius_a: 0.05, radius_b: 0.07", [0, 0, 0], [9, 0, 0],
+        0.05 * WEIGHT,
+    ),
+    "pin of b": (
+        "universal", "axis_a: [1, 0, 0], axis_b: [0, 1, 0],", "radius_a: 0.05, radius_b: 0.07", [0, 0, 0], [0, -9, 0],
+        0.07 * WEIGHT,
+    ),
+    "around a guide": ("cylindrical", "axis: [0, 1, 0],", "radius: 0.05", [0, 0, 0], [0, 9, 0], 0.05 * WEIGHT),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SPINNING)
+def test_a_spinning_body_is_braked_evenly(case):
+    """J omega' = -mu (r N): constant, so that the rate falls linearly; N of both ends of a bearing by hand."""
+    kind, axes, geometry, center, spin, arm = SPINNING[case]
+    march = March(deck(SPIN.format(kind=kind, axes=axes, geometry=geometry, center=center, spin=spin)))
+    rate = np.linalg.norm(march["nodes/body/angular_velocity"], axis=1)
+    np.testing.assert_allclose(rate, np.linalg.norm(spin) - 0.25 * arm / 0.3 * march.time, rtol=1e-6)
+    powers = [march[path] for path in march.columns if "dissipated_power" in path]
+    np.testing.assert_allclose(sum(powers), 0.25 * arm * rate, rtol=1e-6)
+    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/kinetic"][0]
+
+
+def test_a_turning_shaft_slides_easily():
+    """Friction acts against the sliding of the surfaces, (s', r theta'): two equations, integrated to 1e-11."""
+    text = SPIN.format(
+        kind="cylindrical", axes="axis: [0, 1, 0],", geometry="radius: 0.05", center=[0, 0, 0], spin=[0, 20, 0]
+    )
+    text += "    loads: {push: {type: force, node: body, direction: [0, 1, 0], value: 2.0}}\n"
+    march = March(deck(text.replace("1.0e-4", "1.0e-2").replace("5.0e-3", "5.0e-4")))
+
+    def rate(t, y):
+        slide, turn = y[2], y[3]
+        u = math.hypot(slide, 0.05 * turn)
+        c = WEIGHT * drag(0.25, 1e-2, u) / u
+        return slide, turn, (2.0 - c * slide) / 2.0, -c * 0.05**2 * turn / 0.3
+
+    found = solve_ivp(rate, (0.0, 0.1), [0, 0, 0, 20.0], method="DOP853", rtol=1e-11, atol=1e-13, t_eval=march.time)
+    assert found.y[0, -1] > 1e-3  # the push alone is less than the friction of a shaft at rest, 4.9 N
+    np.testing.assert_allclose(march["joints/joint/displacement"], found.y[0], rtol=0, atol=1e-6 * found.y[0, -1])
+    np.testing.assert_allclose(march["joints/joint/rate"], found.y[3], rtol=1e-7)
+
+
+def test_friction_on_redundant_reactions_is_told():
+    """Two hinges on one axis share their loads in a way that the rigid model does not tell."""
+    text = SPIN.format(kind="hinge", axes="axis: [0, 1, 0],", geometry="radius: 0.05", center=[0, 0, 0], spin=[0, 9, 0])
+    for old, new in (
+        ("0, 0]}}", "0, 0]}, end: {position: [0, 1, 0]}}"),
+        ("center_of_mass", "attached: [end], center_of_mass"),
+        ("joints:\n", "joints:\n      other: {type: hinge, nodes: [ground, end], axis: [0, 1, 0]}\n"),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    said = remarks(prepare(deck(text)))
+    assert any("hinge 'joint'" in line and "friction" in line and "not unique" in line for line in said)
+    assert not any("the friction" in line for line in remarks(prepare(input_deck("friction_pendulum"))))
+
+
+REFUSED = [
+    ("hinge", {"radius": 0.1, "collar_radius": 0.0, "length": None}, {}, "a coefficient that is not negative"),
+    ("hinge", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be had with 'compliance'"),
+    ("prismatic", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be had with 'compliance'"),
+]
+
+
+@pytest.mark.parametrize(("kind", "friction", "more", "text"), REFUSED)
+def test_what_cannot_be_is_refused(kind, friction, more, text):
+    nodes = [(np.zeros(3), np.eye(3))] * 2
+    defaults = {field.name: field.default for field in KINDS[kind].fields if not field.required}
+    values = {**defaults, "axis": [0, 0, 1], "friction": {"coefficient": -0.1, **friction}, **more}
+    (found,) = KINDS[kind].check(values, nodes)
+    assert text in found

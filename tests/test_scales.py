@@ -1,0 +1,48 @@
+"""k and penalty only scale the linear system: whatever the deck says of them, motion and reactions are the same."""
+
+import numpy as np
+import pytest
+from marching import March, input_deck
+
+from mecano.solve.scales import TINY
+
+TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
+DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}
+SCALES = [
+    "k: 1.0",
+    "k: 1.0e+4",
+    "k: 1.0e+7",
+    "penalty: 0",
+    "penalty: 1.0",
+    "penalty: 1.0e+6",
+    "k: 30.0, penalty: 2000.0",
+]
+
+
+@pytest.fixture(scope="module", params=DECKS)
+def plain(request):
+    """(name of a deck, its end, the march with k and penalty chosen automatically)."""
+    name, end = request.param, DECKS[request.param]
+    return name, end, March(input_deck(name, f"time.end={end}", "time.adaptive=null", *TIGHT))
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_motion_and_reactions_do_not_depend_on_them(plain, scale):
+    name, end, wanted = plain
+    march = March(input_deck(name, f"time.end={end}", f"time.scale={{{scale}}}", "time.adaptive=null", *TIGHT))
+    given = dict(part.split(": ") for part in scale.split(", "))
+    if "k" in given:
+        assert march.march.method.k == float(given["k"])
+    if "penalty" in given:
+        assert march.march.method.penalty == float(given["penalty"])
+    assert len(march.time) == len(wanted.time) > 50
+    np.testing.assert_allclose(march.time, wanted.time, rtol=0, atol=1e-9)
+    sizes = {}
+    for c in wanted.columns.values():
+        sizes[c.unit] = max(sizes.get(c.unit, TINY), np.abs(wanted[c.path]).max())
+    redundant = bool(wanted.prepared.analysis.redundant)
+    for path, c in wanted.columns.items():
+        if redundant and c.unit in ("N", "N m"):
+            continue  # not unique
+        close = 1e-6 if c.unit in ("N", "N m", "W", "J") else 1e-9
+        np.testing.assert_allclose(march[path], wanted[path], rtol=0, atol=close * sizes[c.unit], err_msg=path)
