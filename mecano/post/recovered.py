@@ -19,7 +19,7 @@ class Inner:
     displacements: np.ndarray  # (times, n, 3) [m], from their place in the frame, axes of the frame
 
 
-def inner_names(d):
+def nodes_inside(d):
     """Names of the nodes inside a superelement with these deck values; none where its file has no shapes."""
     return d["file"].get("interior_names") or [] if d.get("type") == KIND else []
 
@@ -40,7 +40,7 @@ def recover(results, name, d, rows=slice(None)):
     displacements = (np.hstack([*pairs, *amplitudes]) @ basis.T).reshape(-1, *places.shape)
     origin, turn = value("frame_origin"), _matrices(value("frame_rotation"))
     positions = origin[:, None] + np.einsum("tij,tnj->tni", turn, places + displacements)
-    return Inner(inner_names(d), positions, displacements)
+    return Inner(nodes_inside(d), positions, displacements)
 
 
 def _matrices(quaternions):
@@ -70,7 +70,7 @@ def named(results, name):
         return None
     for element, d in results.resolved.get("elements", {}).items():
         node = stem.removeprefix(f"{element}.")
-        if node != stem and node in inner_names(d):
+        if node != stem and node in nodes_inside(d):
             found = recover(results, element, d)
             doc, field = WHATS[what]
             return f"elements/{element}/{node}/{what}", doc, getattr(found, field)[:, found.names.index(node)], component

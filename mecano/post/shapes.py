@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.post.recovered import inner_names, lines, recover
+from mecano.model.mesh import divided_nodes, inner_names
+from mecano.post.recovered import lines, nodes_inside, recover
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 RIM_POINTS = 49
@@ -30,7 +31,8 @@ class Motion:
 
     def __init__(self, run, rows):
         self.run, self.rows = run, rows
-        self.nodes = [name for name in run.deck.get("nodes", {}) if f"nodes/{name}/position" in run.paths]
+        names = [name for path, d in run.things.items() for name in inner_names(path.partition("/")[2], d)]
+        self.nodes = [name for name in [*run.deck.get("nodes", {}), *names] if f"nodes/{name}/position" in run.paths]
 
     def position(self, node):
         """Positions (instants, 3) [m] of a node."""
@@ -62,7 +64,7 @@ def shapes(motion):
         if section != "loads":
             found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
     for name in motion.nodes:
-        if motion.run.deck["nodes"][name].get("fixed"):
+        if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
     order = (WHEEL, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
@@ -91,11 +93,8 @@ def _rod(motion, name, d):
 
 
 def _beam(motion, name, d):
-    """A line through the nodes of its elements."""
-    inner = [f"{name}.{i}" for i in range(1, int(d.get("mesh", 1)))]
-    nodes = [d["nodes"][0], *(node for node in inner if f"nodes/{node}/position" in motion.run.paths), d["nodes"][1]]
-    nodes = [node for node in nodes if f"nodes/{node}/position" in motion.run.paths]
-    return [Shape(ROD, name, np.stack([motion.position(node) for node in nodes], axis=1))] if len(nodes) > 1 else []
+    """The line through all nodes of a member."""
+    return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
 
 
 def _superelement(motion, name, d):
@@ -104,7 +103,7 @@ def _superelement(motion, name, d):
     if len(nodes) < len(d["nodes"]):
         return []
     points = [motion.position(node) for node in nodes]
-    if inner_names(d):
+    if nodes_inside(d):
         inner = recover(motion.run.results, name, d, motion.rows)
         points += list(np.moveaxis(inner.positions, 1, 0))
     return [Shape(ROD, name, np.stack([points[i] for i in chain], axis=1)) for chain in lines(d)]
@@ -159,6 +158,7 @@ def _flattened(points, ground):
 
 
 SHAPES = {
+    "beam": _beam,
     "rigid_body": _body,
     "point_mass": _mass,
     "spring_damper": _spring,
