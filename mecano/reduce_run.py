@@ -47,7 +47,9 @@ def part_of(deck, elements, boundary):
         raise UsageError(f"the deck has no element or joint '{unknown[0]}'; it has {', '.join(known[:12])}")
     parts = [element for element in parts if not elements or element.name in elements]
     used = {name for element in parts for name in element_nodes(KINDS[element.values["type"]], element.values)}
-    inside = {name for element in parts if "mesh" in element.values for name in inner_names(element.name, element.values)}
+    inside = {
+        name for element in parts if "mesh" in element.values for name in inner_names(element.name, element.values)
+    }
     for name in boundary:
         if name not in used | inside:
             raise UsageError(f"node '{name}' is none of the part; it has {', '.join(sorted(used)[:12])}")
@@ -103,5 +105,7 @@ def text(path, nodes, result):
         f"inside           {result.inner} degrees of freedom besides the boundary",
     ]
     if kept:
-        lines.append(f"boundary held    {lowest}{', ...' if kept > SHOWN else ''} Hz, up to {result.frequencies[-1]:.6g} Hz")
+        lines.append(
+            f"boundary held    {lowest}{', ...' if kept > SHOWN else ''} Hz, up to {result.frequencies[-1]:.6g} Hz"
+        )
     return "\n".join(lines)

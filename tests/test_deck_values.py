@@ -40,12 +40,12 @@ def test_defaults_are_filled_in():
                 "count": 1,
             }
         },
-        "sections": {},
         "joints": {},
         "loads": {},
         "laws": {},
         "grounds": {},
         "tire_laws": {},
+        "sections": {},
         "initial": {"static": None, "velocities": []},
         "time": {
             "start": 0.0,

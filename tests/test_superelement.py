@@ -7,6 +7,8 @@ from instances import expand, samples
 from marching import March, deck, input_deck
 from scipy.spatial.transform import Rotation
 
+from mecano.deck.build import build, set_velocities
+from mecano.deck.read import deck_of_bytes
 from mecano.elements.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
@@ -175,14 +177,16 @@ def test_thousand_turns_leave_no_strain():
 
 def test_rigid_motions_have_the_energy_of_the_full_model(tmp_path):
     """A bent frame in flight: kinetic energy, momentum of all its parts, potential energy of its weight."""
-    frame = BAR.replace("mesh: 8}", "mesh: 4, via: [0.5, 0.4, 0.4]}").replace("gravity: [0, 0, 0]", "gravity: [1, 2, 3]")
+    frame = BAR.replace("mesh: 8}", "mesh: 4, via: [0.5, 0.4, 0.4]}").replace(
+        "gravity: [0, 0, 0]", "gravity: [1, 2, 3]"
+    )
     reduce_part(deck(frame), tmp_path / "part.npz", nodes=["root", "tip"], number=3)
-    from mecano.deck.read import deck_of_bytes
 
     small = frame.split("sections:")[0] + "elements: {s: {type: superelement, nodes: [root, tip], file: part.npz}}\n"
     small = deck_of_bytes((small + "time: {end: 1, step: 0.1}\n").encode(), str(tmp_path / "small.yaml"))
-    motion = "initial: {velocities: [{nodes: all, velocity: [1, 2, -1], angular_velocity: [3, -5, 2], about: [0, 0, 0]}]}"
-    from mecano.deck.build import build, set_velocities
+    motion = (
+        "initial: {velocities: [{nodes: all, velocity: [1, 2, -1], angular_velocity: [3, -5, 2], about: [0, 0, 0]}]}"
+    )
 
     found = []
     for one in (deck(frame + motion), small):
@@ -196,7 +200,6 @@ def test_rigid_motions_have_the_energy_of_the_full_model(tmp_path):
 
 
 def _with(small, motion, folder):
-    from mecano.deck.read import deck_of_bytes
 
     return deck_of_bytes((small.text + motion).encode(), str(folder / "small.yaml"))
 
@@ -241,8 +244,12 @@ def test_inner_nodes_follow_the_full_model(tmp_path):
     )  # fmt: skip
     reduce_part(deck(BAR), tmp_path / "bar.npz", nodes=["root", "tip"], number=None)
     head, tail = base.split("sections:")
-    small = head + "elements: {s: {type: superelement, nodes: [root, tip], file: bar.npz}}\n" + "loads:" + tail.split("loads:")[1]
-    from mecano.deck.read import deck_of_bytes
+    small = (
+        head
+        + "elements: {s: {type: superelement, nodes: [root, tip], file: bar.npz}}\n"
+        + "loads:"
+        + tail.split("loads:")[1]
+    )
 
     run(deck(base), tmp_path / "full.h5")
     run(deck_of_bytes(small.encode(), str(tmp_path / "small.yaml")), tmp_path / "small.h5")

@@ -111,7 +111,9 @@ def _rigid(arrays, positions, n):
                 found.append(f"'stiffness' resists a rigid {name} along {axis}; {EXPECTED}")
     block = translations.T @ M @ translations
     if np.abs(block - mass * np.eye(3)).max() > RIGID * mass:
-        found.append(f"'mass' is not the same along x, y and z: {', '.join(f'{m:.6g}' for m in np.diag(block))}; {EXPECTED}")
+        found.append(
+            f"'mass' is not the same along x, y and z: {', '.join(f'{m:.6g}' for m in np.diag(block))}; {EXPECTED}"
+        )
     C = translations.T @ M @ rotations
     if np.abs(C + C.T).max() > RIGID * max(np.abs(C).max(), np.sqrt(mass * np.abs(rotations.T @ M @ rotations).max())):
         found.append(f"'mass' does not move as one body in rigid rotations; {EXPECTED}")

@@ -24,10 +24,23 @@ from numba import njit
 from mecano.contract import Kind, Output, record
 from mecano.elements.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.superelement_force import (
-    add_forces, add_product, first_moment, frame_moment, mean_force, of_motion,
+    add_forces,
+    add_product,
+    first_moment,
+    frame_moment,
+    mean_force,
+    of_motion,
 )  # fmt: skip
 from mecano.elements.superelement_frame import (
-    FORCE, MOMENTUM, ROWS, U, U_RATE, V, configuration, turning, velocities,
+    FORCE,
+    MOMENTUM,
+    ROWS,
+    U_RATE,
+    U,
+    V,
+    configuration,
+    turning,
+    velocities,
 )  # fmt: skip
 from mecano.elements.superelement_tangent import TANGENT_ROWS, add_tangents
 from mecano.maths.nowhere import wanted
@@ -39,7 +52,7 @@ RECORD = record(n_nodes="i", n_modes="i", table="i", damped="i", mass=(), square
 NODE_OUTPUTS = (
     ("displacement", "m", "displacement of boundary node {} from its place in the frame, axes of the frame"),
     ("rotation", "rad", "rotation vector of boundary node {} from its direction in the frame, axes of the frame"),
-    ("force", "N", "force of the rest of the model on boundary node {}, inertial; inertia of the superelement included"),
+    ("force", "N", "force of the rest of the model on boundary node {}, inertial; own inertia included"),
     ("moment", "N m", "moment of the rest of the model on boundary node {}, inertial"),
 )
 

@@ -21,7 +21,16 @@ are those of Lagrange's equations of T and V without any neglect: with :math:`p 
 from numba import njit
 
 from mecano.elements.superelement_frame import (
-    FORCE, INERTIA, MOMENTUM, U, U_RATE, V, V_RATE, axes, place, tail,
+    FORCE,
+    INERTIA,
+    MOMENTUM,
+    U_RATE,
+    V_RATE,
+    U,
+    V,
+    axes,
+    place,
+    tail,
 )  # fmt: skip
 from mecano.maths.vec import ZERO, add, add_vec, cross, mat, mul, scale, sub, tmul, vec
 

@@ -22,7 +22,23 @@ from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
 from mecano.maths.vec import (
-    EYE, ZERO, add, cross, dot, madd, mat, matmul, mscale, mul, outer, put, scale, sub, tmul, transpose, vec,
+    EYE,
+    ZERO,
+    add,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    outer,
+    put,
+    scale,
+    sub,
+    tmul,
+    transpose,
+    vec,
 )  # fmt: skip
 
 # Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities, accelerations in the axes of the

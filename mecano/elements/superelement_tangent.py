@@ -8,12 +8,46 @@ from numba import njit
 
 from mecano.elements.superelement_force import first_moment, material_moment, mean_force, products, rotary
 from mecano.elements.superelement_frame import (
-    DFORCE, DINERTIA, DMOMENTUM, DU, DU_RATE, DV, DV_RATE, FORCE, INERTIA, MOMENTUM, ROWS, U, V, A, axes, mean, own_spin,
-    place, stiffened, tail,
+    DFORCE,
+    DINERTIA,
+    DMOMENTUM,
+    DU,
+    DU_RATE,
+    DV,
+    DV_RATE,
+    FORCE,
+    INERTIA,
+    MOMENTUM,
+    ROWS,
+    A,
+    U,
+    V,
+    axes,
+    mean,
+    own_spin,
+    place,
+    stiffened,
+    tail,
 )  # fmt: skip
 from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
 from mecano.maths.vec import (
-    EYE, ZERO, add, add_vec, cross, cross_columns, dot, madd, mat, mscale, mul, outer, put, scale, sub, tmul, vec,
+    EYE,
+    ZERO,
+    add,
+    add_vec,
+    cross,
+    cross_columns,
+    dot,
+    madd,
+    mat,
+    mscale,
+    mul,
+    outer,
+    put,
+    scale,
+    sub,
+    tmul,
+    vec,
 )  # fmt: skip
 
 PSI, COLUMN = ROWS, ROWS + 1

@@ -73,7 +73,12 @@ def named(results, name):
         if node != stem and node in nodes_inside(d):
             found = recover(results, element, d)
             doc, field = WHATS[what]
-            return f"elements/{element}/{node}/{what}", doc, getattr(found, field)[:, found.names.index(node)], component
+            return (
+                f"elements/{element}/{node}/{what}",
+                doc,
+                getattr(found, field)[:, found.names.index(node)],
+                component,
+            )
     return None
 
 

@@ -164,7 +164,6 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
-    "beam": _beam,
     "superelement": _superelement,
     "wheel": _wheel,
 }

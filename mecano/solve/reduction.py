@@ -203,7 +203,9 @@ def _without_rigid_forces(K, positions):
 def _interior(system, nodes, T, axes):
     """Names, places and displacements (3 rows each) of the nodes inside the part."""
     of = system.numbering
-    inner = [i for i in range(len(system.nodes)) if i not in nodes and of.x[i] < of.n_q and " " not in system.nodes[i].name]
+    inner = [
+        i for i in range(len(system.nodes)) if i not in nodes and of.x[i] < of.n_q and " " not in system.nodes[i].name
+    ]
     if not inner:
         return {}
     basis = np.concatenate([axes.T @ T[of.x[i] : of.x[i] + 3] for i in inner])
