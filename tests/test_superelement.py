@@ -84,7 +84,8 @@ def test_a_part_of_a_frame_with_joints_inside():
     """Two bars that a fixed joint holds together have the frequencies of one bar; damping is reduced with them."""
     two = BAR.replace(
         "  tip: {position: [1.1, 0.4, 0.3], orientation: [0, 0, 1.0]}",
-        "  tip: {position: [1.1, 0.4, 0.3]}\n  m1: {position: [0.65, 0.25, 0.15]}\n  m2: {position: [0.65, 0.25, 0.15]}",
+        "  tip: {position: [1.1, 0.4, 0.3]}\n"
+        "  m1: {position: [0.65, 0.25, 0.15]}\n  m2: {position: [0.65, 0.25, 0.15]}",
     )
     two = two.replace("density: 2700}", "density: 2700, damping: 1.0e-4}").replace(
         "  arm: {type: beam, nodes: [root, tip], section: bar, up: [0, 0, 1], mesh: 8}",

@@ -33,7 +33,7 @@ def resistance(K, r):
 
 
 def mass_moments(mass, positions):
-    """Mass [kg], first moment [kg m] about the mean of the nodes (3,), inertia [kg m2] about it (3, 3), loads M r (n, 3)."""
+    """Mass [kg]; about the mean of the nodes first moment [kg m] (3,) and inertia [kg m2] (3, 3); loads M r (n, 3)."""
     M = np.asarray(mass, float)
     translations, rotations = rigid_motions(positions, len(M))
     loads = M @ translations
@@ -89,7 +89,8 @@ def _quadratic_form(key, A):
     gap = np.abs(A - A.T)
     if gap.max(initial=0.0) > SYMMETRY * largest:
         i, j = np.unravel_index(np.argmax(gap), A.shape)
-        yield f"'{key}' is not symmetric: entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {A[i, j]:.6g} and {A[j, i]:.6g}"
+        pair = f"({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {A[i, j]:.6g} and {A[j, i]:.6g}"
+        yield f"'{key}' is not symmetric: entries {pair}"
         return
     # the unit of rows of rotations and of amplitudes is another one: a scaling to equal diagonals takes that out
     scale = np.sqrt(np.maximum(np.diag(A), 1e-30 * largest + 1e-300))
@@ -127,7 +128,7 @@ EXPECTED = (
 
 
 def misplaced(reduced, nodes):
-    """Which node is not where the superelement has it, as a text, or ""; ``nodes`` are (x (3,), R (3, 3)) of a model."""
+    """Which node is not where the superelement has it, as a text, or ""; ``nodes`` are (x (3,), R (3, 3))."""
     X = np.array(reduced["positions"], float)
     x = np.array([place for place, _ in nodes])
     off = np.linalg.norm((x - x[0]) - (X - X[0]) @ nodes[0][1].T, axis=1)

@@ -96,8 +96,8 @@ def main(pieces):
                 print(f"{n} superelements: {str(error)[:300]}", flush=True)
                 continue
             error = np.abs(np.interp(times, t, lag) - full).max() / largest
-            print(f"{n} superelements: error {100.0 * error:.3f} %, stretch at the end {stretch[-1]:.3e} m, {cost:.2f} s, "
-                  f"{iterations} iterations", flush=True)  # fmt: skip
+            print(f"{n} superelements: error {100.0 * error:.3f} %, stretch at the end {stretch[-1]:.3e} m, "
+                  f"{cost:.2f} s, {iterations} iterations", flush=True)  # fmt: skip
 
 
 if __name__ == "__main__":
