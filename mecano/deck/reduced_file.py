@@ -1,8 +1,8 @@
 """Reduced matrices of superelements: in the deck, or in .yaml, .npz and .h5 files beside it.
 
 All have the same keys: ``positions``, ``stiffness``, ``mass``, perhaps ``damping`` and, to recover inner motions,
-``interior_names``, ``interior_positions``, ``interior_basis``, and ``lines`` to draw. A .yaml file, the deck itself, and
-texts in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
+``interior_names``, ``interior_positions``, ``interior_basis``, and ``lines`` to draw. A .yaml file, the deck, and texts
+in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
 """
 
 import hashlib

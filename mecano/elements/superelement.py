@@ -11,9 +11,9 @@ shapes that give the motion of the inner nodes again. The deck's nodes must stan
 
 Exact: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the balances of
 momentum and energy, small vibrations about a place at rest. Neglected: what deformations do to deformations (no
-stiffening by forces inside, no shortening by bending), and the velocities that the rotation of the frame gives to the inner modes:
-their share of the centrifugal and Coriolis forces. Cut a part into several superelements where that matters
-(docs/superelements.md).
+stiffening by forces inside, no shortening by bending), and the velocities that the rotation of the frame gives to the
+inner modes: their share of the centrifugal and Coriolis forces. Cut a part into several superelements where that
+matters (docs/superelements.md).
 """
 
 from functools import cache
