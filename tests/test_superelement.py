@@ -12,6 +12,7 @@ from mecano.deck.read import deck_of_bytes
 from mecano.elements.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
+from mecano.modes_run import modes
 from mecano.post.quantity import find
 from mecano.post.recovered import recover
 from mecano.reduce_run import part_of, reduce_part
@@ -19,6 +20,7 @@ from mecano.results.reader import open_results
 from mecano.run import run
 from mecano.solve.linearize import linearize
 from mecano.solve.reduction import reduce
+from mecano.static_run import run as run_static
 
 BAR = """
 mecano: 1
@@ -260,3 +262,35 @@ def test_inner_nodes_follow_the_full_model(tmp_path):
         size = np.ptp(expected[:, 2])
         assert size > 5e-5
         np.testing.assert_allclose(z.values, expected[:, 2], rtol=0, atol=2e-3 * size)
+
+
+def clamped(folder, rest):
+    """The bar reduced with all modes, clamped at its root, with more sections of the deck."""
+    reduce_part(deck(BAR), folder / "bar.npz", nodes=["root", "tip"], number=None)
+    head = BAR.split("sections:")[0].replace("root: {", "root: {fixed: true, ")
+    text = head + "elements: {s: {type: superelement, nodes: [root, tip], file: bar.npz}}\n" + rest
+    return deck_of_bytes(text.encode(), str(folder / "small.yaml"))
+
+
+def test_modes_of_a_deck_and_of_a_saved_state(tmp_path):
+    """First bending of the clamped bar, about the start and about a state of a run, whose amplitudes it takes up."""
+    small = clamped(tmp_path, "time: {end: 0.002, step: 0.001}")
+    full = deck(BAR.replace("root: {", "root: {fixed: true, "))
+    expected = modes(full, None, number=3)[1].frequency
+    np.testing.assert_allclose(modes(small, None, number=3)[1].frequency, expected, rtol=1e-7)
+    run(small, tmp_path / "small.h5")
+    again = modes(small, None, at=str(tmp_path / "small.h5"), number=3)[1].frequency
+    np.testing.assert_allclose(again, expected, rtol=1e-7)
+
+
+def test_static_deflection(tmp_path):
+    """P L^3/(3 EI) + P L/(k GA) across the bar towards the wide side of its section, for a small force."""
+    small = clamped(tmp_path, "loads: {f: {type: force, node: tip, value: 0.01, direction: [0.316227766, -0.948683298, 0]}}\n"
+                    "static: {}")  # fmt: skip
+    final = run_static(small, tmp_path / "static.h5")
+    assert final is not None
+    with open_results(tmp_path / "static.h5") as results:
+        x = results["nodes/tip/position"].values[-1] - np.array([1.1, 0.4, 0.3])
+    L, E, area, inertia = np.sqrt(0.99), 7.0e10, 0.04 * 0.02, 0.02 * 0.04**3 / 12.0
+    bending, shear = 0.01 * L**3 / (3 * E * inertia), 0.01 * L / (5 / 6 * E / 2.6 * area)
+    assert np.linalg.norm(x) == pytest.approx(bending + shear, rel=1e-3)
