@@ -285,8 +285,8 @@ def test_modes_of_a_deck_and_of_a_saved_state(tmp_path):
 
 def test_static_deflection(tmp_path):
     """P L^3/(3 EI) + P L/(k GA) across the bar towards the wide side of its section, for a small force."""
-    small = clamped(tmp_path, "loads: {f: {type: force, node: tip, value: 0.01, direction: [0.316227766, -0.948683298, 0]}}\n"
-                    "static: {}")  # fmt: skip
+    load = "f: {type: force, node: tip, value: 0.01, direction: [0.316227766, -0.948683298, 0]}"
+    small = clamped(tmp_path, f"loads: {{{load}}}\nstatic: {{}}\n")
     final = run_static(small, tmp_path / "static.h5")
     assert final is not None
     with open_results(tmp_path / "static.h5") as results:
