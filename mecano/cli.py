@@ -105,6 +105,39 @@ def modes(deck, at, number, frame, solver, output, plot, force, overrides):
         _show(str(draw_modes(path)))
 
 
+@commands.command(name="reduce")
+@click.argument("deck", type=click.Path())
+@click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all of the deck.")
+@click.option("--nodes", metavar="A,B,...", required=True, help="Its boundary nodes, which the superelement will have.")
+@click.option("--modes", "number", metavar="N|all", default="10", show_default=True, help="Modes kept.")
+@click.option("-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, here.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@overrides
+def reduce_(deck, elements, nodes, number, output, force, overrides):
+    """Reduce a part of a deck to matrices over its boundary nodes and modes: the file of a superelement.
+
+    Of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these held, about
+    the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
+    """
+    if number != "all" and not number.isdigit():
+        raise click.BadParameter("must be a whole number or 'all'", param_hint="--modes")
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(deck, overrides)
+    path = output or os.path.splitext(os.path.basename(deck))[0] + ".npz"
+    from mecano.reduce_run import reduce_part
+
+    told, _ = reduce_part(
+        checked, path, elements=_names(elements), nodes=_names(nodes),
+        number=None if number == "all" else int(number), force=force,
+    )  # fmt: skip
+    _show(told)
+
+
+def _names(text):
+    return [name.strip() for name in text.split(",") if name.strip()] if text else []
+
+
 @commands.command()
 @click.argument("deck", type=click.Path())
 @overrides

@@ -10,7 +10,7 @@ order:
     m       (n_memory,) memory, read only: what ``commit`` wrote on the last accepted step
     mode    index into ``modes``
     t       time [s]
-    laws    flat table of all laws of the model (see mecano.laws)
+    laws    flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
     # state in
     q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], borrowed ones
     v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 for multipliers
@@ -133,7 +133,8 @@ class Kind:
     """(deck values, nodes) -> ([(x, R)] of the nodes between, [values of each element]) of a member that its value
     ``mesh`` divides into several elements of the kind"""
     variant: Callable | None = None
-    """deck values -> the Kind, of the same fields and outputs, that takes its place in the model for these values"""
+    """deck values -> the Kind, of the same fields and outputs, that takes its place in the model for these values; of
+    outputs that are numbered (force_1, force_2) it has as many as the values ask for, this kind only the first"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing

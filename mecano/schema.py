@@ -38,6 +38,8 @@ GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
 
 SECTION = Type("section", "the name of a cross section")
+REDUCED = Type("reduced", "a .yaml, .npz or .h5 file of reduced matrices, or a mapping as in such a file")
+ROWS = Type("rows", "a list of rows of numbers, or the name of a .mtx or .npy file")
 
 
 def pair_of(type_):

@@ -54,21 +54,30 @@ def _placed(prepared, results, row):
     missing = [name for _, name in nodes if f"nodes/{name}/position" not in results.series]
     if missing:
         raise ResultsError(f"{results.path} does not belong to this deck: it has no node '{missing[0]}'")
-    if system.numbering.n_q and any(b.kind.scalars for b in system.batches):
-        _refuse_scalars(system, results)
+    scalars = list(_scalars(system, results))
     traces = {name: [results.find(f"nodes/{name}/{c}").values for c in columns] for _, name in nodes}
     watch, state = Watch(system), prepared.state.copy()
     for r in range(first, row + 1):
         for i, name in nodes:
             _place_node(system, state, i, *(values[r] for values in traces[name]))
+        for place, value, rate in scalars:
+            state.z[place], state.v[place] = value[r], rate[r]
         state = watch.settle(state)
         state.memory = system.commit(state)
     return state
 
 
-def _refuse_scalars(system, results):
-    name, kind = next((b.names[0], b.kind) for b in system.batches if b.kind.scalars)
-    raise ResultsError(f"{results.path} does not hold the unknowns of {name}: {', '.join(kind.scalars)}")
+def _scalars(system, results):
+    """(entry of z, values, rates) of all own unknowns of elements: outputs of their names, and with "_rate"."""
+    for b in system.batches:
+        first = 3 * len(b.kind.layout)
+        for owner, dofs in zip(b.names if b.kind.scalars else (), b.dofs, strict=False):
+            path = f"{b.kind.section}/{owner.split(chr(39))[1]}"
+            for i, name in enumerate(b.kind.scalars):
+                if f"{path}/{name}" not in results.series or f"{path}/{name}_rate" not in results.series:
+                    raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
+                traces = (results[f"{path}/{name}"].values, results[f"{path}/{name}_rate"].values)
+                yield dofs[first + i], *traces
 
 
 def _place_node(system, s, i, position, quaternion, velocity, omega):

@@ -4,6 +4,7 @@ from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.physics import check_model
+from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve
 from mecano.deck.scope import INVALID, Scope
 from mecano.deck.wording import found
@@ -40,6 +41,8 @@ CHECKS = {
     "ground": values.name_in("grounds"),
     "tire_law": values.name_in("tire_laws"),
     "section": values.name_in("sections"),
+    "reduced": reduced,
+    "rows": rows,
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,

@@ -40,7 +40,8 @@ class Scope:
     parameters: dict = field(default_factory=dict)  # name -> number, or None when it was refused
     references: list = field(default_factory=list)
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
-    tables: dict = field(default_factory=dict)  # name of a file read -> points
+    tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
+    beside: str = ""  # folder, below that of the deck, of the file at hand, where files that it names are looked for
     defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
     subject: str = ""  # "hinge 'knee'"
     path: list = field(default_factory=list)  # keys between the subject and the value at hand

@@ -41,11 +41,19 @@ def table(name, node, scope):
     return scope.tables[name]
 
 
-def _source(name, node, scope):
+def within(name, node, scope):
+    """The path of a file in the folder of the deck or below it; None with the problem noted when it is elsewhere."""
     folder = os.path.realpath(scope.folder)
     path = os.path.realpath(os.path.join(folder, name))
     if os.path.isabs(name) or os.path.commonpath([folder, path]) != folder:
         scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
+        return None
+    return path
+
+
+def _source(name, node, scope):
+    path = within(name, node, scope)
+    if path is None:
         return None
     try:
         source, digest = read_source(path, os.path.join(scope.folder, name))

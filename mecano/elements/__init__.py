@@ -24,6 +24,7 @@ from mecano.elements.rigid_wheel import RIGID_WHEEL
 from mecano.elements.skate import SKATE
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
+from mecano.elements.superelement import SUPERELEMENT
 from mecano.elements.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.universal import UNIVERSAL
 from mecano.elements.wheel import WHEEL
@@ -34,7 +35,7 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
-        BEAM, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING,
+        BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
     )

@@ -34,6 +34,12 @@ class LawTable:
             self._numbers += [float(CODES[name]), float(len(numbers)), *numbers]
         return start
 
+    def append(self, numbers):
+        """Append numbers that are no law, for an element that needs more of them than a record holds; their start."""
+        start = len(self._numbers)
+        self._numbers += np.asarray(numbers, float).ravel().tolist()
+        return start
+
     def array(self):
         """The table, (n,) float64, as the kernels take it."""
         return np.array(self._numbers)

@@ -39,3 +39,14 @@ def _forget(A, index, value):
 @overload(operator.getitem)
 def _zero(A, index):
     return (lambda A, index: 0.0) if _is_nowhere(A, index) else None
+
+
+def wanted(A):
+    """False for NOWHERE, true for an array: known to the compiler, which then leaves out what is under it."""
+    return not isinstance(A, Nowhere)
+
+
+@overload(wanted)
+def _wanted(A):
+    named = isinstance(A, types.BaseNamedTuple) and A.instance_class is Nowhere
+    return (lambda A: False) if named else (lambda A: True)

@@ -235,15 +235,19 @@ PURPOSES = {
 }  # fmt: skip
 
 
-@cache
 def loop_of(kind, template):
     """The compiled loop ``template`` for a kind, cached on disk, or None when the kind has no such function."""
-    function, name = getattr(kind, PURPOSES[template]), f"{template.__name__}_{kind.name}"
-    if function is None:
-        return None
+    function = getattr(kind, PURPOSES[template])
+    return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)
+
+
+@cache
+def _compiled(template, function, parameters, of_rates, kind_name):
+    """The loop; kinds that differ in the number of their unknowns only (Kind.variant) have one loop."""
+    name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(
         template.__code__,
-        {**template.__globals__, "function": function, "parameters": kind.dtype, "of_rates": kind.of_rates},
+        {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates},
         name,
     )
     bound.__qualname__ = name

@@ -5,6 +5,7 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
 
     <vector>.magnitude      length of a vector
     <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
+    <superelement>.<node>.position, displacement    of a node inside a superelement
     <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
     solver.<column>         solver history, a value for each accepted step
     time
@@ -16,6 +17,7 @@ import numpy as np
 
 from mecano.deck.wording import suggestion
 from mecano.errors import UsageError
+from mecano.post import recovered
 
 MAGNITUDE = ".magnitude"
 SAVED, STEPS = "saved times", "accepted steps"
@@ -106,6 +108,8 @@ def _found(results, name):
         if not paths:
             raise UsageError(f"no output of {results.path} fits '{name}'; `mecano info --names` lists them")
         return [q for path in paths for q in find(results, path)]
+    if inner := recovered.named(results, name):
+        return _recovered(results, *inner)
     if name.endswith(MAGNITUDE):
         return [_magnitude(results.find(name.removesuffix(MAGNITUDE)))]
     stem, _, last = name.replace("/", ".").rpartition(".")
@@ -141,6 +145,14 @@ def _components(trace):
         Quantity(path, trace.unit, trace.doc, SAVED, trace.time, values)
         for path, values in zip(paths, numbers.T, strict=True)
     ]
+
+
+def _recovered(results, path, doc, values, component):
+    """All components, the one asked for, or the magnitude, of a node inside a superelement."""
+    columns = dict(zip("xyz", values.T, strict=True))
+    columns["magnitude"] = np.linalg.norm(values, axis=1)
+    wanted = [component] if component else ["x", "y", "z"]
+    return [Quantity(f"{path}.{c}", "m", doc, SAVED, results.time, columns[c]) for c in wanted]
 
 
 def _magnitude(trace):

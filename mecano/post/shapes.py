@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.model.mesh import divided_nodes, inner_names
+from mecano.post.recovered import lines, nodes_inside, recover
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 RIM_POINTS = 49
@@ -96,6 +97,18 @@ def _beam(motion, name, d):
     return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
 
 
+def _superelement(motion, name, d):
+    """Lines through its boundary nodes and those inside."""
+    nodes = [node for node in d["nodes"] if f"nodes/{node}/position" in motion.run.paths]
+    if len(nodes) < len(d["nodes"]):
+        return []
+    points = [motion.position(node) for node in nodes]
+    if nodes_inside(d):
+        inner = recover(motion.run.results, name, d, motion.rows)
+        points += list(np.moveaxis(inner.positions, 1, 0))
+    return [Shape(ROD, name, np.stack([points[i] for i in chain], axis=1)) for chain in lines(d)]
+
+
 def _spring(motion, name, d):
     return _line(motion, name, d, SPRING)
 
@@ -151,6 +164,7 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
+    "superelement": _superelement,
     **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""

@@ -43,8 +43,8 @@ def norms(r, size, kind, n, length, force_tolerance, constraint_tolerance, share
     """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
     r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale
-    of the forces is the largest at work anywhere, at fixed nodes too, those on scalars counted among them; that of the
-    moments likewise. A constraint is
+    of the forces is the largest at work anywhere, at fixed nodes too; that of the moments and of the forces on own
+    unknowns of elements (taken to be like forces) likewise. A constraint is
     judged as a length or an angle, and also as the force that it makes with the mean ``stiffness`` [N/m] of the step:
     in short steps a small displacement is a large force. No force is judged below what the rounding of positions as
     large as ``reach`` [m] makes of it. ``share`` makes all tolerances smaller, but for this.
@@ -65,12 +65,14 @@ def norms(r, size, kind, n, length, force_tolerance, constraint_tolerance, share
             distance = max(distance, x / k)
         else:
             angle = max(angle, x / k)
-    f = max(force_size, scalar_size, ANGULAR_SHARE * moment_size / length)
+    f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
+    g = max(scalar_size, ANGULAR_SHARE * f)
     force_tolerance *= share
     f = max(f * force_tolerance, ROUNDING * stiffness * reach)
     m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
-    force = max(force, scalar, stiffness * distance) / f
+    g = max(g * force_tolerance, ROUNDING * stiffness * reach)
+    force = max(force, stiffness * distance) / f
     moment = max(moment, stiffness * length * length * angle) / m
     constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
-    return max(force, moment), constraint
+    return max(force, moment, scalar / g), constraint

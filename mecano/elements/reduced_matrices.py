@@ -1,0 +1,141 @@
+"""What a superelement is given: stiffness, mass and damping over boundary nodes and modes, and what they must fulfil.
+
+The matrices are plain lists, as a deck writes them, with 6 rows for each boundary node (3 displacements, 3 rotations),
+in the order of ``positions``, then a row for each mode.
+"""
+
+import numpy as np
+
+SYMMETRY = 1e-8  # of the largest entry
+RIGID = 1e-6  # forces of a rigid motion, of those that it would cause in springs to the ground
+NEGATIVE = 1e-8  # of the largest eigenvalue
+PLACE = 1e-6  # of the size of the superelement
+
+
+def rigid_motions(positions, n):
+    """Translations (n, 3) and rotations (n, 3) of a superelement with n coordinates, about the mean of its nodes."""
+    X = np.asarray(positions, float)
+    X = X - X.mean(axis=0)
+    translations, rotations = np.zeros((n, 3)), np.zeros((n, 3))
+    for i, (x, y, z) in enumerate(X):
+        translations[6 * i : 6 * i + 3] = np.eye(3)
+        rotations[6 * i : 6 * i + 3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+        rotations[6 * i + 3 : 6 * i + 6] = np.eye(3)
+    return translations, rotations
+
+
+def resistance(K, r):
+    """Largest force of K (n, n) on a rigid motion r (n,), relative to those that springs of its diagonal would give."""
+    diagonal = np.abs(np.diag(K))
+    size = np.sqrt(diagonal * (r @ (diagonal * r)))
+    forces = np.abs(K @ r)
+    return float(np.max(forces[size > 0.0] / size[size > 0.0], initial=0.0))
+
+
+def mass_moments(mass, positions):
+    """Mass [kg]; about the mean of the nodes first moment [kg m] (3,) and inertia [kg m2] (3, 3); loads M r (n, 3)."""
+    M = np.asarray(mass, float)
+    translations, rotations = rigid_motions(positions, len(M))
+    loads = M @ translations
+    C = translations.T @ M @ rotations  # -hat(S)
+    S = 0.5 * np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]])
+    return np.trace(translations.T @ loads) / 3.0, S, rotations.T @ M @ rotations, loads
+
+
+def problems(reduced):
+    """What is wrong with the values of a file, as texts that go on after its name."""
+    n_nodes = len(reduced["positions"])
+    matrices = {key: reduced[key] for key in ("stiffness", "mass", "damping") if reduced.get(key) is not None}
+    sizes = {key: (len(rows), *{len(row) for row in rows}) for key, rows in matrices.items()}
+    n = sizes["stiffness"][0]
+    for key, size in sizes.items():
+        if len(size) != 2 or size[0] != size[1]:
+            return [f"'{key}' is not square"]
+        if size[0] != n:
+            return [f"'{key}' has {size[0]} rows, 'stiffness' {n}"]
+    if n < 6 * n_nodes:
+        return [f"the matrices have {n} rows, but {n_nodes} boundary nodes alone need {6 * n_nodes}"]
+    inner = _interior(reduced, n)
+    if inner:
+        return [inner]
+    arrays = {key: np.array(rows, float) for key, rows in matrices.items()}
+    found = [text for key, A in arrays.items() for text in _quadratic_form(key, A)]
+    return found or _rigid(arrays, reduced["positions"], n)
+
+
+def _interior(reduced, n):
+    """What is wrong with the values of inner nodes and lines, or ""."""
+    count = len(reduced["positions"]) + len(reduced.get("interior_names") or ())
+    lines = np.array(reduced.get("lines") or np.zeros((0, 2)))
+    if lines.shape[1:] != (2,) or np.any((lines < 0) | (lines >= count) | (lines != np.round(lines))):
+        return f"'lines' are pairs of numbers of nodes, 0 to {count - 1}"
+    given = [reduced.get(f"interior_{key}") for key in ("names", "positions", "basis")]
+    if all(value is None for value in given):
+        return ""
+    if any(value is None for value in given):
+        return "'interior_names', 'interior_positions' and 'interior_basis' belong together"
+    names, positions, basis = given
+    sizes = (len(positions), len(positions[0]), len(basis), len(basis[0]))
+    if sizes != (len(names), 3, 3 * len(names), n):
+        return (
+            f"{len(names)} inner nodes need 'interior_positions' of 3 columns and 'interior_basis' of {3 * len(names)} "
+            f"rows and {n} columns; these are {sizes[0]} x {sizes[1]} and {sizes[2]} x {sizes[3]}"
+        )
+    return ""
+
+
+def _quadratic_form(key, A):
+    largest = np.abs(A).max(initial=0.0)
+    gap = np.abs(A - A.T)
+    if gap.max(initial=0.0) > SYMMETRY * largest:
+        i, j = np.unravel_index(np.argmax(gap), A.shape)
+        pair = f"({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {A[i, j]:.6g} and {A[j, i]:.6g}"
+        yield f"'{key}' is not symmetric: entries {pair}"
+        return
+    # the unit of rows of rotations and of amplitudes is another one: a scaling to equal diagonals takes that out
+    scale = np.sqrt(np.maximum(np.diag(A), 1e-30 * largest + 1e-300))
+    lowest, *_, highest = np.linalg.eigvalsh(A / np.outer(scale, scale)) if len(A) > 1 else (A[0, 0], A[0, 0])
+    if lowest < -NEGATIVE * max(highest, 1.0):
+        yield f"'{key}' is not positive semi-definite: with unit diagonal its lowest eigenvalue is {lowest:.3g}"
+
+
+def _rigid(arrays, positions, n):
+    translations, rotations = rigid_motions(positions, n)
+    K, M = arrays["stiffness"], arrays["mass"]
+    mass = mass_moments(M, positions)[0]
+    if mass <= 0.0:
+        return [f"'mass' has no mass in rigid translations; {EXPECTED}"]
+    found = []
+    for name, motions in (("translation", translations), ("rotation", rotations)):
+        for axis, r in zip("xyz", motions.T, strict=True):
+            if resistance(K, r) > RIGID:
+                found.append(f"'stiffness' resists a rigid {name} along {axis}; {EXPECTED}")
+    block = translations.T @ M @ translations
+    if np.abs(block - mass * np.eye(3)).max() > RIGID * mass:
+        found.append(
+            f"'mass' is not the same along x, y and z: {', '.join(f'{m:.6g}' for m in np.diag(block))}; {EXPECTED}"
+        )
+    C = translations.T @ M @ rotations
+    if np.abs(C + C.T).max() > RIGID * max(np.abs(C).max(), np.sqrt(mass * np.abs(rotations.T @ M @ rotations).max())):
+        found.append(f"'mass' does not move as one body in rigid rotations; {EXPECTED}")
+    return found[:1]
+
+
+EXPECTED = (
+    "expected are displacements x, y, z and rotations x, y, z of each node in the order of 'positions', then the "
+    "modes, in SI units"
+)
+
+
+def misplaced(reduced, nodes):
+    """Which node is not where the superelement has it, as a text, or ""; ``nodes`` are (x (3,), R (3, 3))."""
+    X = np.array(reduced["positions"], float)
+    x = np.array([place for place, _ in nodes])
+    off = np.linalg.norm((x - x[0]) - (X - X[0]) @ nodes[0][1].T, axis=1)
+    worst, size = int(np.argmax(off)), np.ptp(X, axis=0).max(initial=0.0)
+    if off[worst] <= PLACE * size:
+        return ""
+    return (
+        f"'nodes': number {worst + 1} is {off[worst]:.3g} m from where the superelement has it; its axes are those of "
+        "the first node"
+    )

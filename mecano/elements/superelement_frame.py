@@ -1,0 +1,171 @@
+r"""The frame that follows the boundary nodes of a superelement, and the motion seen from it; on tuples and arrays.
+
+With the positions :math:`X_i` of the boundary nodes about their mean, in the axes of the superelement, the rotations
+:math:`A_i` of its axes carried by the nodes, and a length L, the frame is the rotation nearest to the motion of all:
+
+.. math::  R = \mathrm{polar}\, \frac1n \sum_i \left[ (x_i - \bar x) X_i^T + L^2 A_i \right] , \qquad
+    y_i = R^T (x_i - \bar x), \quad E_i = R^T A_i
+
+Its material variation is linear in :math:`r_i = R^T \delta x_i` and the material variations :math:`\phi_i` of
+:math:`A_i`, with :math:`H = \frac1n \sum_i (y_i X_i^T + L^2 E_i)`, which is symmetric,
+
+.. math::  D\, \delta\Theta = \frac1n \sum_i \left[ X_i \times r_i + L^2 (\mathrm{tr} E_i - E_i^T) \phi_i \right] ,
+    \qquad D = \mathrm{tr} H - H
+
+so the same line gives its angular velocity. It turns with the nodes, whatever the motion, and does not depend on the
+path. Elastic coordinates are :math:`d_i = y_i - X_i`, :math:`\theta_i = \log E_i` and the amplitudes of the modes.
+"""
+
+from numba import njit
+
+from mecano.maths.polar import inverse, nearest_rotation
+from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
+from mecano.maths.so3 import log
+from mecano.maths.vec import (
+    EYE,
+    ZERO,
+    add,
+    cross,
+    dot,
+    madd,
+    mat,
+    matmul,
+    mscale,
+    mul,
+    outer,
+    put,
+    scale,
+    sub,
+    tmul,
+    transpose,
+    vec,
+)  # fmt: skip
+
+# Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities, accelerations in the axes of the
+# frame, the rates of those velocities; forces on the coordinates, momenta, forces of inertia; then variations.
+U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA = range(8)
+DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA = range(8, 15)
+ROWS = 15
+
+
+@njit
+def tail(E):
+    """Tr E - E^T, the moment of a turning node about the frame."""
+    t = E[0][0] + E[1][1] + E[2][2]
+    return (
+        (t - E[0][0], -E[1][0], -E[2][0]),
+        (-E[0][1], t - E[1][1], -E[2][1]),
+        (-E[0][2], -E[1][2], t - E[2][2]),
+    )
+
+
+@njit
+def place(p, laws, i):
+    """X_i, (3,)."""
+    return vec(laws, p.table + 12 * i)
+
+
+@njit
+def axes(p, laws, i):
+    """Rotation from the axes of the superelement to those of node i at the start: A_i = R_i axes."""
+    j = p.table + 12 * i + 3
+    return (vec(laws, j), vec(laws, j + 3), vec(laws, j + 6))
+
+
+@njit
+def mean(q, n):
+    """Mean of the translations of n nodes in local unknowns."""
+    total = ZERO
+    for i in range(n):
+        total = add(total, vec(q, 6 * i))
+    return scale(1.0 / n, total)
+
+
+@njit
+def frame(p, laws, q, R):
+    """Rotation of the frame and the mean of the boundary nodes."""
+    n = p.n_nodes
+    centre, B = mean(q, n), mscale(0.0, EYE)
+    for i in range(n):
+        A_i = matmul(mat(R[i]), axes(p, laws, i))
+        B = madd(B, madd(outer(sub(vec(q, 6 * i), centre), place(p, laws, i)), mscale(p.square, A_i)))
+    return nearest_rotation(mscale(1.0 / n, B)), centre
+
+
+@njit
+def configuration(p, laws, q, R, work, turns):
+    """Frame, mean and D^-1; elastic coordinates into ``work`` (ROWS, n), E_i and T^-1(theta_i) into ``turns``."""
+    n = p.n_nodes
+    R_f, centre = frame(p, laws, q, R)
+    H = mscale(0.0, EYE)
+    for i in range(n):
+        y, X = tmul(R_f, sub(vec(q, 6 * i), centre)), place(p, laws, i)
+        E = matmul(transpose(R_f), matmul(mat(R[i]), axes(p, laws, i)))
+        theta = log(E)
+        c, _, _ = inverse_coefficients(dot(theta, theta))
+        put(work[U], 6 * i, sub(y, X))
+        put(work[U], 6 * i + 3, theta)
+        put_matrix(turns[i, 0], E)
+        put_matrix(turns[i, 1], inverse_tangent(theta, c))
+        H = madd(H, madd(outer(y, X), mscale(p.square, E)))
+    for j in range(6 * n, work.shape[1]):
+        work[U, j] = q[j]
+    return R_f, centre, inverse(stiffened(mscale(1.0 / n, H)))
+
+
+@njit
+def put_matrix(out, A):
+    """out[:, :] = A"""
+    for i in range(3):
+        put(out[i], 0, A[i])
+
+
+@njit
+def stiffened(H):
+    """D = tr H - H."""
+    return madd(mscale(H[0][0] + H[1][1] + H[2][2], EYE), mscale(-1.0, H))
+
+
+@njit
+def own_spin(p, laws, v, i):
+    """Material angular velocity (or variation) of A_i from that of node i in local unknowns."""
+    return tmul(axes(p, laws, i), vec(v, 6 * i + 3))
+
+
+@njit
+def turning(p, laws, v, R_f, D_inverse, turns):
+    """Angular velocity of the frame (or its variation), in its own axes, for velocities (or variations) ``v``."""
+    total = ZERO
+    for i in range(p.n_nodes):
+        r, phi = tmul(R_f, vec(v, 6 * i)), own_spin(p, laws, v, i)
+        total = add(total, add(cross(place(p, laws, i), r), scale(p.square, mul(tail(mat(turns[i, 0])), phi))))
+    return scale(1.0 / p.n_nodes, mul(D_inverse, total))
+
+
+@njit
+def to_frame(p, laws, v, R_f, turns, out):
+    """Velocities or accelerations of the nodes in the axes of the frame, (n,)."""
+    for i in range(p.n_nodes):
+        put(out, 6 * i, tmul(R_f, vec(v, 6 * i)))
+        put(out, 6 * i + 3, mul(mat(turns[i, 0]), own_spin(p, laws, v, i)))
+    for j in range(6 * p.n_nodes, out.shape[0]):
+        out[j] = v[j]
+
+
+@njit
+def velocities(p, laws, v, a, R_f, spin, work, turns):
+    """Velocities, accelerations, rates of the velocities and of the elastic coordinates, into ``work``."""
+    n = p.n_nodes
+    to_frame(p, laws, v, R_f, turns, work[V])
+    to_frame(p, laws, a, R_f, turns, work[A])
+    centre = mean(work[V], n)
+    for j in range(6 * n, work.shape[1]):
+        work[U_RATE, j] = v[j]
+        work[V_RATE, j] = a[j]
+    for i in range(2 * n):
+        put(work[V_RATE], 3 * i, sub(vec(work[A], 3 * i), cross(spin, vec(work[V], 3 * i))))
+    for i in range(n):
+        y = add(place(p, laws, i), vec(work[U], 6 * i))
+        put(work[U_RATE], 6 * i, add(sub(vec(work[V], 6 * i), centre), cross(y, spin)))
+        relative = sub(own_spin(p, laws, v, i), tmul(mat(turns[i, 0]), spin))
+        put(work[U_RATE], 6 * i + 3, mul(mat(turns[i, 1]), relative))

@@ -1,0 +1,96 @@
+"""Motion of the nodes inside superelements, from the coordinates of these and the shapes in the resolved deck.
+
+A quantity of an inner node is named after its superelement: ``arm.inner.position``, ``arm.inner.displacement.z``.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+KIND = "superelement"
+
+
+@dataclass(frozen=True)
+class Inner:
+    """Nodes inside a superelement at some saved times."""
+
+    names: list
+    positions: np.ndarray  # (times, n, 3) [m], inertial
+    displacements: np.ndarray  # (times, n, 3) [m], from their place in the frame, axes of the frame
+
+
+def nodes_inside(d):
+    """Names of the nodes inside a superelement with these deck values; none where its file has no shapes."""
+    return d["file"].get("interior_names") or [] if d.get("type") == KIND else []
+
+
+def recover(results, name, d, rows=slice(None)):
+    """The Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
+    reduced = d["file"]
+    X = np.array(reduced["positions"], float)
+    places = np.array(reduced["interior_positions"], float).reshape(-1, 3) - X.mean(axis=0)
+    basis = np.array(reduced["interior_basis"], float)
+
+    def value(output):
+        return results.find(f"elements/{name}/{output}").values[rows]
+
+    n_nodes = len(X)
+    pairs = [value(f"{what}_{i}") for i in range(1, n_nodes + 1) for what in ("displacement", "rotation")]
+    amplitudes = [value(f"amplitude_{i}")[:, None] for i in range(1, basis.shape[1] - 6 * n_nodes + 1)]
+    displacements = (np.hstack([*pairs, *amplitudes]) @ basis.T).reshape(-1, *places.shape)
+    origin, turn = value("frame_origin"), _matrices(value("frame_rotation"))
+    positions = origin[:, None] + np.einsum("tij,tnj->tni", turn, places + displacements)
+    return Inner(nodes_inside(d), positions, displacements)
+
+
+def _matrices(quaternions):
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    w, x, y, z = quaternions.T
+    rows = (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+WHATS = {
+    "position": ("position of an inner node, inertial", "positions"),
+    "displacement": ("displacement of an inner node from its place in the frame, axes of the frame", "displacements"),
+}
+
+
+def named(results, name):
+    """What a name such as arm.inner.position.z asks for: (path, doc, values (times, 3), component or "") or None."""
+    text, component = name.replace("/", ".").removeprefix("elements."), ""
+    if text.endswith((".x", ".y", ".z", ".magnitude")):
+        text, _, component = text.rpartition(".")
+    stem, _, what = text.rpartition(".")
+    if what not in WHATS:
+        return None
+    for element, d in results.resolved.get("elements", {}).items():
+        node = stem.removeprefix(f"{element}.")
+        if node != stem and node in nodes_inside(d):
+            found = recover(results, element, d)
+            doc, field = WHATS[what]
+            return (
+                f"elements/{element}/{node}/{what}",
+                doc,
+                getattr(found, field)[:, found.names.index(node)],
+                component,
+            )
+    return None
+
+
+def lines(d):
+    """Chains of indices of nodes, boundary nodes first, that are joined in pictures."""
+    pairs = d["file"].get("lines")
+    if not pairs:
+        return [[0, i] for i in range(1, len(d["file"]["positions"]))]
+    chains = []
+    for first, last in pairs:
+        if chains and chains[-1][-1] == int(first):
+            chains[-1].append(int(last))
+        else:
+            chains.append([int(first), int(last)])
+    return chains
