@@ -53,7 +53,7 @@ def _run(results):
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
         ("automatic", _automatic(results)),
-        ("energy", _energy(results)),
+        *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
         *(("remark", text) for text in results.remarks),
@@ -72,14 +72,14 @@ def _automatic(results):
 
 
 def _energy(results):
-    """How far the energy balance is off, over the largest change of an energy."""
+    """How far the energy balance is off, over the largest change of an energy; nothing where there is no balance."""
     extremes = {name: results.extremes.get(f"energy/{name}") for name in ENERGIES}
     balance = results.extremes.get("energy/balance")
     if balance is None or None in extremes.values() or not np.isfinite(balance.maximum - balance.minimum):
-        return "not known"
+        return
     off, exchanged = balance.maximum - balance.minimum, max(e.maximum - e.minimum for e in extremes.values())
     relative = f", {off / exchanged:.2g} of the largest change of an energy" if exchanged > 0.0 else ""
-    return f"the balance varies by {off:.3g} J{relative}"
+    yield f"the balance varies by {off:.3g} J{relative}"
 
 
 def _status(results):
