@@ -13,6 +13,7 @@ a slender straight element is that of the cubic beam.
 import numpy as np
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
+STRAIGHT = 1e-9  # rad: an element that turns by less is straight
 
 
 def hat(a):
@@ -30,17 +31,24 @@ def adjoint(h):
 
 def element_stiffness(C, h0):
     """K_e (6, 6) [N/m, N, N m] from the section stiffness C (6, 6) and the strain-free screw h0 (6,) [m, rad]."""
-    from scipy.linalg import expm  # 0.2 s that decks without beams save
-
     X, length = adjoint(h0), np.linalg.norm(h0[:3])
-    stations = 0.5 * (POINTS + 1.0)
-    T = sum(0.5 * w * expm(-s * X) for s, w in zip(stations, WEIGHTS, strict=True))  # twist of the end = T dh
-    compliance, F = np.linalg.inv(C), np.zeros((6, 6))
-    for s, w in zip(stations, WEIGHTS, strict=True):
-        N = np.linalg.solve(T, expm(-s * X)).T  # wrench at the distance s L before the end
-        F += 0.5 * w * length * N.T @ compliance @ N
+    stations, weights = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
+    carried = _exponentials(X, stations)
+    T = np.tensordot(weights, carried, 1)  # twist of the end = T dh
+    N = np.linalg.solve(T, carried).transpose(0, 2, 1)  # wrenches at the distances s L before the end
+    F = length * np.tensordot(weights, N.transpose(0, 2, 1) @ np.linalg.inv(C) @ N, 1)
     K = np.linalg.inv(F)
     return 0.5 * (K + K.T)
+
+
+def _exponentials(X, stations):
+    """exp(-s X) for each s; that of a straight element ends after the square."""
+    s = stations[:, None, None]
+    if np.abs(X[:3, :3]).max() < STRAIGHT:
+        return np.eye(6) - s * X + 0.5 * s**2 * (X @ X)
+    from scipy.linalg import expm  # decks without curved beams need not wait for it
+
+    return expm(-s * X)
 
 
 def elongation(C, K, length):
