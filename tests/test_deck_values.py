@@ -45,7 +45,6 @@ def test_defaults_are_filled_in():
         "laws": {},
         "grounds": {},
         "tire_laws": {},
-        "sections": {},
         "initial": {"static": None, "velocities": []},
         "time": {
             "start": 0.0,
