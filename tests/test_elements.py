@@ -183,6 +183,8 @@ def test_forces_turn_with_the_whole_model(kind):
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
         twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
+        for instance in sample.instances if sample.mode == "air" else ():
+            instance.multipliers = 0.0 * instance.multipliers  # let go: rows without forces
         for twin, original in zip(twins, sample.instances, strict=True):
             twin.scalars = original.scalars
         set_reactions(twins, there, on_all_nodes(sample.instances, here, 0.0, Q))
