@@ -27,7 +27,7 @@ def command(*arguments):
 def test_snap_through(tmp_path):
     path = tmp_path / "s.h5"
     result = command("run", INPUTS / "snap_through.yaml", "-o", path)
-    assert result.exit_code == 0 and "load factor 1" in result.stderr and "1 unstable direction(s)" in result.stderr
+    assert result.exit_code == 0 and "load factor 1" in result.output and "1 unstable direction(s)" in result.output
     with mecano.open_results(path) as results:
         assert results.axis.path == "length of the path" and results.status == "complete"
         factor, z = results["static/load_factor"].values, results["top.position.z"].values
