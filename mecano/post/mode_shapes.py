@@ -37,8 +37,8 @@ class ModeMotion:
 
     @cached_property
     def nodes(self):
-        """Names of the nodes."""
-        return list(self.file.nodes)
+        """Names of the nodes of the deck."""
+        return [name for name in self.file.nodes if name in self.run.deck["nodes"]]
 
     @cached_property
     def _turns(self):

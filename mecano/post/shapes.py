@@ -98,15 +98,16 @@ def _beam(motion, name, d):
 
 
 def _superelement(motion, name, d):
-    """Lines through its boundary nodes and those inside."""
+    """Lines through its boundary nodes and, where its coordinates are in the file, those inside."""
     nodes = [node for node in d["nodes"] if f"nodes/{node}/position" in motion.run.paths]
     if len(nodes) < len(d["nodes"]):
         return []
     points = [motion.position(node) for node in nodes]
-    if nodes_inside(d):
+    if nodes_inside(d) and f"elements/{name}/frame_origin" in motion.run.paths:
         inner = recover(motion.run.results, name, d, motion.rows)
         points += list(np.moveaxis(inner.positions, 1, 0))
-    return [Shape(ROD, name, np.stack([points[i] for i in chain], axis=1)) for chain in lines(d)]
+    chains = [[points[i] for i in chain if i < len(points)] for chain in lines(d)]
+    return [Shape(ROD, name, np.stack(chain, axis=1)) for chain in chains if len(chain) > 1]
 
 
 def _spring(motion, name, d):
