@@ -20,7 +20,9 @@ def test_bushing_moves_as_a_linear_system_at_large_angles():
     for step in (2e-3, 1e-3):
         march = March(input_deck("bushing", f"time.step={step}", "time.end=0.6"))
         exact = np.array([expm(A * t) @ [0.0, 0.0, 2.0, 20.0] for t in march.time])
-        found = np.stack([march["elements/mount/displacement"][:, 0], march["elements/mount/rotation_vector"][:, 2]], axis=1)
+        found = np.stack(
+            [march["elements/mount/displacement"][:, 0], march["elements/mount/rotation_vector"][:, 2]], axis=1
+        )
         assert np.abs(exact[:, 1]).max() > 1.5
         errors.append(np.abs(found - exact[:, :2]).max())
     assert errors[1] < 1e-3
