@@ -21,7 +21,7 @@ BEND = {  # tip of the 45 degree bend, R = 100, EA = 1e7, GA = 5e6, EI = GJ = 1e
     300.0: (22.24478094536791, 58.779122489683395, 40.191891670149815),
     600.0: (15.684800534039004, 47.15043857362944, 53.47485879182518),
 }
-PRINCETON = {  # 8.896 N at an angle [deg] from the height of the section: flapwise and edgewise displacement, shortening
+PRINCETON = {  # 8.896 N at an angle [deg] from the height of the section: flapwise, edgewise displacement, shortening
     0: (0.0, 0.01071531427764692, 0.0001355782180204601),
     15: (0.04212502452222174, 0.010625626804972942, 0.002240812714878415),
     30: (0.07945579698221386, 0.010147003767340172, 0.007660756273497826),

@@ -3,10 +3,11 @@
 import re
 from textwrap import wrap
 
-from mecano.deck.describe import WIDTH, describe, describe_section, describe_term
+from mecano.deck.describe import WIDTH, describe, describe_section, describe_shape, describe_term
 from mecano.deck.sections import SECTIONS
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
+from mecano.elements.cross_section import SHAPES
 from mecano.errors import UsageError
 from mecano.laws import TERMS
 
@@ -22,6 +23,7 @@ def catalogue():
         groups[f"{kind.section}:"].append((kind.name, kind.doc))
     for role, title in ROLES.items():
         groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
+    groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
@@ -40,10 +42,10 @@ def explain(name):
     Raises UsageError for an unknown name, with the most similar one.
     """
     sections = {section.name: section for section in SECTIONS}
-    found = [(KINDS, describe), (TERMS, describe_term), (sections, _section)]
+    found = [(KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (sections, _section)]
     texts = [_plain(text(known[name])) for known, text in found if name in known]
     if not texts:
-        known = [*KINDS, *TERMS, *sections]
+        known = [*KINDS, *SHAPES, *TERMS, *sections]
         hint = suggestion(name, known) or "`mecano list` names all"
         raise UsageError(f"there is no kind, law or section {quoted(name)}; {hint}")
     return ("\n" + "-" * WIDTH + "\n\n").join(texts)
@@ -51,7 +53,7 @@ def explain(name):
 
 def _section(section):
     """A section, with the names of all that may stand in it where a kind or a term is to be named."""
-    names = [kind.name for kind in KINDS.values() if kind.section == section.name]
+    names = [kind.name for kind in (*KINDS.values(), *SHAPES.values()) if kind.section == section.name]
     names = list(TERMS) if section.name == "laws" else names
     if not names:
         return describe_section(section)

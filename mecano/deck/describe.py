@@ -34,6 +34,12 @@ def _option(field, found):
     return lines
 
 
+def describe_shape(shape):
+    """A shape of cross sections: its fields."""
+    parts = [f"{shape.name} (section '{shape.section}')", "", shape.doc.strip(), "", "Fields"]
+    return "\n".join([*parts, *field_lines(shape.fields)]) + "\n"
+
+
 def describe_term(term):
     """A term of a law: its fields."""
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"

@@ -1,15 +1,15 @@
 r"""Beam: geometrically exact, shear-deformable, two nodes; straight, curved or twisted at the start.
 
 Strains are those of a helix between the end sections, exact for rigid motions and independent of the path
-(beam_elastic.py; Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, so
-that nothing locks (beam_flexibility.py); inertia and weight are interpolated by cubics (beam_inertia.py). With ``mesh:
-n`` a beam named leg becomes the elements leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other parts of the
-deck may name.
+(beam_elastic.py; Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element,
+so that nothing locks (beam_flexibility.py); inertia and weight are interpolated by cubics (beam_inertia.py). With
+``mesh: n`` a beam named leg becomes the elements leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other
+parts of the deck may name. docs/beams.md says how accurate it is.
 
-Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. Along an arc
-they are carried along, and ``twist`` turns them about axis 1. Nodes may be oriented in any way. Section forces are those
-that the part behind a section exerts on the part before it: N > 0 is tension, M_2 > 0 stretches the fibres towards
-axis 3, M_3 < 0 those towards axis 2. Damping is proportional to the stiffness, with the factor of the section.
+Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. Along an
+arc they are carried along, and ``twist`` turns them about axis 1. Nodes may be oriented in any way. Section forces are
+those that the part behind a section exerts on the part before it: N > 0 is tension, M_2 > 0 stretches the fibres
+towards axis 3, M_3 < 0 those towards axis 2. Damping is proportional to the stiffness, with the factor of the section.
 
 Stress is that of the elastic strains: E (elongation + kappa_2 z - kappa_3 y) in the outer fibres, G twist
 torsion_radius of torsion; the equivalent stress of von Mises takes both at one place, shear of the shear forces is left
@@ -29,13 +29,15 @@ from mecano.elements.beam_line import check_line, stations
 from mecano.elements.cross_section import MOST_POINTS, constants, is_round
 from mecano.maths.rotation_vector import first_derivative
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
-from mecano.maths.vec import add, cross, dot, mat, matmul, mul, put, scale, sub, tmul, transpose, vec
+from mecano.maths.vec import add, cross, dot, mat, matmul, mul, put, scale, sub, tmul, transpose
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
+MOST_ELEMENTS = 10_000
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
-    axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3), E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
+    axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
+    E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
 )  # fmt: skip
 
 
@@ -145,7 +147,8 @@ def prepare(d, nodes, context):
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
     return {
-        "S": S_1 @ S_2.T, "K_uu": K[:3, :3], "K_up": K[:3, 3:], "K_pp": K[3:, 3:], "B": B, "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
+        "S": S_1 @ S_2.T, "K_uu": K[:3, :3], "K_up": K[:3, 3:], "K_pp": K[3:, 3:], "B": B,
+        "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
         "damping": d["section"]["damping"], "gravity": context.gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
         "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,
@@ -158,8 +161,13 @@ def check(d, nodes):
     return check_line(d, nodes, is_round(constants(d["section"])))
 
 
+def check_mesh(n):
+    """Check: a number of elements."""
+    return None if 1 <= n <= MOST_ELEMENTS else f"must be 1 to {MOST_ELEMENTS}"
+
+
 def sample(rng):
-    """Straight along any line; curved, twisted and turning far within the element; full matrices with an offset mass."""
+    """Straight; twisted and damped; curved, twisted, full matrices with an offset mass, nodes oriented anyhow."""
     material = {"E": 60.0, "nu": 0.3, "G": None, "density": 0.7, "damping": 0.0}
     tube = {"type": "tube", "diameter": 0.6, "thickness": 0.1, **material}
     plank = {"type": "rectangle", "width": 0.5, "height": 0.3, **material, "damping": 0.2}
@@ -192,8 +200,8 @@ BEAM = Kind(
     fields=(
         Field("nodes", NODE_PAIR, "-", "its ends"),
         Field("section", SECTION, "-", "cross section"),
-        Field("mesh", INTEGER, "-", "number of elements", 1, lambda n: None if 1 <= n <= 10000 else "must be 1 to 10000"),
-        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; needed unless the section is round", None),
+        Field("mesh", INTEGER, "-", "number of elements", 1, check_mesh),
+        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; not needed if it is round", None),
         Field("via", POINT, "m", "point through which it bends as a circular arc; straight when absent", None),
         Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
     ),

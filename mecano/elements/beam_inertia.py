@@ -3,9 +3,9 @@ r"""Inertia and weight of a two-node beam: cubic (Hermite) interpolation of the 
 The line of mass centres is interpolated from its ends :math:`x_i + R_i c_i` and its tangents :math:`R_i t_i` there,
 which turn with the sections (t: tangent of the strain-free shape times the length). With the nodal values
 :math:`w = (x_1 + R_1 c_1, R_1 t_1, x_2 + R_2 c_2, R_2 t_2)` the kinetic energy of translation is
-:math:`\tfrac12 \sum m_{kl}\, \dot w_k \cdot \dot w_l` and the weight acts on the same interpolation, so that a - g takes
-the place of a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2), of sixth order in
-bending, which makes axial waves of fourth order too:
+:math:`\tfrac12 \sum m_{kl}\, \dot w_k \cdot \dot w_l` and the weight acts on the same interpolation, so that a - g
+takes the place of a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2),
+which is of sixth order in bending and makes axial waves of fourth order too:
 
 .. math::  (m_{kl}) = m \begin{pmatrix} 5/12 & 3/40 & 1/12 & -1/120\\ & 1/48 & 1/120 & 1/240\\ & & 5/12 & -3/40\\
            & & & 1/48 \end{pmatrix}
@@ -39,7 +39,7 @@ from mecano.maths.vec import (
     vec,
 )  # fmt: skip
 
-# products of line (L) and tangent (T) functions, of one node (M) and of both (N); for the second node T changes its sign
+# products of line (L) and tangent (T) functions, of one node (M) and of both (N); T of the second node: other sign
 M_LL, M_LT, M_TT = 5.0 / 12.0, 3.0 / 40.0, 1.0 / 48.0
 N_LL, N_LT, N_TT = 1.0 / 12.0, 1.0 / 120.0, 1.0 / 240.0
 OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # of the rotary inertia
@@ -62,20 +62,15 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
     line_2 = add(add(scale(N_LL * m, u1), scale(N_LT * m, g1)), add(scale(M_LL * m, u2), scale(-M_LT * m, g2)))
     turn_1 = add(add(scale(M_LT * m, u1), scale(M_TT * m, g1)), add(scale(N_LT * m, u2), scale(N_TT * m, g2)))
     turn_2 = add(add(scale(-N_LT * m, u1), scale(N_TT * m, g1)), add(scale(-M_LT * m, u2), scale(M_TT * m, g2)))
-    _add_force(p.eccentric, vec(p.c1, 0), vec(p.t1, 0), tmul(R1, line_1), tmul(R1, turn_1), line_1, 0, f, K)
-    _add_force(p.eccentric, vec(p.c2, 0), vec(p.t2, 0), tmul(R2, line_2), tmul(R2, turn_2), line_2, 6, f, K)
-    _add_pair(
-        p.eccentric, tangent_1, center_1, tangent_1, center_1, 0, 0, M_LL * m, M_LT * m, M_LT * m, M_TT * m, K, C, M
-    )
-    _add_pair(
-        p.eccentric, tangent_1, center_1, tangent_2, center_2, 0, 6, N_LL * m, -N_LT * m, N_LT * m, N_TT * m, K, C, M
-    )
-    _add_pair(
-        p.eccentric, tangent_2, center_2, tangent_1, center_1, 6, 0, N_LL * m, N_LT * m, -N_LT * m, N_TT * m, K, C, M
-    )
-    _add_pair(
-        p.eccentric, tangent_2, center_2, tangent_2, center_2, 6, 6, M_LL * m, -M_LT * m, -M_LT * m, M_TT * m, K, C, M
-    )
+    off = p.eccentric
+    _add_force(off, vec(p.c1, 0), vec(p.t1, 0), tmul(R1, line_1), tmul(R1, turn_1), line_1, 0, f, K)
+    _add_force(off, vec(p.c2, 0), vec(p.t2, 0), tmul(R2, line_2), tmul(R2, turn_2), line_2, 6, f, K)
+    LL, LT, TT = M_LL * m, M_LT * m, M_TT * m
+    _add_pair(off, tangent_1, center_1, tangent_1, center_1, 0, 0, LL, LT, LT, TT, K, C, M)
+    _add_pair(off, tangent_2, center_2, tangent_2, center_2, 6, 6, LL, -LT, -LT, TT, K, C, M)
+    LL, LT, TT = N_LL * m, N_LT * m, N_TT * m
+    _add_pair(off, tangent_1, center_1, tangent_2, center_2, 0, 6, LL, -LT, LT, TT, K, C, M)
+    _add_pair(off, tangent_2, center_2, tangent_1, center_1, 6, 0, LL, LT, -LT, TT, K, C, M)
     _add_rotary(mat(p.J1), mat(p.J2), mat(p.J12), v, a, f, C, M)
 
 

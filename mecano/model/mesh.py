@@ -12,8 +12,14 @@ def divides(kind, values):
 
 
 def inner_names(name, values):
-    """Names of the nodes between the elements of the member ``name``."""
-    return [f"{name}.{i}" for i in range(1, values["mesh"])]
+    """Names of the nodes between the elements of the member ``name``; ``values`` those of a deck."""
+    return [f"{name}.{i}" for i in range(1, values.get("mesh", 1))]
+
+
+def divided_nodes(name, values):
+    """Names of all nodes of the member ``name`` from its start to its end."""
+    first, second = values["nodes"]
+    return [first, *inner_names(name, values), second]
 
 
 def piece_names(name, values):
@@ -54,7 +60,7 @@ def divided(model):
 
 
 def _pieces(member, values):
-    ends = [member.nodes[0], *inner_names(member.name, member.values), member.nodes[1]]
+    ends = divided_nodes(member.name, {**member.values, "nodes": member.nodes})
     names = piece_names(member.name, member.values)
     pairs = zip(ends[:-1], ends[1:], strict=True)
     return [Element(name, member.kind, pair, d) for name, pair, d in zip(names, pairs, values, strict=True)]

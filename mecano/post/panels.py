@@ -57,7 +57,7 @@ def _size(values):
 
 def _things(plan, runs):
     """Paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
-    return list(dict.fromkeys(path for run in runs for path, d in run.things.items() if d["type"] in plan.kinds))
+    return list(dict.fromkeys(path for run in runs for path, d in run.pieces.items() if d["type"] in plan.kinds))
 
 
 def _most_active(things, view, runs):
@@ -71,7 +71,7 @@ def _most_active(things, view, runs):
 
 def _activity(view, thing, run):
     """How much the first output of the view varies."""
-    if thing not in run.things:
+    if thing not in run.pieces:
         return 0.0
     names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
     return run.ranges.get(names[0].removesuffix(MAGNITUDE), 0.0) if names else 0.0
@@ -82,7 +82,7 @@ def _panel(view, things, runs):
         curve
         for number, run in enumerate(runs)
         for thing in things
-        if thing in run.things
+        if thing in run.pieces
         for curve in _curves(view, thing, run, number)
     ]
     return Panel(view.label, tuple(curves))
@@ -107,7 +107,7 @@ def _name_of(run, thing, output):
     for alternative in filter(None, output.split("|")):
         owner, name = thing, alternative
         if alternative.startswith("node."):
-            owner, name = f"nodes/{run.things[thing].get('node')}", alternative.removeprefix("node.")
+            owner, name = f"nodes/{run.pieces[thing].get('node')}", alternative.removeprefix("node.")
         stem = name.partition(".")[0]
         needed = DERIVED[stem].needs if stem in DERIVED else (stem,)
         if all(f"{owner}/{one}" in run.paths for one in needed):

@@ -47,6 +47,17 @@ WHEELS = Plan(
     ),
     lead=4,
 )  # fmt: skip
+BEAMS = Plan(
+    "beams", "Beams", ("beam",),
+    (
+        View("equivalent stress", ("stress",)),
+        View("axial force", ("force.x",)),
+        View("shear force", ("force.y", "force.z")),
+        View("torque", ("moment.x",)),
+        View("bending moment at the start", ("moment_start.y", "moment_start.z")),
+    ),
+    lead=2,
+)  # fmt: skip
 STRUTS = Plan(
     "struts", "Springs and struts", ("spring_damper",),
     (
@@ -102,7 +113,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, BEAMS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):

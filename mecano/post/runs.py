@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from mecano.contract import SECTIONS
+from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
 
@@ -30,6 +31,15 @@ class Run:
     def things(self):
         """Elements, joints and loads: path in the file ("joints/knee") -> deck values, in the order of the deck."""
         return {f"{section}/{name}": d for section in SECTIONS for name, d in self.deck.get(section, {}).items()}
+
+    @cached_property
+    def pieces(self):
+        """The same, with the elements of a divided member in place of the member."""
+        found = {}
+        for path, d in self.things.items():
+            section, _, name = path.partition("/")
+            found |= {f"{section}/{piece}": d for piece in piece_names(name, d)}
+        return found
 
     @cached_property
     def ranges(self):

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.model.mesh import divided_nodes, inner_names
+
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 RIM_POINTS = 49
 NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
@@ -28,7 +30,8 @@ class Motion:
 
     def __init__(self, run, rows):
         self.run, self.rows = run, rows
-        self.nodes = [name for name in run.deck.get("nodes", {}) if f"nodes/{name}/position" in run.paths]
+        names = [name for path, d in run.things.items() for name in inner_names(path.partition("/")[2], d)]
+        self.nodes = [name for name in [*run.deck.get("nodes", {}), *names] if f"nodes/{name}/position" in run.paths]
 
     def position(self, node):
         """Positions (instants, 3) [m] of a node."""
@@ -60,7 +63,7 @@ def shapes(motion):
         if section != "loads":
             found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
     for name in motion.nodes:
-        if motion.run.deck["nodes"][name].get("fixed"):
+        if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
     order = (WHEEL, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
@@ -89,11 +92,8 @@ def _rod(motion, name, d):
 
 
 def _beam(motion, name, d):
-    """A line through the nodes of its elements."""
-    inner = [f"{name}.{i}" for i in range(1, int(d.get("mesh", 1)))]
-    nodes = [d["nodes"][0], *(node for node in inner if f"nodes/{node}/position" in motion.run.paths), d["nodes"][1]]
-    nodes = [node for node in nodes if f"nodes/{node}/position" in motion.run.paths]
-    return [Shape(ROD, name, np.stack([motion.position(node) for node in nodes], axis=1))] if len(nodes) > 1 else []
+    """The line through all nodes of a member."""
+    return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
 
 
 def _spring(motion, name, d):
@@ -145,6 +145,7 @@ def _flattened(points, ground):
 
 
 SHAPES = {
+    "beam": _beam,
     "rigid_body": _body,
     "point_mass": _mass,
     "spring_damper": _spring,

@@ -1,0 +1,90 @@
+"""Section forces along members at one instant: the diagrams of axial force, shear, torsion and bending."""
+
+import numpy as np
+
+from mecano.model.mesh import divided_nodes, piece_names
+from mecano.post.panels import worth_showing
+from mecano.post.quantity import SAVED, Quantity
+from mecano.post.sheet import Curve, Panel, Sheet
+
+MOST = 4  # members shown of one run
+DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle, at the second node of each element
+    ("axial force", "N", (0,), ("force", "force", "force")),
+    ("shear force", "N", (1, 2), ("force", "force", "force")),
+    ("torque", "N m", (0,), ("moment_start", "moment", "moment_end")),
+    ("bending moment", "N m", (1, 2), ("moment_start", "moment", "moment_end")),
+)
+CLEARLY = 1.05  # a largest moment that exceeds that of the last instant by less is not shown by itself
+
+
+def member_sheets(runs):
+    """Sheets of the diagrams at the last saved time, and at that of the largest moment where it is clearly larger."""
+    peaks = [_peak(run) for run in runs]
+    if not any(row is not None for row, _, _ in peaks):
+        return []
+    sheets = [_sheet("members", "at the last saved time", runs, [-1 for _ in runs])]
+    if any(row is not None and largest > CLEARLY * last for row, largest, last in peaks):
+        rows = [-1 if row is None else row for row, _, _ in peaks]
+        sheets.append(_sheet("members_peak", "at the largest moment", runs, rows))
+    return [sheet for sheet in sheets if sheet.panels]
+
+
+def _members(run):
+    """(name, deck values) of the members with results."""
+    elements = run.deck.get("elements", {}).items()
+    found = [(name, d) for name, d in elements if d["type"] == "beam"]
+    return [(name, d) for name, d in found if f"elements/{piece_names(name, d)[0]}/moment" in run.paths]
+
+
+def _largest(run, name, d):
+    """Length of the largest section moment of a member at each saved time."""
+    pieces = piece_names(name, d)
+    outputs = [run.results.find(f"elements/{one}/{end}").values for one in pieces for end in DIAGRAMS[2][3]]
+    return np.max(np.linalg.norm(outputs, axis=-1), axis=0)
+
+
+def _peak(run):
+    """Row of the largest moment of all members (None without members), its size, and the size in the last row."""
+    sizes = [_largest(run, name, d) for name, d in _members(run)]
+    if not sizes:
+        return None, 0.0, 0.0
+    largest = np.max(sizes, axis=0)
+    return int(np.argmax(largest)), float(largest.max()), float(largest[-1])
+
+
+def _sheet(name, when, runs, rows):
+    panels = []
+    for label, unit, components, outputs in DIAGRAMS:
+        curves = [
+            curve
+            for number, (run, row) in enumerate(zip(runs, rows, strict=True))
+            for member in _shown(run, row)
+            for curve in _curves(run, number, row, member, label, unit, components, outputs)
+        ]
+        panels.append(Panel(label, tuple(curves)))
+    times = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
+    heading = f"Section forces along members {when}, {' and '.join(sorted(times))} s"
+    return Sheet(name, heading, tuple(worth_showing(panels, runs)), lead=0)
+
+
+def _shown(run, row):
+    """The members with the largest moments at the instant, in the order of the deck."""
+    members = _members(run)
+    ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:MOST]
+    return [member for member in members if member in ranked]
+
+
+def _curves(run, number, row, member, label, unit, components, outputs):
+    """A curve for each component: three points of each element over the distance along the strain-free member."""
+    name, d = member
+    pieces, nodes = piece_names(name, d), divided_nodes(name, d)
+    start = np.array([run.results.find(f"nodes/{node}/position").values[0] for node in nodes])
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(start, axis=0), axis=1))])
+    along = np.stack([at[:-1], 0.5 * (at[:-1] + at[1:]), at[1:]], axis=1).ravel()
+    forces = np.array([[run.results.find(f"elements/{one}/{end}").values[row] for end in outputs] for one in pieces])
+    x = Quantity(f"members/{name}/distance", "m", "along the member", f"{SAVED} {name}", along, along)
+    for i in components:
+        what = f"{label} {i + 1}" if len(components) > 1 else label
+        path = f"members/{name}/{what.replace(' ', '_')}"
+        values = forces[:, :, i].ravel()
+        yield Curve(x, Quantity(path, unit, label, f"{SAVED} {name}", along, values), number, name)
