@@ -152,6 +152,5 @@ SHAPES = {
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
     "beam": _beam,
-    **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""
