@@ -151,6 +151,6 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
-    "beam": _beam,
+    **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""
