@@ -217,8 +217,9 @@ def set_reactions(instances, motion, wanted):
         return on_all_nodes(held, motion, 0.0, np.eye(3))
 
     if held:
-        columns = np.array([exerted(unit) for unit in np.eye(sum(sizes))]).T
-        found = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        without = exerted(np.zeros(sum(sizes)))  # a kind with constraints may exert forces besides
+        columns = np.array([exerted(unit) - without for unit in np.eye(sum(sizes))]).T
+        found = np.linalg.lstsq(columns, wanted - without, rcond=None)[0]
         np.testing.assert_allclose(exerted(found), wanted, rtol=1e-9, atol=1e-9)
 
 

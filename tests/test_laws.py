@@ -15,6 +15,9 @@ CUBIC = {"points": [[-2, 1.0], [-1, 0.2], [0, 0], [0.5, 0.3], [2, 4.0]], "interp
 LINEAR = {**CUBIC, "interpolation": "linear", "beyond": "hold"}
 DAMPING = [[-2, -3.0], [-0.5, -1.0], [0, 0], [1, 0.4], [2, 2.0]]
 OIL = {"density": 870.0, "piston_area": 0.01, "discharge_coefficient": 0.7, "interpolation": "cubic"}
+RANDOM = {
+    "density": 0.1, "reference": 0.1, "exponent": 2.0, "lowest": 0.05, "highest": 1.0, "waves": 12, "seed": 5,
+}  # fmt: skip
 
 # name of the case: term, values, corners in s (no differences are taken across them)
 CASES = {
@@ -31,6 +34,8 @@ CASES = {
     "jump": ("step", {"time": 0.3, "rise": 0.0, "from": 1.0, "to": 4.0}, [0.3]),
     "exponential": ("exponential", {"start": 0.8, "limit": 0.3, "rate": 1.2, "origin": -0.5}, [-0.5]),
     "exponential, rate 0": ("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.0, "origin": -0.5}, []),
+    "bump": ("bump", {"start": -1.0, "length": 2.5, "height": 0.6}, [-1.0, 1.5]),
+    "random": ("random", RANDOM, []),
     "spring": ("spring", {"stiffness": 7.0}, []),
     "preload": ("preload", {"force": -5.0}, []),
     "damper": ("damper", {"coefficient": 3.0}, []),
