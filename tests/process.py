@@ -23,9 +23,9 @@ def settings(*overrides):
     return [word for text in overrides for word in ("--set", text)]
 
 
-def processor_time(*arguments, cwd=None):
-    """Processor time [s] of a process of ``mecano`` with the arguments, which must succeed."""
+def processor_time(*arguments, cwd=None, command=COMMAND):
+    """Processor time [s] of a process of ``mecano``, or another command, with the arguments; it must succeed."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([*COMMAND, *map(str, arguments)], cwd=cwd, check=True, capture_output=True)
+    subprocess.run([*command, *map(str, arguments)], cwd=cwd, check=True, capture_output=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

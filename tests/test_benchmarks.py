@@ -22,6 +22,13 @@ def test_a_case_runs(case):
     assert 0.0 < found["mecano"]["error"] < 1e-2
 
 
+def test_the_startup_is_measured():
+    command = [sys.executable, RUN, "startup", "--repetitions", "1"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    seconds, unit = ended.stdout.split()
+    assert 0.2 < float(seconds) < 20.0 and unit == "s"
+
+
 def test_without_a_case_it_says_which_there_are():
     ended = subprocess.run([sys.executable, RUN, "chain"], capture_output=True, text=True)
     assert ended.returncode == 2 and "'chain-100'" in ended.stderr

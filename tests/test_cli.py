@@ -30,6 +30,8 @@ time: {end: 0.1, step: 1.0e-3}
 output: {every: 0.01}
 """
 NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
+TRIES = 8  # of a limit on the processor time, which other processes lengthen
+LIBRARIES = ("numpy", "numba", "scipy.sparse", "h5py", "yaml", "click")
 HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "yaml")
 
 
@@ -70,7 +72,7 @@ class TestHelp:
         code = f"import sys, mecano.cli; print([name for name in {HEAVY!r} if name in sys.modules])"
         loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert loaded.stdout.strip() == "[]"
-        assert min(processor_time("--help") for _ in range(3)) < 0.3
+        assert any(processor_time("--help") < 0.3 for _ in range(TRIES))
 
     def test_every_command_has_one(self, call):
         code, out, _ = call("--help")
@@ -137,8 +139,14 @@ class TestRun:
     def test_a_warm_one_takes_little_time(self, folder):
         deck = INPUTS / "pendulum.yaml"
         processor_time("run", deck, "-q", "-o", "cold.h5", cwd=folder)  # compiles, if need be
-        times = [processor_time("run", deck, "-q", "-o", f"{i}.h5", cwd=folder) for i in range(3)]
-        assert min(times) < 1.5
+        times = []
+        for i in range(TRIES):
+            libraries = processor_time("-c", f"import {', '.join(LIBRARIES)}", command=[sys.executable])
+            times.append((processor_time("run", deck, "-q", "-o", f"{i}.h5", cwd=folder), libraries))
+            if times[-1][0] < max(1.5, 2.7 * libraries):  # the latter on a busy machine: there all takes longer
+                break
+        else:
+            raise AssertionError(times)
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from mecano.errors import ResultsError, UsageError
 from mecano.modes_run import about, modes
 from mecano.results.modes_file import read_modes
+from mecano.solve.increments import displaced
 from mecano.solve.linearize import Linearization, linearize
 from mecano.solve.modes import solve
 
@@ -319,6 +320,62 @@ def test_linearization_of_a_moving_state_is_that_of_the_motion():
 
     found = (residual(1e-3) - residual(-1e-3)) / 2e-3
     np.testing.assert_allclose(found, expected, rtol=2e-5, atol=2e-5 * np.abs(expected).max())
+
+
+FLAPPING = {0.0: 3.51602, 1.0: 3.68165, 2.0: 4.13732, 5.0: 6.44954}
+"""Lowest flapping frequency of a cantilever that turns about its root, over sqrt(EI/(m L^4)), by its turning over it:
+Wright, Smith, Thresher & Wang, J. Appl. Mech. 49 (1982) 197-202."""
+
+
+def turning_beam(base, w):
+    """The state of a deck in equilibrium relative to axes that turn with w (3,), by Newton with the K of these axes."""
+    system, s = base.prepared.system, base.state
+    of = system.numbering
+    for _ in range(20):
+        for x in of.x:
+            s.v[x : x + 3] = np.cross(w, s.z[x : x + 3])
+            s.a[x : x + 3] = np.cross(w, s.v[x : x + 3])
+        for r, d in enumerate(of.rotation_dof):
+            s.v[d : d + 3], s.a[d : d + 3] = s.R[r].T @ w, 0.0
+        lin = linearize(system, s, base.prepared.length, w)
+        system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        f = system.residual[: system.n].copy()
+        change = np.linalg.solve(lin.K.toarray(), -f)
+        size = np.abs(change[: system.n_q]).max()
+        if size < 1e-11:
+            return lin
+        s = displaced(s, change[: system.n_q], of)
+        s.z[system.n_q : system.n] += change[system.n_q :]
+    raise AssertionError(f"no equilibrium: {size}")
+
+
+@pytest.mark.parametrize("speed", FLAPPING)
+def test_beam_that_turns_is_stiffened(speed):
+    """Flapping out of the plane as published; in the plane the square is less by that of the turning."""
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        sections:
+          s: {{type: stiffness, EA: 1.0e5, GA2: 1.0e6, GA3: 1.0e6, EI2: 1, EI3: 1, GJ: 1, mass_per_length: 1,
+               rotary_inertia: [1.0e-6, 5.0e-7, 5.0e-7]}}
+        nodes: {{root: {{position: [0, 0, 0]}}, tip: {{position: [1, 0, 0]}}}}
+        elements:
+          hub: {{type: rigid_body, node: root, mass: 1, inertia: [1, 1, 1]}}
+          beam: {{type: beam, nodes: [root, tip], section: s, mesh: 16, up: [0, 0, 1]}}
+        joints:
+          axle: {{type: hinge, nodes: [ground, root], axis: [0, 0, 1]}}
+          motor: {{type: prescribed_angle, nodes: [ground, root], axis: [0, 0, 1],
+                   value: {{linear: {{slope: {speed}}}}}}}
+        initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, {speed}], about: [0, 0, 0]}}]}}
+        {TIME}
+        """
+    lin = turning_beam(about(deck(text)), np.array([0.0, 0.0, speed]))
+    assert lin.variation < 1e-4
+    found = solve(lin, 2)
+    flapping = FLAPPING[speed]
+    expected = sorted([flapping, np.sqrt(flapping**2 - speed**2)])
+    np.testing.assert_allclose(found.values.imag, expected, rtol=5e-4)
+    assert np.abs(found.values.real).max() < 1e-6
 
 
 def with_velocity_constraint(stiffness, a=0.7, b=0.9):

@@ -6,8 +6,8 @@ P(c - natural, dc/dt), which adds P b_i to the forces: P > 0 drives the coordina
 
 from numba import njit
 
-from mecano.constraints.stop_modes import law_record
-from mecano.contract import Output
+from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
+from mecano.contract import Kind, Output
 from mecano.laws.table import evaluate_force, potential
 from mecano.maths.vec import add, add_mat, add_vec, outer, scale, tmul
 
@@ -45,12 +45,34 @@ def report(p, laws, coordinate, rate, y, e):
     e[2] = (P - elastic) * rate
 
 
+def law_kind(name, doc, dtype, layout, force, coordinate, memory=()):
+    """The Kind of a law along ``coordinate(p, m, q, v, R)`` -> (value, rate), a compiled function.
+
+    Its unit is that of a force when the layout has positions; with ``memory`` the value is followed.
+    """
+
+    @njit
+    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+        c, rate = coordinate(p, m, q, v, R)
+        report(p, laws, c, rate, y, e)
+
+    @njit
+    def event_values(p, m, mode, t, laws, q, v, a, R, g):
+        put_stop_events(g, p.low, p.high, coordinate(p, m, q, v, R)[0] - p.natural)
+
+    @njit
+    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+        m_out[0] = coordinate(p, m, q, v, R)[0]
+
+    what, unit = ("force", "N") if layout[0][0] == "x" else ("moment", "N m")
+    return Kind(
+        name=name, section="", doc=doc, dtype=dtype, layout=layout,
+        outputs=(Output(f"law_{what}", unit, f"{what} of the law; > 0 drives the coordinate back"),),
+        modes=MODES, events=EVENTS, memory=memory,
+        force=force, observe=observe, event_values=event_values, commit=commit if memory else None,
+    )  # fmt: skip
+
+
 def axis_law_record(law, natural, context):
     """Values of ``LAW_RECORD``."""
     return {"natural": natural, **law_record(law, context)}
-
-
-def law_output(name, unit):
-    """The output of a law along an axis."""
-    what = "force" if unit == "N" else "moment"
-    return Output(name, unit, f"{what} of the law; > 0 drives the coordinate back")

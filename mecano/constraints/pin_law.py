@@ -2,11 +2,10 @@
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind, turning_blocks
 from mecano.constraints.carried import add_blocks, follow, relative_rotation, turning_rate
 from mecano.constraints.pin_angle import pin_angle, pin_curvature, pin_gradient
-from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
-from mecano.contract import Kind, record
+from mecano.contract import record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vec import mat, vec
 
@@ -27,29 +26,10 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @njit
-def _followed(p, m, v, R):
+def _followed(p, m, q, v, R):
     mu, xi = mat(p.mu), vec(p.xi, 0)
     A = relative_rotation(mat(R[0]), mat(R[1]))
     return follow(m[0], pin_angle(A, mu, xi)), turning_rate(pin_gradient(A, mu, xi), vec(v, 0), vec(v, 3))
-
-
-@njit
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Moment; energies."""
-    angle, rate = _followed(p, m, v, R)
-    report(p, laws, angle, rate, y, e)
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Stops of the law."""
-    put_stop_events(g, p.low, p.high, _followed(p, m, v, R)[0] - p.natural)
-
-
-@njit
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-    """Remember the angle."""
-    m_out[0] = _followed(p, m, v, R)[0]
 
 
 def pin_law_record(mu, xi, law, natural, context):
@@ -57,18 +37,4 @@ def pin_law_record(mu, xi, law, natural, context):
     return {"mu": mu, "xi": xi, **axis_law_record(law, natural, context)}
 
 
-PIN_LAW = Kind(
-    name="pin_law",
-    section="",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("R0", "R1"),
-    outputs=(law_output("law_moment", "N m"),),
-    modes=MODES,
-    events=EVENTS,
-    memory=("angle",),
-    force=force,
-    observe=observe,
-    event_values=event_values,
-    commit=commit,
-)
+PIN_LAW = law_kind("pin_law", __doc__, RECORD, ("R0", "R1"), force, _followed, ("angle",))

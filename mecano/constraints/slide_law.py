@@ -5,10 +5,9 @@ P > 0 pulls the second node back along the axis; the first node receives the opp
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind
 from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
-from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
-from mecano.contract import Kind, Part, record
+from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vec import mat, vec
 from mecano.schema import LAW, NUMBER, Field
@@ -28,16 +27,8 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @njit
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Force; energies."""
-    displacement, rate = slide(q, v, mat(R[0]), vec(p.mu, 0))
-    report(p, laws, displacement, rate, y, e)
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Stops of the law."""
-    put_stop_events(g, p.low, p.high, slide(q, v, mat(R[0]), vec(p.mu, 0))[0] - p.natural)
+def _slid(p, m, q, v, R):
+    return slide(q, v, mat(R[0]), vec(p.mu, 0))
 
 
 def slide_law_record(mu, law, natural, context):
@@ -59,16 +50,4 @@ def sliding_parts(d, place, context):
     return [Part(SLIDE_LAW, (0, 1), slide_law_record(place["mu"][2], d["sliding_law"], natural, context))]
 
 
-SLIDE_LAW = Kind(
-    name="slide_law",
-    section="",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0", "x1"),
-    outputs=(law_output("law_force", "N"),),
-    modes=MODES,
-    events=EVENTS,
-    force=force,
-    observe=observe,
-    event_values=event_values,
-)
+SLIDE_LAW = law_kind("slide_law", __doc__, RECORD, ("x0", "R0", "x1"), force, _slid)

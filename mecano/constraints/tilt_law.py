@@ -6,7 +6,7 @@ the constraint ``orthogonal`` holds at zero. The moment on the second node is :m
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind, turning_blocks
 from mecano.constraints.carried import (
     add_blocks,
     product_curvature,
@@ -14,8 +14,7 @@ from mecano.constraints.carried import (
     relative_rotation,
     turning_rate,
 )  # fmt: skip
-from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
-from mecano.contract import Kind, record
+from mecano.contract import record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vec import dot, mat, mul, vec
 
@@ -42,22 +41,9 @@ def tilted(mu, xi, A, omega_0, omega_1):
 
 
 @njit
-def _tilted(p, v, R):
+def _tilted(p, m, q, v, R):
     A = relative_rotation(mat(R[0]), mat(R[1]))
     return tilted(vec(p.mu, 0), vec(p.xi, 0), A, vec(v, 0), vec(v, 3))
-
-
-@njit
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Moment; energies."""
-    tilt, rate = _tilted(p, v, R)
-    report(p, laws, tilt, rate, y, e)
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Stops of the law."""
-    put_stop_events(g, p.low, p.high, _tilted(p, v, R)[0] - p.natural)
 
 
 def tilt_law_record(mu, xi, law, context):
@@ -65,16 +51,4 @@ def tilt_law_record(mu, xi, law, context):
     return {"mu": mu, "xi": xi, **axis_law_record(law, 0.0, context)}
 
 
-TILT_LAW = Kind(
-    name="tilt_law",
-    section="",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("R0", "R1"),
-    outputs=(law_output("law_moment", "N m"),),
-    modes=MODES,
-    events=EVENTS,
-    force=force,
-    observe=observe,
-    event_values=event_values,
-)
+TILT_LAW = law_kind("tilt_law", __doc__, RECORD, ("R0", "R1"), force, _tilted)

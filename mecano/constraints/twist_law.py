@@ -18,7 +18,7 @@ vanish.
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_output, report, turning_blocks
+from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind, turning_blocks
 from mecano.constraints.carried import (
     add_blocks,
     follow,
@@ -29,8 +29,7 @@ from mecano.constraints.carried import (
     twist_curvature,
     twist_gradient,
 )  # fmt: skip
-from mecano.constraints.stop_modes import EVENTS, MODES, put_stop_events
-from mecano.contract import Kind, Part, record
+from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vec import mat, vec
 from mecano.schema import LAW, NUMBER, Field
@@ -52,29 +51,10 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @njit
-def followed(p, m, v, R):
+def followed(p, m, q, v, R):
     """Angle [rad], by whole turns nearest to the memory, and its rate [rad/s]."""
     angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
     return follow(m[0], angle), rate
-
-
-@njit
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Moment; energies."""
-    angle, rate = followed(p, m, v, R)
-    report(p, laws, angle, rate, y, e)
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Stops of the law."""
-    put_stop_events(g, p.low, p.high, followed(p, m, v, R)[0] - p.natural)
-
-
-@njit
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-    """Remember the angle."""
-    m_out[0] = followed(p, m, v, R)[0]
 
 
 def twist_law_record(mu, xi, law, natural, context):
@@ -96,18 +76,4 @@ def turning_parts(d, place, context):
     return [Part(TWIST_LAW, (0, 1), values)]
 
 
-TWIST_LAW = Kind(
-    name="twist_law",
-    section="",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("R0", "R1"),
-    outputs=(law_output("law_moment", "N m"),),
-    modes=MODES,
-    events=EVENTS,
-    memory=("angle",),
-    force=force,
-    observe=observe,
-    event_values=event_values,
-    commit=commit,
-)
+TWIST_LAW = law_kind("twist_law", __doc__, RECORD, ("R0", "R1"), force, followed, ("angle",))

@@ -13,7 +13,7 @@ from numba import njit
 from mecano.constraints.axis_law import report
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.stop_modes import EVENTS, MODES
-from mecano.constraints.twist_law import RECORD, commit, event_values, followed, force, twist_law_record
+from mecano.constraints.twist_law import RECORD, TWIST_LAW, followed, twist_law_record
 from mecano.contract import Kind, Output
 from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
 
@@ -21,7 +21,7 @@ from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Angle, rate, moment; energies."""
-    angle, rate = followed(p, m, v, R)
+    angle, rate = followed(p, m, q, v, R)
     report(p, laws, angle, rate, y[2:], e)
     y[0] = angle
     y[1] = rate
@@ -72,9 +72,9 @@ TORSION_SPRING_DAMPER = Kind(
     events=EVENTS,
     memory=("angle",),
     prepare=prepare,
-    force=force,
+    force=TWIST_LAW.force,
     observe=observe,
-    event_values=event_values,
-    commit=commit,
+    event_values=TWIST_LAW.event_values,
+    commit=TWIST_LAW.commit,
     sample=sample,
 )

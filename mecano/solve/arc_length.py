@@ -170,13 +170,16 @@ class Arc:
         guess = ds * self.tangent[-1] * self.rate
         guess[statics.system.n_q :] /= k
         statics.move(s, point.state, guess, k)
+        told = []
         for _ in range(MODE_CHANGES):
             mu, result = self._correct(point, s, mu, ds, k, penalty)
             hit = statics.watch.values(s) > CLOSED * statics.length
             if not result.ok or not hit.any():
                 break
-            s, _ = statics.watch.apply(s, hit)
+            s, happenings = statics.watch.apply(s, hit)
+            told += happenings
         trial = Trial(s, mu, ds, statics.judged(result, s, point.state))
+        trial.found.happenings = tuple(told)
         return self._finished(trial) if trial.found.ok else trial
 
     def _finished(self, trial):

@@ -72,13 +72,13 @@ class Follower:
         return point
 
     def _watch(self, point):
-        """Note where the path lost stability, by linear interpolation of the least stiffness."""
+        """Note where the path lost stability; in steps of the parameter, by interpolation of the least stiffness."""
         last, self.last = self.last, point
         if last is None or not 0 <= last.stability.unstable < point.stability.unstable:
             return
         before, after, of = last.stability.stiffness, point.stability.stiffness, self.statics.loading
         text = f"between {of.name} {last.parameter:.6g} and {point.parameter:.6g}{of.unit}"
-        if before > 0.0 > after:
+        if before > 0.0 > after and point.place == point.parameter:
             critical = last.parameter + (point.parameter - last.parameter) * before / (before - after)
             text += f", near {critical:.6g},"
         motion = words(self.statics.system, point.state, point.stability.shape, self.statics.length)

@@ -91,7 +91,9 @@ class Judge:
         x = np.zeros(self.system.n)
         status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
         if status.fallback:
-            return Stability(UNKNOWN, UNKNOWN, *self._softest(data))
+            stiffness, shape = self._softest(data)
+            free = abs(stiffness) <= NEUTRAL_WHERE_SOFT * np.abs(data).max()
+            return Stability(UNKNOWN, 1 if free else UNKNOWN, stiffness, shape)
         zero = self._solver.cancellation() <= NEUTRAL_PIVOT
         unstable = int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l
         stiffness, shape = (np.nan, None) if not (unstable or zero.any()) else self._softest(data)
@@ -112,7 +114,7 @@ class Judge:
         n, n_q = self.system.n, self.system.n_q
         metric = sp.diags(np.concatenate([self.root**2, np.zeros(n - n_q)])).tocsc()
         matrix = self._matrix(data).tocsc()
-        shift = 1e-9 * np.abs(data[self.system.diagonal[:n_q]]).mean()
+        shift = 1e-9 * (np.abs(data[self.system.diagonal[:n_q]]).mean() or 1.0)
         try:
             lu = spla.splu((matrix + shift * metric).tocsc())
         except RuntimeError:

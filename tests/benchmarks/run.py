@@ -13,13 +13,20 @@ import json
 import os
 import statistics
 import sys
+import tempfile
+from pathlib import Path
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
+sys.path.append(str(Path(__file__).parent.parent))
+
 import numpy as np
 from cases import CASES
 from mecano_side import Mecano
+from process import processor_time
+
+PENDULUM = Path(__file__).parent.parent.parent / "inputs" / "pendulum.yaml"
 
 
 def exudyn():
@@ -99,6 +106,14 @@ def tune(case, repetitions, other):
         print(f"{1e6 * spent / case.steps:7.1f} us error {off:.2e} {settings}", flush=True)
 
 
+def startup(repetitions):
+    """Least processor time [s] of the whole process of a warm `mecano run inputs/pendulum.yaml`."""
+    with tempfile.TemporaryDirectory() as folder:
+        call = ("run", PENDULUM, "-q", "--force", "-o", Path(folder) / "r.h5")
+        processor_time(*call)  # compiles, if need be
+        return min(processor_time(*call) for _ in range(repetitions))
+
+
 def table(found):
     """One case as a line of text."""
     own = found["mecano"]
@@ -122,6 +137,9 @@ def main():
     parser.add_argument("--steps", type=int, help="take so many steps only")
     parser.add_argument("--mecano-only", action="store_true", help="leave Exudyn out even where it is installed")
     given = parser.parse_args()
+    if given.what == "startup":
+        print(f"{startup(given.repetitions):.2f} s")
+        return
     other = None if given.mecano_only else exudyn()
     if given.what == "tune":
         tune(CASES[given.case], given.repetitions, other)

@@ -1,0 +1,82 @@
+r"""All modes of a small model, by dense matrices.
+
+Holonomic constraints leave the motions y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
+comes from a constraint, redundant or not. Constraints on velocities leave :math:`\dot p = N r + G p`, with N the null
+space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and damping are condensed. A symmetric undamped
+problem is solved as one (eigh), any other in first order: QR, or QZ where inertia is singular.
+"""
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.solve.stability import null_space
+
+MASSLESS = 1e-13  # of the largest inertia
+INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
+
+
+def dense(scaled):
+    """All eigenvalues and shapes: (values, shapes (m, n_q), text)."""
+    Z = null_space(scaled.B.toarray())
+    M, C, K = (Z.T @ A @ Z for A in (scaled.M.toarray(), scaled.C.toarray(), scaled.K.toarray()))
+    if not Z.shape[1]:
+        return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing moves"
+    if scaled.on_velocity.any():
+        values, p = _on_velocities(scaled, Z, M, C, K)
+        return values, p @ Z.T, "dense, first order, with constraints on velocities"
+    M, C, K, back = _condensed(M, C, K)
+    if scaled.undamped:
+        squares, vectors = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+        values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
+        both = np.concatenate([values, -values[squares < 0.0]])
+        return both, (np.concatenate([vectors.T, vectors.T[squares < 0.0]]) @ back.T) @ Z.T, "dense, undamped"
+    values, p = _first_order(M, C, K)
+    return values, (p @ back.T) @ Z.T, "dense, first order"
+
+
+def _condensed(M, C, K):
+    """M, C, K without the motions that have neither inertia nor damping, and the matrix that gives back all."""
+    w, U = la.eigh(0.5 * (M + M.T))
+    light = w <= MASSLESS * w[-1]
+    U1, U2 = U[:, ~light], U[:, light]
+    drag = max(np.abs(C @ U2).max(initial=0.0), np.abs(U2.T @ C).max(initial=0.0))
+    if not light.any() or drag > 1e-12 * np.sqrt(np.abs(M).max() * np.abs(K).max()):
+        return M, C, K, np.eye(len(M))
+    follow = -np.linalg.lstsq(U2.T @ K @ U2, U2.T @ K @ U1, rcond=1e-13)[0]
+    back = U1 + U2 @ follow
+    lead = U1.T - (np.linalg.lstsq((U2.T @ K @ U2).T, (U1.T @ K @ U2).T, rcond=1e-13)[0]).T @ U2.T
+    return U1.T @ M @ U1, U1.T @ C @ U1, lead @ K @ back, back
+
+
+def _first_order(M, C, K):
+    """Eigenvalues and position parts (m, r) of the vectors of M y'' + C y' + K y = 0."""
+    r = len(M)
+    rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0  # makes positions and velocities comparable
+    M, C, K = M * rate**2, C * rate, K
+    eye, zero = np.eye(r), np.zeros((r, r))
+    w = la.eigvalsh(0.5 * (M + M.T))
+    if w[0] > MASSLESS * w[-1]:
+        inverse = la.lu_factor(M)
+        A = np.block([[zero, eye], [-la.lu_solve(inverse, K), -la.lu_solve(inverse, C)]])
+        values, vectors = la.eig(A)
+    else:
+        values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
+    return values * rate, vectors[:r].T
+
+
+def _finite(A, E):
+    """Finite eigenvalues of A x = value E x and their vectors, by QZ."""
+    (alpha, beta), vectors = la.eig(A, E, homogeneous_eigvals=True)
+    size = np.hypot(np.abs(alpha), np.abs(beta))
+    finite = np.abs(beta) > INFINITE * size
+    return alpha[finite] / beta[finite], vectors[:, finite]
+
+
+def _on_velocities(scaled, Z, M, C, K):
+    """Eigenvalues and p (m, r) where constraints hold velocities, too."""
+    E, F = scaled.E @ Z, scaled.F @ Z
+    N, G = null_space(E), -np.linalg.pinv(E, rcond=1e-12) @ F
+    L = null_space((Z.T @ scaled.D[:, scaled.on_velocity]).T).T
+    A = np.block([[G, N], [-L @ (M @ G @ G + C @ G + K), -L @ (M @ G @ N + C @ N)]])
+    values, vectors = _finite(A, la.block_diag(np.eye(len(G)), L @ M @ N))
+    return values, vectors[: len(G)].T

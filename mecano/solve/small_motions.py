@@ -1,0 +1,60 @@
+"""The matrices of small motions in one unit, in blocks of motions and constraints, and what a pair leaves of them."""
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+SYMMETRIC = 1e-9  # of the largest entry
+ROUNDED = 1e-8  # of the largest stiffness: terms smaller than this are judged against it
+DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
+
+
+class SmallMotions:
+    """The matrices in motions of one unit (rotations times the length scale), split into their blocks."""
+
+    def __init__(self, lin):
+        n_q = self.n_q = lin.n_q
+        S = sp.diags(np.concatenate([1.0 / lin.root, np.ones(lin.K.shape[0] - n_q)]))
+        self.full = tuple((S @ A @ S).tocsr() for A in (lin.M, lin.C, lin.K))
+        self.M, self.C, self.K = (A[:n_q, :n_q] for A in self.full)
+        self.D = self.full[2][:n_q, n_q:]
+        rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
+        self.on_velocity = np.asarray(abs(rows_C).sum(axis=1)).ravel() > 0.0
+        self.B, self.E, self.F = rows_K[~self.on_velocity], rows_C[self.on_velocity], rows_K[self.on_velocity]
+        self.groups = lin.groups
+        self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
+
+    @property
+    def undamped(self):
+        """True when the problem is symmetric, without first-order terms."""
+        M, C, K = self.size
+        scale = np.sqrt(M * K)
+        asymmetric = abs(self.K - self.K.T).max() if self.K.nnz else 0.0
+        return not self.on_velocity.any() and C <= 1e-14 * scale and asymmetric <= SYMMETRIC * K
+
+    def residual(self, value, y):
+        """What a pair leaves of the equations, relative to the sizes of their terms."""
+        terms = [value**2 * (self.M @ y), value * (self.C @ y), self.K @ y]
+        r = sum(terms)
+        size = abs(value) ** 2 * np.linalg.norm(abs(self.M) @ abs(y))
+        size += abs(value) * np.linalg.norm(abs(self.C) @ abs(y)) + np.linalg.norm(abs(self.K) @ abs(y))
+        if self.D.shape[1]:
+            mu = self.least(r)
+            r = r + self.D @ mu
+            size += np.linalg.norm(abs(self.D) @ abs(mu))
+        size = max(size, ROUNDED * self.size[2] * np.linalg.norm(y))
+        gaps = [_relative(self.B, y), _relative(value * self.E + self.F, y)]
+        return float(max([np.linalg.norm(r) / max(size, 1e-300), *gaps]))
+
+    def least(self, r):
+        """Multipliers mu with the least r + D mu."""
+        if self.D.shape[0] <= DENSE_ROWS:
+            return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
+        parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]
+        return parts[0] + 1j * parts[1]
+
+
+def _relative(A, y):
+    if not A.shape[0]:
+        return 0.0
+    return float(np.linalg.norm(A @ y) / max(spla.norm(A) * np.linalg.norm(y), 1e-300))
