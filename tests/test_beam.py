@@ -15,6 +15,11 @@ from mecano.elements.cross_section import SHAPES, constants
 from mecano.errors import DeckError
 from mecano.maths.rotation_vector import inverse_coefficients
 from mecano.model.system import System
+from mecano.post.members import member_sheets
+from mecano.post.runs import open_runs
+from mecano.post.shapes import Motion as Shown
+from mecano.post.shapes import shapes
+from mecano.static_run import run
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "G": None, "density": 7800.0, "damping": 0.0}
 CURVED = "sections: {rod: {type: rectangle, width: 0.02, height: 0.05, E: 2.1e11, nu: 0.3, density: 7800}}"
@@ -255,3 +260,19 @@ def test_resolved_deck_is_the_same_deck():
     again = deck(checked.resolved_text())
     assert again.resolved() == checked.resolved()
     assert checked.resolved()["elements"]["leg"]["section"] == "rod"
+
+
+def test_pictures_of_a_member(tmp_path):
+    """Section forces along the member as in statics; one line for the whole member in the side view."""
+    static = member("loads: {pull: {type: force, node: b, direction: [0, 0, -1], value: 10}}").replace(
+        "time: {end: 0.01, step: 1.0e-3}", "static: {steps: 1}"
+    )
+    static = static.replace("a: {position: [0, 0, 0]}", "a: {position: [0, 0, 0], fixed: true}")
+    static = static.replace("mecano: 1", "mecano: 1\n        gravity: [0, 0, 0]")
+    run(deck(static), tmp_path / "member.h5")
+    runs = open_runs([tmp_path / "member.h5"])
+    (sheet,) = member_sheets(runs)
+    bending = next(panel for panel in sheet.panels if panel.label == "bending moment").curves[0]
+    np.testing.assert_allclose(bending.y.values, 10.0 * (2.0 - bending.x.values), atol=1e-2)
+    (line,) = [shape for shape in shapes(Shown(runs[0], np.array([-1]))) if shape.name == "leg"]
+    assert line.points.shape == (1, 5, 3)

@@ -22,7 +22,7 @@ def member_sheets(runs):
     peaks = [_peak(run) for run in runs]
     if not any(row is not None for row, _, _ in peaks):
         return []
-    sheets = [_sheet("members", "at the last saved time", runs, [-1 for _ in runs])]
+    sheets = [_sheet("members", "at the end", runs, [-1 for _ in runs])]
     if any(row is not None and largest > CLEARLY * last for row, largest, last in peaks):
         rows = [-1 if row is None else row for row, _, _ in peaks]
         sheets.append(_sheet("members_peak", "at the largest moment", runs, rows))
@@ -62,8 +62,9 @@ def _sheet(name, when, runs, rows):
             for curve in _curves(run, number, row, member, label, unit, components, outputs)
         ]
         panels.append(Panel(label, tuple(curves)))
-    times = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
-    heading = f"Section forces along members {when}, {' and '.join(sorted(times))} s"
+    axis = runs[0].results.axis
+    places = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
+    heading = f"Section forces along members {when}, {axis.path} {' and '.join(sorted(places))} {axis.unit}".rstrip()
     return Sheet(name, heading, tuple(worth_showing(panels, runs)), lead=0)
 
 

@@ -56,7 +56,6 @@ BEAMS = Plan(
         View("torque", ("moment.x",)),
         View("bending moment at the start", ("moment_start.y", "moment_start.z")),
     ),
-    lead=2,
 )  # fmt: skip
 STRUTS = Plan(
     "struts", "Springs and struts", ("spring_damper",),
@@ -113,7 +112,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, BEAMS, STRUTS, TORSION_SPRINGS, ANGLES, SLIDES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):
