@@ -40,6 +40,7 @@ def test_defaults_are_filled_in():
                 "count": 1,
             }
         },
+        "sections": {},
         "joints": {},
         "loads": {},
         "laws": {},
