@@ -15,6 +15,7 @@ import mecano
 from mecano.cli import main
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
+from mecano.elements.cross_section import SHAPES
 from mecano.laws import TERMS
 
 DECK = """\
@@ -308,7 +309,7 @@ class TestCatalogue:
     def test_list_names_everything(self, call):
         code, out, _ = call("list")
         listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
-        assert code == 0 and listed == {*KINDS, *TERMS, *(section.name for section in SECTIONS)}
+        assert code == 0 and listed == {*KINDS, *TERMS, *SHAPES, *(section.name for section in SECTIONS)}
 
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
     def test_explain_says_all_of_it(self, call, name):
