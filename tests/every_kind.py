@@ -1,4 +1,4 @@
-"""A results file in which every kind of the registry occurs, with smooth made-up numbers."""
+"""A results file in which every kind of the registry occurs, of wheels one, with smooth made-up numbers."""
 
 import numpy as np
 
@@ -32,28 +32,31 @@ VALUES = {
     "attached": [],
     "axis": [0.0, 1.0, 0.0],
     "radius": 0.3,
+    "file": {"positions": [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3]]},  # a superelement without nodes inside
     "tire_law": "tyre",
     "ground": "runway",
 }
+OTHER_WHEELS = ("flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel")
+ONE_WHEEL = {name: kind for name, kind in KINDS.items() if name not in OTHER_WHEELS}
 TIMES = np.linspace(0.0, 2.0, 41)
 
 
-def deck():
+def deck(kinds):
     """The resolved deck: of each kind one, named "one_<kind>"."""
     sections = {"elements": {}, "joints": {}, "loads": {}}
-    for kind in KINDS.values():
+    for kind in kinds.values():
         fields = {field.name for field in kind.fields}
         given = {key: value for key, value in VALUES.items() if key in fields}
         sections[kind.section][f"one_{kind.name}"] = {"type": kind.name, **given}
     return DECK | sections
 
 
-def layout():
+def layout(kinds=ONE_WHEEL):
     """The outputs as a run declares them."""
     series = [Series(f"nodes/{node}/{n}", u, d, s) for node in DECK["nodes"] for n, u, d, s in NODE_OUTPUTS]
     series += [
         Series(f"{kind.section}/one_{kind.name}/{o.name}", o.unit, o.doc, o.shape)
-        for kind in KINDS.values()
+        for kind in kinds.values()
         for o in kind.outputs
     ]
     return Layout([*series, *(Series(f"energy/{name}", unit, doc) for name, unit, doc in ENERGIES)])
@@ -71,10 +74,10 @@ def row(declared, t):
     return values
 
 
-def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off"))):
+def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off")), kinds=ONE_WHEEL):
     """Write the file."""
-    declared = layout()
-    source = Source("mecano: 1\n", deck(), "each.yaml", "One of each", overrides)
+    declared = layout(kinds)
+    source = Source("mecano: 1\n", deck(kinds), "each.yaml", "One of each", overrides)
     with Writer.create(path, declared, source) as writer:
         for i, t in enumerate(TIMES):
             values = row(declared, t)

@@ -144,9 +144,11 @@ def _grounds(run, drawn, axes, shift):
     for name, d in run.deck.get("elements", {}).items():
         if "ground" not in d or d["ground"] in done:
             continue
-        done.add(d["ground"])
         centres = next((s.points[:, -1] for s in drawn if s.name == name), None)
-        for i in range(len(shift)) if centres is not None else ():
+        if centres is None:
+            continue
+        done.add(d["ground"])
+        for i in range(len(shift)):
             line = _ground_at(run, d["ground"], axes, centres[i], x[i] if shift.any() else x, half_width)
             if line is not None:
                 yield line + (shift[i], 0.0)
