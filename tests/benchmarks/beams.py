@@ -1,0 +1,129 @@
+"""A falling flexible pendulum (inputs/flexible_pendulum.yaml) beside Exudyn: CPU per step, height of the tip after 1 s.
+
+    python tests/benchmarks/beams.py [elements ...]
+
+Steps of 1 ms, one thread, best of three. The limits of the height, from fine meshes and steps: 0.007979 m with shear
+and rotary inertia (mecano, Exudyn's exact beam), 0.007782 m without (ANCF cable). Recorded in docs/benchmarks.md.
+"""
+
+import contextlib
+import math
+import os
+import sys
+import time
+from pathlib import Path
+
+for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+import numpy as np
+
+from mecano.deck.read import read_deck
+from mecano.prepare import march_of, prepare
+
+DECK = Path(__file__).parents[2] / "inputs" / "flexible_pendulum.yaml"
+STEP, STEPS, REPETITIONS = 1e-3, 1000, 3
+LENGTH, DIAMETER, E, NU, DENSITY, GRAVITY = 1.0, 0.01, 1e8, 0.3, 1100.0, 9.81
+LIMITS = {"mecano": 0.007979, "exact beam": 0.007979, "ANCF cable": 0.007782}
+
+
+def mecano(n):
+    """CPU per step [s] and height of the tip [m] with n elements."""
+    prepared = prepare(read_deck(DECK, (f"elements.rod.mesh={n}", f"time.step={STEP}")))
+    tip = [node.name for node in prepared.system.nodes].index("tip")
+    spent = []
+    for _ in range(REPETITIONS):
+        march = march_of(prepared)
+        run = march.begin(prepared.state, STEP)
+        start = time.process_time()
+        run = march.to(STEP * STEPS, run)
+        spent.append(time.process_time() - start)
+    return min(spent) / STEPS, run.motion.z[prepared.system.numbering.x[tip] + 2]
+
+
+def exudyn(n, element):
+    """The same in Exudyn, sparse solver and modified Newton; None where it is not installed or finds no solution."""
+    sys.exudynFast = True
+    try:
+        import exudyn as exu
+        from exudyn import utilities as lib
+    except ImportError:
+        return None
+    spent = []
+    for _ in range(REPETITIONS):
+        container = exu.SystemContainer()
+        mbs = container.AddSystem()
+        tip = (_exact if element == "exact beam" else _cable)(mbs, n, exu, lib)
+        mbs.Assemble()
+        given = _settings(exu)
+        start = time.process_time()
+        done = False
+        with contextlib.suppress(ValueError, exu.SolverError):
+            done = mbs.SolveDynamic(given, showHints=False)
+        if not done:
+            return None
+        spent.append(time.process_time() - start)
+    return min(spent) / STEPS, mbs.GetNodeOutput(tip, exu.OutputVariableType.Position)[2]
+
+
+def _settings(exu):
+    given = exu.SimulationSettings()
+    integration = given.timeIntegration
+    integration.numberOfSteps, integration.endTime, integration.adaptiveStep = STEPS, STEP * STEPS, False
+    integration.generalizedAlpha.spectralRadius = 0.8
+    integration.newton.useModifiedNewton = True
+    integration.newton.relativeTolerance = 1e-5  # 1e-8, the default, is never met with 512 elements
+    given.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    given.solution.file.write = False
+    given.parallel.numberOfThreads = 1
+    return given
+
+
+def _exact(mbs, n, exu, lib):
+    area, bending = math.pi * DIAMETER**2 / 4, math.pi * DIAMETER**4 / 64
+    shear, k = E / (2 * (1 + NU)), 6 * (1 + NU) / (7 + 6 * NU)
+    section, piece = exu.BeamSection(), LENGTH / n
+    stiffness = [E * area, k * shear * area, k * shear * area, 2 * shear * bending, E * bending, E * bending]
+    section.stiffnessMatrix, section.massPerLength = np.diag(stiffness), DENSITY * area
+    section.inertia = DENSITY * np.diag([2 * bending, bending, bending])
+    nodes = [mbs.AddNode(lib.NodeRigidBodyEP(referenceCoordinates=[piece * i, 0, 0, 1, 0, 0, 0])) for i in range(n + 1)]
+    for ends in zip(nodes[:-1], nodes[1:], strict=True):
+        beam = lib.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), physicsLength=piece, sectionData=section)
+        mbs.AddObject(beam)
+    for i, node in enumerate(nodes):  # this beam takes no load of its mass
+        weight = (0.5 if i in (0, n) else 1.0) * DENSITY * area * piece * GRAVITY
+        marker = mbs.AddMarker(lib.MarkerNodePosition(nodeNumber=node))
+        mbs.AddLoad(lib.LoadForceVector(markerNumber=marker, loadVector=[0, 0, -weight]))
+    ground = mbs.AddMarker(lib.MarkerBodyRigid(bodyNumber=mbs.AddObject(lib.ObjectGround())))
+    pin = mbs.AddMarker(lib.MarkerNodeRigid(nodeNumber=nodes[0]))
+    mbs.AddObject(lib.GenericJoint(markerNumbers=[ground, pin], constrainedAxes=[1, 1, 1, 1, 0, 1]))
+    return nodes[-1]
+
+
+def _cable(mbs, n, exu, lib):
+    import exudyn.beams
+
+    area, bending = math.pi * DIAMETER**2 / 4, math.pi * DIAMETER**4 / 64
+    cable = lib.ObjectANCFCable(
+        physicsMassPerLength=DENSITY * area, physicsBendingStiffness=E * bending, physicsAxialStiffness=E * area,
+        physicsLength=LENGTH / n,
+    )  # fmt: skip
+    nodes, *_ = exudyn.beams.GenerateStraightLineANCFCable(
+        mbs, [0, 0, 0], [LENGTH, 0, 0], n, cable, massProportionalLoad=[0, 0, -GRAVITY],
+        fixedConstraintsNode0=[1, 1, 1, 0, 0, 0],
+    )  # fmt: skip
+    return nodes[-1]
+
+
+def main():
+    for n in [int(text) for text in sys.argv[1:]] or [8, 64, 512]:
+        own, height = mecano(n)
+        print(f"{n:4d} elements: mecano {1e6 * own:7.1f} us/step, tip off by {abs(height - LIMITS['mecano']):.1e} m")
+        for element in ("exact beam", "ANCF cable"):
+            if found := exudyn(n, element):
+                off = abs(found[1] - LIMITS[element])
+                print(f"     Exudyn, {element}: {1e6 * found[0]:7.1f} us/step, {off:.1e} m, ratio {own / found[0]:.2f}")
+
+
+if __name__ == "__main__":
+    main()
