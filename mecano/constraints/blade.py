@@ -7,6 +7,7 @@ node. The multiplier is the force on the body along l.
 import numpy as np
 from numba import njit
 
+from mecano.constraints.ground import normal_and_level
 from mecano.constraints.no_slip import NO_MATRIX, Direction, Place, hold, put_rates
 from mecano.contract import Kind, Row, record
 from mecano.maths.surface import Block, directions, directions_variation, disc_contact
@@ -41,10 +42,8 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
 
 def sample(rng):
     """A leaning blade."""
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    axis = np.cross(normal, rng.normal(size=3))
-    axis = axis / np.linalg.norm(axis) + 0.3 * normal
+    normal, level = normal_and_level(rng)
+    axis = level + 0.3 * normal
     values = {"axis": axis / np.linalg.norm(axis), "normal": normal}
     return [(values, [(rng.normal(size=3), np.eye(3))], "")]
 

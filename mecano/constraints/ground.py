@@ -102,3 +102,11 @@ def touch(p, laws, x, a):
         delta += step
     n, dn = profile_normal(n0, d, H1, H2)
     return disc_contact(n, dn, (z - H + H1 * delta) / math.sqrt(1.0 + H1 * H1), a)
+
+
+def normal_and_level(rng):
+    """For samples: a random unit normal of a ground and a random unit direction across it."""
+    normal = rng.normal(size=3)
+    normal /= np.linalg.norm(normal)
+    level = np.cross(normal, rng.normal(size=3))
+    return normal, level / np.linalg.norm(level)

@@ -5,12 +5,11 @@ lateral direction l = n x t, all at the contact C of surface.py, at any inclinat
 the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mode "air" the disc is let go.
 """
 
-import numpy as np
 from numba import njit
 
 from mecano.constraints.ground import GROUND_RECORD, touch
 from mecano.constraints.no_slip import AIR, NO_MATRIX, Direction, Place, hold, let_go, put_rates
-from mecano.constraints.rolling_radius import ground_below
+from mecano.constraints.rolling_radius import leaning_discs
 from mecano.contract import Kind, Row, record
 from mecano.maths.surface import directions, directions_variation, disc_variation
 from mecano.maths.vec import mat, mscale, mul, skew, vec
@@ -51,17 +50,6 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
     put_rates(place, along, v, a, R, g)
 
 
-def sample(rng):
-    """Leaning discs above a plane, rolling and let go."""
-    found = []
-    for mode in ("contact", "air"):
-        ground, level = ground_below(rng)
-        axis = level + rng.uniform(-0.5, 0.5) * ground["normal"]
-        values = {"axis": axis / np.linalg.norm(axis), "radius": 7.0, **ground}
-        found.append((values, [(rng.normal(size=3), np.eye(3))], mode))
-    return found
-
-
 ROLLING = Kind(
     name="rolling",
     section="",
@@ -72,5 +60,5 @@ ROLLING = Kind(
     modes=("contact", "air"),
     force=force,
     levels=levels,
-    sample=sample,
+    sample=leaning_discs,
 )

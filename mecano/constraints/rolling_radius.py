@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.augmented import put_levels
-from mecano.constraints.ground import GROUND_RECORD, touch
+from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.contract import Kind, Row, record
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
 from mecano.maths.surface import disc_variation
@@ -82,15 +82,12 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
 
 def ground_below(rng, wave=True):
     """Values of GROUND_RECORD of a ground some 8 m from the origin, and a direction in its plane."""
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    level = np.cross(normal, rng.normal(size=3))
-    level /= np.linalg.norm(level)
+    normal, level = normal_and_level(rng)
     return {"point": -8.0 * normal, "normal": normal, "direction": level if wave else 0.0 * level, "height": 0}, level
 
 
-def sample(rng):
-    """Leaning discs above a plane, touching and let go."""
+def leaning_discs(rng):
+    """Samples: leaning discs above a plane, touching and let go."""
     found = []
     for mode in ("contact", "air"):
         ground, level = ground_below(rng)
@@ -110,5 +107,5 @@ ROLLING_RADIUS = Kind(
     modes=("contact", "air"),
     force=force,
     levels=levels,
-    sample=sample,
+    sample=leaning_discs,
 )

@@ -10,10 +10,9 @@ the patch is let go. At a touch-down the wheel is spun up at once: the velocitie
 energy, that do not slip, and the energy of this shock is lost. Sideways there is no shock, since y has no inertia.
 """
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
+from mecano.constraints.ground import GROUND_RECORD
 from mecano.constraints.tire_patch import (
     PSI,
     Y,
@@ -25,9 +24,9 @@ from mecano.constraints.tire_patch import (
     patch_column,
 )
 from mecano.contract import Event, Kind, Row, record
-from mecano.elements.lateral_law import LATERAL_RECORD, check_lateral, lateral_law, prepare_lateral, relax
-from mecano.elements.patch_outputs import FIELDS, OUTPUTS, limits, patch_sample, put_patch
-from mecano.elements.tire_law import TIRE_RECORD, check_tire_law, prepare_tire_law, radial_force, speed_over_ground
+from mecano.elements.lateral_law import LATERAL_RECORD, lateral_law, relax
+from mecano.elements.patch_wheel import FIELDS, OUTPUTS, check, event_values, limits, prepare, put_patch, sample
+from mecano.elements.tire_law import TIRE_RECORD, radial_force, speed_over_ground
 from mecano.maths.surface import Block as OfContact
 from mecano.maths.surface import directions, directions_variation
 from mecano.maths.vec import (
@@ -183,39 +182,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     reaction = add(scale(q[MULTIPLIERS], along), scale(q[MULTIPLIERS + 1], across))
     grip = norm(reaction) / N if N > 0.0 else 0.0
     put_patch(p, laws, mode == CONTACT, k, q, v, radial, reaction, grip, 0.0, law, y, e)
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    axis = mul(mat(R[0]), vec(p.axis, 0))
-    contact = touch(p, laws, sub(vec(q, 0), scale(q[Y], axis)), axis)
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
-
-
-def prepare(d, nodes, context):
-    """Record: axis in the node's frame, ground, tyre law."""
-    axis = np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float)
-    return {
-        "axis": axis / np.linalg.norm(axis),
-        **prepare_ground(d["ground"], context),
-        **prepare_tire_law(d["tire_law"], context),
-        **prepare_lateral(d["tire_law"]["lateral"], context),
-    }
-
-
-def check(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
-    law = d["tire_law"]
-    texts = check_ground(d["ground"]) + check_tire_law(law) + check_lateral(law["lateral"])
-    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
-
-
-def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, air."""
-    cases = (False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air")
-    return [patch_sample(rng, *case) for case in cases]
 
 
 ADHESIVE_WHEEL = Kind(

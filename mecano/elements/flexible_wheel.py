@@ -24,10 +24,9 @@ In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adh
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
+from mecano.constraints.ground import GROUND_RECORD
 from mecano.constraints.tire_patch import (
     PSI,
     Y,
@@ -38,13 +37,11 @@ from mecano.constraints.tire_patch import (
     patch,
 )
 from mecano.contract import Event, Kind, record
-from mecano.elements.lateral_law import LATERAL_RECORD, Lateral, check_lateral, lateral_law, prepare_lateral, relax
-from mecano.elements.patch_outputs import FIELDS, OUTPUTS, limits, patch_sample, put_patch
+from mecano.elements.lateral_law import LATERAL_RECORD, Lateral, lateral_law, relax
+from mecano.elements.patch_wheel import FIELDS, OUTPUTS, check, event_values, limits, prepare, put_patch, sample
 from mecano.elements.tire_law import (
     TIRE_RECORD,
-    check_tire_law,
     gripping,
-    prepare_tire_law,
     radial_force,
     speed_over_ground,
 )
@@ -175,40 +172,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         y,
         e,
     )
-
-
-@njit
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    axis = mul(mat(R[0]), vec(p.axis, 0))
-    contact = touch(p, laws, sub(vec(q, 0), scale(q[Y], axis)), axis)
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
-
-
-def prepare(d, nodes, context):
-    """Record: axis in the node's frame, ground, tyre law."""
-    axis = np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float)
-    return {
-        "axis": axis / np.linalg.norm(axis),
-        **prepare_ground(d["ground"], context),
-        **prepare_tire_law(d["tire_law"], context),
-        **prepare_lateral(d["tire_law"]["lateral"], context),
-    }
-
-
-def check(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
-    law = d["tire_law"]
-    texts = check_ground(d["ground"]) + check_tire_law(law) + check_lateral(law["lateral"])
-    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
-
-
-def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, slip, stick, air."""
-    return [
-        patch_sample(rng, *case) for case in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
-    ]
 
 
 FLEXIBLE_WHEEL = Kind(

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
-from mecano.constraints.ground import check_axle
+from mecano.constraints.ground import check_axle, normal_and_level
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -57,11 +57,9 @@ def check(d, nodes):
 
 def sample(rng):
     """A wheel that leans on a slope."""
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    axis = np.cross(normal, rng.normal(size=3))
+    normal, level = normal_and_level(rng)
     ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-    return [({"radius": 8.0, "axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground}, 1, "")]
+    return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 
 
 PAPER_WHEEL = Kind(

@@ -18,11 +18,10 @@ of this shock is lost.
 The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
 """
 
-import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, touch
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, normal_and_level, touch
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
@@ -95,14 +94,12 @@ def sample(rng):
         (None, "free", False, "contact"), (wave, "free", True, "contact"), (None, "level", False, "contact"),
         (wave, "free", True, "air"),
     ):  # fmt: skip
-        normal = rng.normal(size=3)
-        normal /= np.linalg.norm(normal)
-        axis = np.cross(normal, rng.normal(size=3))
+        normal, level = normal_and_level(rng)
         ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
         if profile:
             ground["profile"] = {"direction": rng.normal(size=3), "height": profile}
         values = {
-            "radius": 8.0, "axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground, "axle": axle,
+            "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
         }  # fmt: skip
         found.append((values, 1, mode))

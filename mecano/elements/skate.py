@@ -13,7 +13,7 @@ from numba import njit
 
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import check_axle
+from mecano.constraints.ground import check_axle, normal_and_level
 from mecano.contract import Kind, Output, Part
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vec import ZERO, dot, mat, mul, put, scale, vec
@@ -53,11 +53,9 @@ def check(d, nodes):
 
 def sample(rng):
     """A leaning blade on a slope."""
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    axis = np.cross(normal, rng.normal(size=3))
+    normal, level = normal_and_level(rng)
     ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-    return [({"axis": axis / np.linalg.norm(axis) + 0.3 * normal, "ground": ground}, 1, "")]
+    return [({"axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 
 
 SKATE = Kind(

@@ -29,10 +29,17 @@ wheel body's: its rotation spins with the wheel.
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, prepare_ground, touch
+from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import (
+    GROUND_RECORD,
+    check_axle,
+    check_ground,
+    normal_and_level,
+    prepare_ground,
+    touch,
+)
 from mecano.contract import Event, Kind, Output, record
 from mecano.elements.tire_law import (
     TIRE_RECORD,
@@ -220,10 +227,8 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 def prepare(d, nodes, context):
     """Record: axis in the node's frame, ground, tyre law."""
-    R = np.asarray(nodes[0][1], float)
-    axis = R.T @ np.asarray(d["axis"], float)
     return {
-        "axis": axis / np.linalg.norm(axis),
+        "axis": carried_axis(d, nodes),
         **prepare_ground(d["ground"], context),
         **prepare_tire_law(d["tire_law"], context),
     }
@@ -242,9 +247,7 @@ def sample(rng):
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
     samples = []
     for profile, eps, mode in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air")):
-        normal = rng.normal(size=3)
-        normal /= np.linalg.norm(normal)
-        axis = np.cross(normal, rng.normal(size=3))
+        normal, level = normal_and_level(rng)
         ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
         if profile:
             ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
@@ -253,7 +256,7 @@ def sample(rng):
             "friction_by_speed": (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),),
             "slip_regularization": eps, "valid_deformation": None, "lateral": None,
         }  # fmt: skip
-        lean = axis / np.linalg.norm(axis) + rng.uniform(-0.5, 0.5) * normal
+        lean = level + rng.uniform(-0.5, 0.5) * normal
         samples.append(({"axis": lean, "tire_law": tire_law, "ground": ground}, 1, mode))
     return samples
 

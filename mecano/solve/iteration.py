@@ -4,8 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SLOW = 0.1  # the factor of the last iteration is used again as long as the residual falls by more than this
-SINGULAR = "the tangent is singular"
+from mecano.solve import newton
+from mecano.solve.newton import MESSAGES, NOT_FINITE, SLOW, TOO_MANY
+
+SINGULAR = MESSAGES[newton.SINGULAR]
 
 
 @dataclass(slots=True)
@@ -30,7 +32,7 @@ def iterate(evaluate, solve, move, *, most):
         norms = evaluate(iteration == 0)
         worst = max(norms)
         if not np.isfinite(worst):
-            return Iterated(False, iteration, (*norms, increment), "a residual is not finite")
+            return Iterated(False, iteration, (*norms, increment), MESSAGES[NOT_FINITE])
         if iteration and worst <= 1.0 and increment <= 1.0:
             return Iterated(True, iteration, (*norms, increment))
         if iteration == most:
@@ -42,4 +44,4 @@ def iterate(evaluate, solve, move, *, most):
         if dz is None:
             return Iterated(False, iteration, (*norms, increment), SINGULAR)
         increment, last = move(dz), worst
-    return Iterated(False, most, (*norms, increment), f"no convergence in {most} iterations")
+    return Iterated(False, most, (*norms, increment), MESSAGES[TOO_MANY].format(most))

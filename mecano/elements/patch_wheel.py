@@ -1,14 +1,15 @@
-"""What the wheels with a flexible patch have in common: deck fields, outputs, energies, samples, warnings."""
+"""What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
 
-import numpy as np
 from numba import njit
 
+from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import check_axle, check_ground, normal_and_level, prepare_ground, touch
 from mecano.constraints.tire_patch import PSI, Y
 from mecano.contract import Output
-from mecano.elements.lateral_law import lateral_energy, lateral_energy_rate
-from mecano.elements.tire_law import elastic_energy, elastic_force
+from mecano.elements.lateral_law import check_lateral, lateral_energy, lateral_energy_rate, prepare_lateral
+from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
 from mecano.maths.surface import directions
-from mecano.maths.vec import add, add_vec, dot, put, scale, vec
+from mecano.maths.vec import add, add_vec, dot, mat, mul, put, scale, sub, vec
 from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
 
 FIELDS = (
@@ -88,6 +89,32 @@ def put_patch(p, laws, contact, k, q, v, radial, force, grip, slip_power, law, y
     e[3] = max(-lost, 0.0)
 
 
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Write w for the touch-down, -w for the lift-off [m]."""
+    axis = mul(mat(R[0]), vec(p.axis, 0))
+    contact = touch(p, laws, sub(vec(q, 0), scale(q[Y], axis)), axis)
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the node's frame, ground, tyre law."""
+    return {
+        "axis": carried_axis(d, nodes),
+        **prepare_ground(d["ground"], context),
+        **prepare_tire_law(d["tire_law"], context),
+        **prepare_lateral(d["tire_law"]["lateral"], context),
+    }
+
+
+def check(d, nodes):
+    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
+    law = d["tire_law"]
+    texts = check_ground(d["ground"]) + check_tire_law(law) + check_lateral(law["lateral"])
+    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
+
+
 def limits(d):
     """The range of the radial law, braking at which the patch gives way sideways on its own."""
     valid, law = d["tire_law"]["valid_deformation"], d["tire_law"]
@@ -101,14 +128,12 @@ DIVERGENT = (
 )
 
 
-def patch_sample(rng, profile, eps, mode):
+def _sample(rng, profile, eps, mode):
     """(values, nodes, mode) of a large wheel near the origin, on a plane or a profile."""
     wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    axis = np.cross(normal, rng.normal(size=3))
+    normal, level = normal_and_level(rng)
     ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
     if profile:
         ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
@@ -123,5 +148,11 @@ def patch_sample(rng, profile, eps, mode):
         "radial_damping": 0.02, "friction": falling, "friction_by_speed": falling, "slip_regularization": eps,
         "valid_deformation": None, "lateral": lateral,
     }  # fmt: skip
-    lean = axis / np.linalg.norm(axis) + rng.uniform(-0.5, 0.5) * normal
+    lean = level + rng.uniform(-0.5, 0.5) * normal
     return {"axis": lean, "tire_law": tire_law, "ground": ground}, 1, mode
+
+
+def sample(rng):
+    """Large wheels that touch the ground from near the origin: plane, profile, air."""
+    cases = (False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air")
+    return [_sample(rng, *case) for case in cases]
