@@ -35,9 +35,9 @@ os.environ["NUMBA_CACHE_DIR"] = _cache_folder()
 
 
 def compiled_before(kinds):
-    """True when compiled code of the elements of all ``kinds``, by name, is found on disk for these sources."""
+    """True when compiled code of all ``kinds``, by name, or of variants of them, is on disk for these sources."""
     names = [path.name for path in Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*.nbi")]
-    return all(any(f".observe_{kind}-" in name for name in names) for kind in kinds)
+    return all(any(f".observe_{kind}-" in name or f".observe_{kind}_held-" in name for name in names) for kind in kinds)
 
 
 def __getattr__(name):
