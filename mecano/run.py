@@ -40,7 +40,8 @@ class Recorder:
             self._save(accepted, row)
         for happening in accepted.happenings:
             self.writer.append_event(
-                happening.t, happening.element, happening.name, happening.before, happening.after
+                happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
+                happening.unit, happening.lost,
             )  # fmt: skip
 
     def _save(self, accepted, row):

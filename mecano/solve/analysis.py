@@ -46,14 +46,15 @@ class Analysis:
 def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
     B, size = gradient(system, s, length)
-    of = system.numbering
-    loops = _in_loops(B, of.group)
+    of, holds = system.numbering, np.diff(B.indptr) > 0  # what is let go in the present modes has no gradient
+    loops, n_l = _in_loops(B, of.group), int(holds.sum())
+    loops = loops[holds[loops]]
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, system.n_l, system.n_l, (), (), sp.identity(system.n_l, format="csr"), False)
+        return Analysis(system.n_q, n_l, n_l, (), (), sp.diags(holds.astype(float), format="csr"), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
-    rank = system.n_l - deficiency
+    rank = n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
     mechanisms = (
         _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]])
@@ -61,7 +62,7 @@ def analyse(system, s, length):
         else ()
     )
     dependent = _directions(system, projector, loops, size)
-    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
+    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent, complete)
 
 
 def gradient(system, s, length):

@@ -68,6 +68,14 @@ class Consistent:
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
         return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
 
+    def respond(self, forces):
+        """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
+        return self._resolve(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
+
+    def exchange(self, rate):
+        """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)
+
     def project_velocity(self, s, target=0.0):
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
         rate = self.system.levels(s)[:, 1]

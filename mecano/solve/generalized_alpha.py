@@ -119,16 +119,16 @@ class GeneralizedAlpha:
             (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
         )  # fmt: skip
 
-    def start(self, s, h):
+    def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
         a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
-        returned has exact velocities, the history carries the shifts.
+        returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
         """
         s = s.copy()
-        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
         consistent.settle_rates(s)
         consistent.accelerate(s)

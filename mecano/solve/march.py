@@ -8,6 +8,7 @@ import numpy as np
 from mecano.solve import failure
 from mecano.solve.events import Watch, locate
 from mecano.solve.run_state import RunState
+from mecano.solve.shocks import Shocks
 from mecano.solve.step_control import AFTER_FAILURE
 
 STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
@@ -47,15 +48,19 @@ class March:
     control: object
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
+    rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
     watch: Watch = field(init=False)
+    shocks: Shocks = field(init=False)
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
         self.watch = Watch(self.system)
+        self.shocks = Shocks(self.system, self.method.linear, self.watch, self.method.length, self.rest)
 
     def begin(self, s, h):
         """RunState at the start: consistent velocities, accelerations and multipliers."""
+        s = replace(s, memory=self.system.commit(s))
         s, history = self.method.start(self.watch.settle(s), h)
         run = RunState(s, history, h)
         self._observe(s)
@@ -73,7 +78,8 @@ class March:
 
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""
-        g0, h, rejected, iterations, found = self.watch.values(run.motion), self._clip(run, stop), 0, 0, None
+        g0 = self.shocks.departing(run.motion, self.watch.values(run.motion))
+        h, rejected, iterations, found = self._clip(run, stop), 0, 0, None
         while True:
             trial = self._step(run, h)
             iterations += trial[2].iterations
@@ -134,11 +140,21 @@ class March:
 
     def _change_modes(self, run, info, found, rejected):
         """Events at the beginning of a step: no time goes by."""
-        s, happenings = self.watch.apply(run.motion, found.hit)
-        self._guard(run, happenings)
-        new = self._start_again(run, s)
+        run, s, happenings, consistent = self._happen(run, run.motion, found.hit)
+        new = self._start_again(run, s, consistent)
         self._tell(Accepted(run.motion, new, info, 0.0, rejected, new.work, tuple(happenings)))
         return new
+
+    def _happen(self, run, s, hit):
+        """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [Happening], Consistent or None)."""
+        if not self.shocks.among(hit):
+            s, happenings = self.watch.apply(s, hit)
+            self._guard(run, happenings)
+            return run, s, happenings, None
+        shock = self.shocks.strike(s, hit, self.method.compliance)
+        self._guard(run, shock.happenings)
+        run = replace(run, dissipated=run.dissipated + shock.lost, given=run.given + shock.given)
+        return run, shock.state, shock.happenings, shock.consistent
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
@@ -146,10 +162,9 @@ class March:
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         new = self._stepped(run, s, history, run.h, h)
-        after, happenings = self.watch.apply(s, hit)
-        self._guard(new, happenings)
+        after, s, happenings, consistent = self._happen(new, s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
-        return self._start_again(new, after)
+        return self._start_again(after, s, consistent)
 
     def _guard(self, run, happenings):
         """Refuse events that happen again and again while time stands still."""
@@ -178,9 +193,9 @@ class March:
             given=run.given + 0.5 * h * (run.powers[1] + given),
         )  # fmt: skip
 
-    def _start_again(self, run, s):
+    def _start_again(self, run, s, consistent=None):
         """Consistent accelerations and a fresh history at ``s``: after an event or a corner of a law of time."""
-        s, history = self.method.start(s, run.h)
+        s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
         return replace(run, motion=s, history=history, powers=self._powers())
 
