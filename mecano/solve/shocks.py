@@ -46,6 +46,10 @@ class Catch:
         """Number of the multiplier that pushes."""
         return self.rows[0]
 
+    def rests(self, modes):
+        """True for a contact that is closed, with constraints that hold, and may open."""
+        return self.restitution >= 0.0 and self.back >= 0 and modes[self.mode] == self.after == self.through
+
 
 @dataclass(frozen=True)
 class Shock:
@@ -93,7 +97,7 @@ class Shocks:
         plain[self.events] = False
         s, others = self.watch.apply(s, plain)
         closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
-        resting = [c for c in self.catches if c.restitution >= 0.0 and s.modes[c.mode] == c.after == c.through]
+        resting = [c for c in self.catches if c.rests(s.modes)]
         lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
         tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
         held = self._in(s, closing, "through")
