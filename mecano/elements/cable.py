@@ -43,7 +43,7 @@ from mecano.constraints.line import add_line_force, line
 from mecano.constraints.wound_line import CATCHES
 from mecano.contract import Event, Kind, Output, record
 from mecano.laws.probe import curve_at
-from mecano.laws.table import evaluate_curve
+from mecano.laws.table import evaluate_curve, terms_of
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
@@ -139,7 +139,8 @@ def check_cable(d, nodes):
     texts = check(d, nodes)
     if d["payout_tension"] is None or texts:
         return texts
-    if not isinstance(d["natural_length"], (int, float)) or not d["natural_length"] > distance(nodes):
+    full = terms_of(d["natural_length"])
+    if {name for name, _ in full} != {"constant"} or not curve_at(full, 0.0)[0] > distance(nodes):
         return ["'natural_length' must be a number greater than the distance of the nodes, which is paid out at first"]
     if curve_at(d["payout_tension"], 0.0)[0] < 0.0:
         return ["'payout_tension' must not be negative at the rate zero"]
