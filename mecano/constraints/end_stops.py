@@ -15,7 +15,7 @@ from numba import njit
 from mecano.constraints.augmented import let_go
 from mecano.constraints.stop_modes import FAR
 from mecano.contract import CONTACT, LOCK, Event, Kind, Output, Part, Row
-from mecano.schema import NUMBER, Field, mapping
+from mecano.schema import NUMBER, Field, mapping, share
 
 LATCH_RECORD = {"value": (), "direction": ()}
 STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
@@ -146,7 +146,7 @@ def end_fields(quantity, unit):
     stops = (
         Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
         Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
-        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, _share),
+        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
     )
     return (
         Field("latch", mapping(latch), "-", "locks for good when it is met, with a shock (docs/shocks.md)", None),
@@ -164,10 +164,6 @@ def _below(value):
 
 def _above(value):
     return None if value >= 0.0 else "must not be less than zero, where the joint starts"
-
-
-def _share(value):
-    return None if 0.0 <= value <= 1.0 else "must be from 0 to 1"
 
 
 def end_parts(d, quantity, axes, start, latch, stop):

@@ -10,8 +10,8 @@ the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
 
 Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
 rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it are rigid and may rebound
-(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid constraints. Force
-and moment are those of what holds b; laws and friction have outputs of their own.
+(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid
+constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
 from dataclasses import replace

@@ -25,7 +25,8 @@ from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, n
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
-from mecano.contract import CONTACT, Event, Kind, Part, record
+from mecano.contract import CONTACT as SHOCK
+from mecano.contract import Event, Kind, Part, record
 from mecano.maths.surface import directions
 from mecano.maths.vec import dot, mat, mul, scale, vec
 from mecano.schema import BOOLEAN, Field, choice
@@ -117,7 +118,7 @@ RIGID_WHEEL = Kind(
     outputs=OUTPUTS,
     modes=("contact", "air"),
     events=(
-        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", CONTACT, "restitution"),
+        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),
     ),
     prepare=prepare,

@@ -10,7 +10,6 @@ import numpy as np
 from numba import njit
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
-TOGETHER = 1e-6  # of the step: shocks that are no farther apart are one
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
 MAX_RESTEPS = 60
 
@@ -47,8 +46,6 @@ class Watch:
 
     def __init__(self, system):
         self.system = system
-        shocks = [[bool(event.shock) for event in b.kind.events] * len(b.p) for b in system.batches]
-        self.shocks = np.array([of for batch in shocks for of in batch], bool)  # (n_events,)
 
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
@@ -97,7 +94,7 @@ def locate(watch, step, s0, g0, trial, h):
     if not _some_happened(g0, g1):
         return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
-        return Located(0.0, None, ((g0 > 0) & (g1 > 0)) | _together(watch, g0, g0, g1, 1.0))
+        return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     lo, hi, best = 0.0, h, trial
     G_lo, G_hi = g0[crossed].max(), g1[crossed].max()
@@ -119,19 +116,5 @@ def locate(watch, step, s0, g0, trial, h):
             lo, G_lo = middle, g
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
-    if hi <= AT_ONCE * h:
-        return Located(0.0, None, (crossed & (watch.values(best[0]) >= 0)) | _together(watch, g0, g0, g1, 1.0))
-    g = watch.values(best[0])
-    return Located(hi, step(hi), (crossed & (g >= 0)) | _together(watch, g, g0, g, hi / h))
-
-
-def _together(watch, g, g0, g1, share):
-    """Shocks (n_events,) bool, at values g, that the next millionth of the step would bring.
-
-    ``share`` of the step leads from values g0 to g1. Equal parts of a model differ by the rounding of its motion: this
-    is what lets them lock together.
-    """
-    if not watch.shocks.any():
-        return np.zeros(len(g), bool)
-    with np.errstate(invalid="ignore"):
-        return watch.shocks & (g < 0.0) & (g1 > g0) & (-g * share <= TOGETHER * (g1 - g0))
+    hit = crossed & (watch.values(best[0]) >= 0)
+    return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)

@@ -56,7 +56,7 @@ class March:
 
     def __post_init__(self):
         self.watch = Watch(self.system)
-        self.shocks = Shocks(self.system, self.method.linear, self.watch, self.method.length, self.rest)
+        self.shocks = Shocks(self.system, self.method, self.watch, self.rest)
 
     def begin(self, s, h):
         """RunState at the start: consistent velocities, accelerations and multipliers."""
@@ -140,18 +140,19 @@ class March:
 
     def _change_modes(self, run, info, found, rejected):
         """Events at the beginning of a step: no time goes by."""
-        run, s, happenings, consistent = self._happen(run, run.motion, found.hit)
+        run, s, happenings, consistent = self._happen(run, run.motion, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
         self._tell(Accepted(run.motion, new, info, 0.0, rejected, new.work, tuple(happenings)))
         return new
 
-    def _happen(self, run, s, hit):
+    def _happen(self, run, s, hit, at_once=False):
         """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [Happening], Consistent or None)."""
         if not self.shocks.among(hit):
             s, happenings = self.watch.apply(s, hit)
             self._guard(run, happenings)
             return run, s, happenings, None
-        shock = self.shocks.strike(s, hit, self.method.compliance)
+        hit = self.shocks.together(s, hit, run.h)
+        shock = self.shocks.strike(s, hit, self.method.compliance, at_once)
         self._guard(run, shock.happenings)
         run = replace(run, dissipated=run.dissipated + shock.lost, given=run.given + shock.given)
         return run, shock.state, shock.happenings, shock.consistent

@@ -19,6 +19,8 @@ from mecano.solve.complementarity import solve_complementarity
 from mecano.solve.consistent import Consistent
 from mecano.solve.events import Happening
 
+TOGETHER = 1e-6  # of a step: shocks that are no farther apart are one
+NEAR = 10.0  # times the tolerance of constraints: neither are those of contacts that are no farther apart
 STILL = 1e-10  # of the largest approach: a rate that is none
 MASSLESS = 1e-14  # of the largest: a contact with less response moves nothing that has mass
 ADHESIVE = 1e-9  # of the largest: an impulse that pulls
@@ -66,10 +68,11 @@ class Shock:
 class Shocks:
     """The shocks of a system; ``rest`` (n_l,) approach speeds below which nothing rebounds [m/s, rad/s]."""
 
-    def __init__(self, system, linear, watch, length, rest):
-        self.system, self.linear, self.watch = system, linear, watch
+    def __init__(self, system, method, watch, rest):
+        self.system, self.linear, self.watch = system, method.linear, watch
         of = system.numbering
-        self.rest = rest * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, length, 1.0)
+        scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
+        self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.catches = list(_catches(system))
         self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
         self.events = np.array([catch.event for catch in self.catches], np.int64)
@@ -91,12 +94,33 @@ class Shocks:
                 g[catch.event] = DEPARTING
         return g
 
-    def strike(self, s, hit, compliance=None):
-        """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before."""
+    def together(self, s, hit, h):
+        """The events ``hit`` and the shocks that the next millionth of a step ``h`` [s] would bring.
+
+        Equal parts of a model differ by the rounding of its motion: this is what lets them lock together.
+        """
+        hit, g = hit.copy(), self.watch.values(s)
+        due = [c for c in self.catches if not hit[c.event] and -np.inf < g[c.event] < 0.0]
+        latest = list({c.mode: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
+        if latest:
+            rates = self.system.levels(self._in(s, latest, "through"))[:, 1]
+            for c in latest:
+                rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
+                hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
+        return hit
+
+    def strike(self, s, hit, compliance=None, at_once=False):
+        """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
+
+        ``at_once``: time does not go on, so what does not move away fast enough to be seen has closed.
+        """
         plain = hit.copy()
         plain[self.events] = False
         s, others = self.watch.apply(s, plain)
         closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
+        if not at_once:
+            rates = self.system.levels(self._in(s, closing, "through"))[:, 1]
+            closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
         resting = [c for c in self.catches if c.rests(s.modes)]
         lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
         tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
@@ -209,9 +233,12 @@ class _Solution:
             return True
         if catch not in self.lone:
             return self.held.modes[catch.mode] == catch.through
-        largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
+        before, after, rest = self.before[catch.lead], self.after[catch.lead], self.shocks.rest[catch.lead]
+        if closes and before >= -rest:
+            return after <= max(before, rest)
         rebounds = closes and self.e > 0.0 and self.impulses[catch.lead] > 0.0
-        return not rebounds and self.after[catch.lead] <= STILL * largest
+        largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
+        return not rebounds and after <= STILL * largest
 
     def _meets(self, catch, stay):
         return catch in stay or self.impulses[catch.lead] != 0.0
