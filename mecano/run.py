@@ -91,7 +91,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)
-        warnings = exceeded(deck, sampler, writer.extremes)
+        warnings = [*march.remarks, *exceeded(deck, sampler, writer.extremes)]
         for text in warnings:
             announce(text)
         writer.close("complete", "; ".join(["the end was reached", *warnings]))

@@ -91,13 +91,18 @@ class GeneralizedAlpha:
     def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
-        self.k, self.penalty, self.compliance = k, penalty, compliance
-        self._rows = NO_ROWS if compliance is None else compliance.rows
+        self.k, self.penalty = k, penalty
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
+        self.use(compliance)
+
+    def use(self, compliance):
+        """Let redundant constraints have these compliances, or none (None), from now on."""
+        self.compliance = compliance
+        self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
-        self._exact_rates = system.numbering.of_rates.copy()
+        self._exact_rates = self.system.numbering.of_rates.copy()
         if compliance is not None and compliance.of_rates.any():
             self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
         self._bind()

@@ -14,6 +14,7 @@ from mecano.solve.step_control import AFTER_FAILURE
 STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
+MOST_NAMES = 8  # named in a remark
 STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
@@ -51,6 +52,7 @@ class March:
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
+    remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
@@ -62,12 +64,14 @@ class March:
         """RunState at the start: consistent velocities, accelerations and multipliers."""
         s = replace(s, memory=self.system.commit(s))
         s, history = self.method.start(self.watch.settle(s), h)
-        run = RunState(s, history, h)
+        run = RunState(s, history, h, compliance=self.method.compliance)
         self._observe(s)
         return replace(run, powers=self._powers())
 
     def to(self, end, run):
         """March ``run`` to the time ``end``: the new RunState. Raises ConvergenceError, NonFiniteError."""
+        if run.compliance is not self.method.compliance:
+            self.method.use(run.compliance)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
@@ -154,8 +158,11 @@ class March:
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.strike(s, hit, self.method.compliance, at_once)
         self._guard(run, shock.happenings)
-        run = replace(run, dissipated=run.dissipated + shock.lost, given=run.given + shock.given)
-        return run, shock.state, shock.happenings, shock.consistent
+        if shock.compliance is not self.method.compliance:
+            self.method.use(shock.compliance)
+            self.remarks += [_redundant(s.t, shock.happenings, group) for group in shock.redundant]
+        work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
+        return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
@@ -188,7 +195,7 @@ class March:
         self.system.observe(s)
         dissipated, given = powers = self._powers()
         return RunState(
-            motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers,
+            motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers, compliance=run.compliance,
             rejected=run.rejected, iterations=run.iterations,
             dissipated=run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
             given=run.given + 0.5 * h * (run.powers[1] + given),
@@ -216,3 +223,13 @@ class March:
         if h * AFTER_FAILURE >= self.control.minimum:
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, info, t, h)
+
+
+def _redundant(t, happenings, group):
+    """What a user is told of constraints that repeat one another from an event on."""
+    names = "; ".join(group.names[:MOST_NAMES]) + (" and more" if len(group.names) > MOST_NAMES else "")
+    which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in happenings[:MOST_NAMES]))
+    return (
+        f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "
+        "affected, but the reactions, and the impulses of the shock, are not unique: those of least size are given"
+    )

@@ -16,8 +16,8 @@ import scipy.sparse as sp
 from mecano.contract import CONTACT
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.complementarity import solve_complementarity
-from mecano.solve.consistent import Consistent
 from mecano.solve.events import Happening
+from mecano.solve.redundancy import consistent_in
 
 TOGETHER = 1e-6  # of a step: shocks that are no farther apart are one
 NEAR = 10.0  # times the tolerance of constraints: neither are those of contacts that are no farther apart
@@ -62,14 +62,16 @@ class Shock:
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
-    consistent: object = None  # factored for this state, where it is
+    consistent: object  # Consistent of this state
+    compliance: object  # Compliance of redundant constraints from now on, or None
+    redundant: tuple  # Groups of constraints that are new to it
 
 
 class Shocks:
     """The shocks of a system; ``rest`` (n_l,) approach speeds below which nothing rebounds [m/s, rad/s]."""
 
     def __init__(self, system, method, watch, rest):
-        self.system, self.linear, self.watch = system, method.linear, watch
+        self.system, self.linear, self.watch, self.length = system, method.linear, watch, method.length
         of = system.numbering
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
@@ -137,6 +139,10 @@ class Shocks:
             held, all_held = self._in(held, pulled, "before"), self._in(all_held, pulled, "before")
         return solution.shock(s, closing, resting, others)
 
+    def consistent(self, s, compliance):
+        """Consistent, Compliance and redundant Groups in the modes of ``s`` (redundancy.py)."""
+        return consistent_in(self.system, self.linear, s, compliance, self.length)
+
     def _restitution(self, closing, w):
         """The one coefficient of all that close together: the least of those that approach faster than at rest."""
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
@@ -159,7 +165,7 @@ class _Solution:
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in lone], np.int64)
         self.before = self._rates(held.v)
-        self.consistent = Consistent(self.system, shocks.linear, held, compliance)
+        self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
         change, reactions = self.consistent.exchange(-self.system.levels(held)[:, 1])
         if lone:
             self._gather_responses()
@@ -223,9 +229,12 @@ class _Solution:
         leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after])
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
         end = self.shocks._in(end, leaving, "before")
-        reusable = np.array_equal(end.modes, self.held.modes)
+        found = self.consistent, self.compliance, self.redundant
+        if not np.array_equal(end.modes, self.held.modes):
+            *found, redundant = self.shocks.consistent(end, self.compliance)
+            found.append((*self.redundant, *redundant))
         given = -float(self.impulses @ still)
-        return Shock(end, happened, float(lost.sum()), given, self.impulses, self.consistent if reusable else None)
+        return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
 
     def _stays(self, catch, closes):
         """True when it is closed after the shock."""
