@@ -45,8 +45,8 @@ class Analysis:
 
 def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
-    B, size = gradient(system, s, length)
-    of, holds = system.numbering, np.diff(B.indptr) > 0  # what is let go in the present modes has no gradient
+    B, size, holds = gradient(system, s, length)
+    of = system.numbering
     loops, n_l = _in_loops(B, of.group), int(holds.sum())
     loops = loops[holds[loops]]
     if len(loops) > DENSE_ROWS:
@@ -66,7 +66,10 @@ def analyse(system, s, length):
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths."""
+    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths; which hold.
+
+    A constraint that is let go in the present modes has a diagonal entry, and no gradient.
+    """
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
@@ -79,7 +82,7 @@ def gradient(system, s, length):
     B = sp.csr_matrix(sp.diags(1.0 / size) @ B)
     B.data[np.abs(B.data) < 1e-14] = 0.0
     B.eliminate_zeros()
-    return B, size
+    return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
 def _in_loops(B, group):

@@ -229,10 +229,13 @@ class _Solution:
         leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after])
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
         end = self.shocks._in(end, leaving, "before")
-        found = self.consistent, self.compliance, self.redundant
+        found = [self.consistent, self.compliance, self.redundant]
         if not np.array_equal(end.modes, self.held.modes):
             *found, redundant = self.shocks.consistent(end, self.compliance)
             found.append((*self.redundant, *redundant))
+        of = self.system.numbering
+        new = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}
+        found[2] = tuple(group for group in found[2] if new & set(group.names))
         given = -float(self.impulses @ still)
         return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
 
