@@ -66,7 +66,7 @@ class Struck:
         n_q = self.system.n_q
         s = prepared.state.copy()
         s.memory = self.system.commit(s)
-        closed = [c for c in self.shocks.catches if c.back >= 0 and c.through == c.after and rng.uniform() < 0.2]
+        closed = [c for c in self.shocks.catches if c.opened == c.before and c.through == c.after and rng.uniform() < 0.2]
         closed = list({c.mode: c for c in closed}.values())
         s = self.shocks._in(s, closed, "after")
         s.v[:n_q] = rng.normal(size=n_q)
