@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.contract import CONTACT
 from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.solve.catches import catches
 from mecano.solve.complementarity import solve_complementarity
 from mecano.solve.events import Happening
 from mecano.solve.redundancy import consistent_in
@@ -25,32 +25,6 @@ STILL = 1e-10  # of the largest approach: a rate that is none
 MASSLESS = 1e-14  # of the largest: a contact with less response moves nothing that has mass
 ADHESIVE = 1e-9  # of the largest: an impulse that pulls
 DEPARTING = -1e-300  # in the place of the event value of what stands at its contact and leaves
-
-
-@dataclass(frozen=True)
-class Catch:
-    """One event with a shock of one element."""
-
-    event: int  # place in the event values
-    mode: int  # place in the modes
-    before: int
-    after: int
-    through: int
-    opened: int  # mode after the event that opens it again; -1 for what never opens
-    rows: np.ndarray  # numbers of the multipliers of the element and of the parts that follow its mode, the lead first
-    unit: str  # of the impulse of the lead
-    restitution: float  # negative for what never opens
-    element: str
-    names: tuple  # of the event, the modes before and after, the event that opens it, the mode opened
-
-    @property
-    def lead(self):
-        """Number of the multiplier that pushes."""
-        return self.rows[0]
-
-    def rests(self, modes):
-        """True for a contact that is closed, with constraints that hold; of several ways to close the first."""
-        return self.opened == self.before and modes[self.mode] == self.after == self.through
 
 
 @dataclass(frozen=True)
@@ -76,7 +50,7 @@ class Shocks:
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
-        self.catches = list(_catches(system))
+        self.catches = list(catches(system))
         self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
         self.events = np.array([catch.event for catch in self.catches], np.int64)
 
@@ -90,7 +64,7 @@ class Shocks:
         if not at:
             return g
         g, catches = g.copy(), [self.catches[i] for i in at]
-        levels = self.system.levels(self._in(s, catches, "through"))
+        levels = self.system.levels(self.moded(s, catches, "through"))
         for catch in catches:
             rate, second = levels[catch.lead, 1:]
             if rate > 0.0 or (rate >= -self.rest[catch.lead] and second > 0.0):
@@ -106,7 +80,7 @@ class Shocks:
         due = [c for c in self.catches if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         latest = list({c.mode: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
         if latest:
-            rates = self.system.levels(self._in(s, latest, "through"))[:, 1]
+            rates = self.system.levels(self.moded(s, latest, "through"))[:, 1]
             for c in latest:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
@@ -115,29 +89,30 @@ class Shocks:
     def strike(self, s, hit, compliance=None, h=np.inf, at_once=False):
         """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
 
-        ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go on, so what does not move away fast enough to be seen has closed.
+        ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go
+        on, so what does not move away fast enough to be seen has closed.
         """
         plain = hit.copy()
         plain[self.events] = False
         s, others = self.watch.apply(s, plain)
         closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
         if not at_once:
-            rates = self.system.levels(self._in(s, closing, "through"))[:, 1]
+            rates = self.system.levels(self.moded(s, closing, "through"))[:, 1]
             closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
         resting = [c for c in self.catches if c.rests(s.modes)]
         lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
         tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
-        held = self._in(s, closing, "through")
-        all_held = self._in(held, lone, "through")
+        held = self.moded(s, closing, "through")
+        all_held = self.moded(held, lone, "through")
         w = self.system.levels(all_held)[:, 1]
         e = self._restitution(closing, w)
         while True:
-            solution = _Solution(self, self._in(held, lone, "opened"), all_held, lone, e, compliance)
+            solution = _Solution(self, self.moded(held, lone, "opened"), all_held, lone, e, compliance)
             pulled = [c for c in tied if solution.pulls(c)]
             if not pulled:
                 break
             tied = [c for c in tied if c not in pulled]
-            held, all_held = self._in(held, pulled, "before"), self._in(all_held, pulled, "before")
+            held, all_held = self.moded(held, pulled, "before"), self.moded(all_held, pulled, "before")
         return solution.shock(s, closing, resting, others, h)
 
     def consistent(self, s, compliance):
@@ -149,7 +124,7 @@ class Shocks:
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         return max(min((c.restitution for c in fast), default=0.0), 0.0)
 
-    def _in(self, s, catches, which):
+    def moded(self, s, catches, which):
         """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
         modes, followers = s.modes.copy(), self.system.followers
         for catch in catches:
@@ -229,11 +204,11 @@ class _Solution:
         still = self.system.levels(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         stay = [c for c in closing + resting if self._stays(c, c in closing)]
         gone = [c for c in resting if c not in stay]
-        end = self.shocks._in(replace(s, v=self.held.v), stay, "after")
+        end = self.shocks.moded(replace(s, v=self.held.v), stay, "after")
         happened = [*happenings, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
         leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after], h)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
-        end = self.shocks._in(end, [*gone, *leaving], "opened")
+        end = self.shocks.moded(end, [*gone, *leaving], "opened")
         found = [self.consistent, self.compliance, self.redundant]
         if not np.array_equal(end.modes, self.held.modes):
             *found, redundant = self.shocks.consistent(end, self.compliance)
@@ -285,44 +260,3 @@ class _Solution:
 def _opened(t, catch):
     _, _, after, back, opened = catch.names
     return Happening(t, catch.element, back, after, opened)
-
-
-def _catches(system):
-    """All Catches, in the order of their event values."""
-    first, rows = 0, _rows_by_mode(system)
-    for batch in system.batches:
-        events = batch.kind.events
-        for e in range(len(batch.p)):
-            for number, event in enumerate(events):
-                if event.shock:
-                    yield _catch(batch, e, event, first + e * len(events), number, rows)
-        first += len(batch.p) * len(events)
-
-
-def _catch(batch, e, event, first, number, rows):
-    kind, place = batch.kind, batch.first_mode + e
-    back = [other for other in kind.events if other.before == event.after and not other.shock]
-    back.sort(key=lambda other: other.after != event.before)
-    restitution = float(batch.p[event.restitution][e]) if event.restitution else 0.0
-    restitution = restitution if event.shock == CONTACT else -1.0
-    opens = bool(back) and restitution >= 0.0
-    leads = sorted(rows[place], key=lambda row: not row[1].unilateral)
-    return Catch(
-        first + number, place,
-        *(kind.modes.index(mode) for mode in (event.before, event.after, event.through or event.after)),
-        kind.modes.index(back[0].after) if opens else -1,
-        np.array([number for number, _ in leads], np.int64), f"{leads[0][1].unit} s",
-        restitution, batch.names[e],
-        (event.name, event.before, event.after, *((back[0].name, back[0].after) if opens else ("", ""))),
-    )  # fmt: skip
-
-
-def _rows_by_mode(system):
-    """Place in the modes -> [(number of a multiplier, its Row)] of the element and of the parts that follow it."""
-    own, owner = {}, dict(system.followers.tolist())
-    for batch in system.batches:
-        for e, numbers in enumerate(batch.multipliers):
-            place = batch.first_mode + e
-            of = own.setdefault(owner.get(place, place), [])
-            of += zip(numbers.tolist(), batch.kind.multipliers, strict=True)
-    return own
