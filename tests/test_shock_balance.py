@@ -79,6 +79,7 @@ class Struck:
         hit = np.zeros(len(self.system.event_values(s)), bool)
         for mode in {c.mode for c in self.shocks.catches}:
             ready = [c for c in self.shocks.catches if c.mode == mode and c.before == self.before.modes[mode]]
+            ready = [c for c in ready if seed % 2 or c.restitution > 0.0]  # in half of them all may rebound
             if ready and rng.uniform() < share:
                 hit[rng.choice(ready).event] = True
         self.shock = self.shocks.strike(self.before, hit)
