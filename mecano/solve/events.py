@@ -23,8 +23,8 @@ class Happening:
     name: str
     before: str
     after: str
-    impulse: float = np.nan  # [N s, N m s] along growing Phi; nan for an event without shock
-    unit: str = ""  # of the impulse
+    impulse: float = 0.0  # [N s, N m s] along growing Phi, of a shock
+    unit: str = ""  # of the impulse; "" for an event without shock
     lost: float = 0.0  # energy [J]
 
 
