@@ -14,7 +14,7 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
@@ -207,6 +207,9 @@ def turned_values(kind, values, Q, shift):
             out[field.name] = Q @ np.asarray(value, float) + shift
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
+        if value is not None and field.type == WHEEL:
+            ground = _turned_ground(value["ground"], Q, shift)
+            out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}
     return out
 
 
