@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from small_motions import eigenvalues
 
 from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.lateral_law import check_lateral, matrices
+from mecano.elements.lateral_law import FORMS, check_lateral, matrices
 from mecano.laws.probe import curve_at
 
 # (c, k, D, C1): speed -> eigenvalues with positive or no imaginary part; I = 1, L = 0.1, K = 2e5, C = 1/6e4
@@ -180,7 +180,7 @@ def test_an_adhesive_wheel_is_spun_up_at_once():
 
 
 def test_moreland_and_relaxation_are_cases_of_the_matrices():
-    none = {"matrices": None, "moreland": None, "relaxation": None}
+    none = dict.fromkeys(FORMS)
     moreland = {"lateral_stiffness": 2e5, "lateral_damping": 3.0, "yaw_coefficient": 1e-5, "yaw_time": 0.1,
                 "torsional_stiffness": 50.0}  # fmt: skip
     A0, A1 = matrices({**none, "moreland": moreland})
@@ -193,7 +193,7 @@ def test_moreland_and_relaxation_are_cases_of_the_matrices():
 
 
 def test_what_cannot_be_is_refused():
-    none = {"matrices": None, "moreland": None, "relaxation": None}
+    none = dict.fromkeys(FORMS)
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
     assert "no 'lateral' law" in check_lateral(None)[0]
