@@ -125,6 +125,8 @@ class Kind:
     memory: tuple = ()  # names of the numbers kept from step to step
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    start: Callable | None = None
+    """record -> values (n_scalars,) of its own scalars at the start; zeros without it"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing

@@ -36,6 +36,7 @@ from mecano.elements.patch_wheel import (
     prepare,
     put_patch,
     sample,
+    start,
 )
 from mecano.elements.tire_law import TIRE_RECORD, radial_force, speed_over_ground
 from mecano.maths.surface import Block as OfContact
@@ -202,7 +203,7 @@ ADHESIVE_WHEEL = Kind(
     name="adhesive_wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(**LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
     layout=("x0", "R0"),
     scalars=SCALARS,
     relaxing=("psi", "bow"),
@@ -215,6 +216,7 @@ ADHESIVE_WHEEL = Kind(
         Event("lift_off", "contact", "air", "the deformation returns to zero"),
     ),
     prepare=prepare,
+    start=start,
     check=check,
     limits=limits,
     force=force,

@@ -48,6 +48,7 @@ from mecano.elements.patch_wheel import (
     prepare,
     put_patch,
     sample,
+    start,
 )
 from mecano.elements.tire_law import (
     TIRE_RECORD,
@@ -191,7 +192,7 @@ FLEXIBLE_WHEEL = Kind(
     name="flexible_wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(**LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
     layout=("x0", "R0"),
     scalars=SCALARS,
     relaxing=SCALARS,
@@ -203,6 +204,7 @@ FLEXIBLE_WHEEL = Kind(
         Event("lift_off", "contact", "air", "the deformation returns to zero"),
     ),
     prepare=prepare,
+    start=start,
     check=check,
     limits=limits,
     force=force,

@@ -11,13 +11,18 @@ from mecano.elements.lateral_law import FORMS, check_lateral, prepare_lateral
 from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
 from mecano.maths.surface import directions
 from mecano.maths.vec import add, add_vec, dot, mat, mul, put, scale, sub, vec
-from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
+from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, TIRE_LAW, Field, mapping
 
+INITIAL = mapping(
+    Field("y", NUMBER, "m", "lateral displacement of the patch", 0.0),
+    Field("psi", NUMBER, "rad", "torsion of the patch, where the lateral law has a rate of psi", 0.0),
+)
 FIELDS = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
     Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
     Field("tire_law", TIRE_LAW, "-", "radius, radial force, friction and lateral law of the tyre"),
     Field("ground", GROUND, "-", "ground it rolls on"),
+    Field("initial", INITIAL, "-", "the patch at the start", {}),
 )
 SCALARS = ("y", "psi", "bow")
 OUTPUTS = (
@@ -111,7 +116,13 @@ def prepare(d, nodes, context):
         **prepare_ground(d["ground"], context),
         **prepare_tire_law(d["tire_law"], context),
         **prepare_lateral(d["tire_law"]["lateral"], context),
+        "start": [d["initial"].get("y", 0.0), d["initial"].get("psi", 0.0), 0.0],
     }
+
+
+def start(p):
+    """y, psi and bow at the start."""
+    return p["start"]
 
 
 def check(d, nodes):
