@@ -141,6 +141,8 @@ class Kind:
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
+    ends: Callable = nothing
+    """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None

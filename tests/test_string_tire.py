@@ -1,10 +1,10 @@
 """Tyres with a contact length: the stretched string of von Schlippe and Dietrich, and the straight tangent.
 
-The exact string: the leading edge of the contact -a < x < a follows sigma dv1/ds + v1 = sigma (theta - eta' - a theta')
-over the way s, for a wheel at the yaw theta and the lateral position eta, and every point behind it repeats its place on
-the ground; force c (integral of v + sigma (v(a) + v(-a))), moment c (integral of v x + sigma (sigma + a) (v(a) - v(-a)))
-(Pacejka, Tire and Vehicle Dynamics, chapter 5). Here as responses at the path frequency p, by quadrature, per cornering
-stiffness 2c (sigma + a)^2.
+The exact string: the leading edge of the contact -a < x < a follows sigma dv1/ds + v1 = sigma (theta - eta' - a
+theta') over the way s, for a wheel at the yaw theta and the lateral position eta, and every point behind it repeats its
+place on the ground; force c (integral of v + sigma (v(a) + v(-a))), moment c (integral of v x + sigma (sigma + a) (v(a)
+- v(-a))) (Pacejka, Tire and Vehicle Dynamics, chapter 5). Here as responses at the path frequency p, by quadrature, per
+cornering stiffness 2c (sigma + a)^2.
 """
 
 import numpy as np

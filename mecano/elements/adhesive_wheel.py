@@ -12,7 +12,7 @@ energy, that do not slip, and the energy of this shock is lost. Sideways there i
 
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD
+from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.constraints.tire_patch import (
     PSI,
     Y,
@@ -219,6 +219,7 @@ ADHESIVE_WHEEL = Kind(
     start=start,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     levels=levels,
     observe=observe,

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD
+from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.constraints.tire_patch import (
     Y,
     add_patch_force,
@@ -207,6 +207,7 @@ FLEXIBLE_WHEEL = Kind(
     start=start,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     observe=observe,
     event_values=event_values,

@@ -3,7 +3,7 @@
 from numba import njit
 
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import check_axle, check_ground, normal_and_level, prepare_ground, touch
+from mecano.constraints.ground import LEAN, check_axle, check_ground, lean_of, normal_and_level, prepare_ground, touch
 from mecano.constraints.tire_patch import BOW, PSI, Y
 from mecano.contract import Output
 from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
@@ -49,6 +49,7 @@ OUTPUTS = (
     Output("psi_rate", "rad/s", "rate of psi"),
     Output("bow_rate", "m/s", "rate of bow"),
     Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
+    LEAN,
 )
 
 
@@ -74,6 +75,7 @@ def put_patch(p, laws, contact, k, q, v, radial, force, grip, slip_power, law, y
     y[17] = q[Y]
     y[18] = q[PSI]
     y[19] = q[BOW]
+    y[27] = lean_of(k.g)
     for i in range(3):
         y[23 + i] = v[Y + i]
     N, f = 0.0, add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))

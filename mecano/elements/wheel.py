@@ -36,6 +36,8 @@ from mecano.constraints.ground import (
     GROUND_RECORD,
     check_axle,
     check_ground,
+    ends,
+    lean_of,
     normal_and_level,
     prepare_ground,
     touch,
@@ -212,6 +214,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[11] = dot(slip.v_C, lateral)
     y[12] = dot(omega, axis)
     put(y, 13, add(vec(q, 0), arm))
+    y[17] = lean_of(g)
     elastic, _ = elastic_force(p, laws, w)
     e[1] = elastic_energy(p, laws, w)
     e[2] = N * slip.grip * norm(slip.v_C) + (F - elastic) * slip.w1
@@ -283,6 +286,7 @@ WHEEL = Kind(
     prepare=prepare,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     observe=observe,
     event_values=event_values,
