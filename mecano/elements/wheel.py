@@ -34,6 +34,7 @@ from numba import njit
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import (
     GROUND_RECORD,
+    LEAN,
     check_axle,
     check_ground,
     ends,
@@ -100,6 +101,7 @@ OUTPUTS = (
     Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
     Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
     Output("friction_coefficient", "-", "friction over normal force, mu phi; zero in the air"),
+    LEAN,
 )
 
 
