@@ -116,6 +116,18 @@ def test_the_lateral_force_builds_up_over_the_relaxation_length():
     assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/kinetic"][0]
 
 
+def test_error_control_takes_a_law_without_a_rate_of_psi():
+    """C1 = 0: psi = C F from the start on, rates included; the steps are those of the motion, not of a start-up."""
+    adaptive = "time.adaptive={tolerance: 1e-5}", "tire_laws.rubber.slip_regularization=1e-3"
+    march = March(input_deck("step_steer", *adaptive))
+    force = march["elements/tire/tire_force"]
+    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
+    assert len(march.time) < 300
+    assert np.abs(np.abs(force) - expected).max() < 2e-3 * 1200.0
+    np.testing.assert_allclose(march["elements/tire/psi"], force / 6e4, rtol=2e-3, atol=1e-8)
+    assert march["elements/tire/psi_rate"][0] == pytest.approx(-10.0 * 0.02 / 0.3, rel=1e-3)
+
+
 DROP = """
     mecano: 1
     nodes:
