@@ -6,7 +6,7 @@ A kind is a record of data and functions. The local unknowns of one element are,
 order:
 
     # element
-    p       record of parameters (``dtype``)
+    p       record of parameters (``dtype``); a field ``mass`` is the mass of the element [kg]
     m       (n_memory,) memory, read only: what ``commit`` wrote on the last accepted step
     mode    index into ``modes``
     t       time [s]
