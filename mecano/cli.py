@@ -1,5 +1,6 @@
 """The command line: arguments, exit codes, progress. Nothing else; heavy modules are imported by the commands."""
 
+import atexit
 import contextlib
 import gc
 import os
@@ -248,6 +249,7 @@ def program():
         code = 0
     except SystemExit as ended:
         code = ended.code
+    atexit._run_exitfuncs()  # os._exit leaves them out
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError):
             stream.flush()
