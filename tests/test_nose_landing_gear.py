@@ -10,6 +10,7 @@ from planar_gear import PlanarGear
 
 import mecano
 from mecano.post.drop_test import drop_sheet, efficiency, spin_up_and_spring_back
+from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.run import run
 
@@ -198,3 +199,13 @@ def test_several_runs_share_the_page(files):
     sheet = drop_sheet(open_runs(files.values()))
     assert sheet.panels[0].note == "efficiency 0.89, 0.88"
     assert {curve.run for panel in sheet.panels for curve in panel.curves} == {0, 1}
+
+
+def test_plots_of_a_node_show_the_events_of_what_is_on_it(files):
+    """Of the wheel on its axle; of everything where nothing happens to what is on the node."""
+    runs = open_runs([files["a"]])
+    shown = {
+        node: {mark.element for mark in requested_sheet(Request.parse(f"{node}.position.z"), runs).events}
+        for node in ("axle", "top")
+    }
+    assert shown == {"axle": {"wheel"}, "top": {"wheel", "absorber"}}
