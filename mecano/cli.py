@@ -259,7 +259,7 @@ def program():
         main()
         code = 0
     except SystemExit as ended:
-        code = ended.code
+        code = ended.code or 0
     atexit._run_exitfuncs()  # os._exit leaves them out
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError):
