@@ -24,6 +24,7 @@ LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by i
 FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
 SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
 RUBBING = 20  # iterations on the friction at most
+DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
 
@@ -47,13 +48,22 @@ class Consistent:
         self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
         self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
         if len(self.relaxing):
-            own = np.isin(system.rows, self.relaxing) | np.isin(system.cols, self.relaxing)
-            data[:-1][own] = 0.0
+            relaxing = np.zeros(system.n, bool)
+            relaxing[self.relaxing] = True
+            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
-        self.data, self.bare = data, bare
+        self.data, self.bare, self.compliance = data, bare, compliance
         self._solve(data, np.zeros(system.n))
+
+    def repeats(self):
+        """True when a constraint without compliance depends on others: to be asked before anything is solved."""
+        n_q = self.system.n_q
+        dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
+        if self.compliance is not None:
+            dependent &= np.diff(self.compliance.matrix.indptr) == 0
+        return bool(dependent.any())
 
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
@@ -70,6 +80,14 @@ class Consistent:
     def change(self, rate):
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
         return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
+
+    def respond(self, forces):
+        """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
+        return self._resolve(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
+
+    def exchange(self, rate):
+        """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)
 
     def project_velocity(self, s, target=0.0):
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
