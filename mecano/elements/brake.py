@@ -215,15 +215,15 @@ def sample(rng):
     return cases
 
 
-def not_one(value):
-    """Check: a slip ratio."""
+def slip_ratio(value):
+    """Check: between rolling and locked."""
     return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
 
 
 LEAST_SPEED = 1.0  # m/s
 PARALLEL = 1e-6
 ANTI_SKID = mapping(
-    Field("slip", NUMBER, "-", "slip ratio from which on the torque is reduced", check=not_one),
+    Field("slip", NUMBER, "-", "slip ratio from which on the torque is reduced", check=slip_ratio),
     Field("width", NUMBER, "-", "further slip in which it falls to zero", 0.1, positive),
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
 )

@@ -1,6 +1,6 @@
 r"""Wheel that deforms radially, sideways and in torsion, and slips on the ground, at any lean and heading.
 
-Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Two unknowns of its own: the patch is
+Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Unknowns of its own: the patch is
 displaced by y against the wheel plane (contact at x + r c - y a, on the ground) and turned by psi; with Q = 1 + psi
 hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced by y:
 
@@ -10,6 +10,7 @@ hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced 
     friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|
     tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}            lateral_law.py
 
+A third one, the bow of the contact line, has an equation X = 0 of its own, trivial but for the tyre law of a string.
 v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling
 straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
 
