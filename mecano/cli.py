@@ -1,5 +1,8 @@
 """The command line: arguments, exit codes, progress. Nothing else; heavy modules are imported by the commands."""
 
+import atexit
+import contextlib
+import gc
 import os
 import signal
 import sys
@@ -164,13 +167,24 @@ def check(deck, overrides):
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
-def post(results, plots, output, kind, columns, title):
+@click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
+def post(results, plots, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
     those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
     --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
+
+    --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
+    colours by stress or force, and beside it the plots asked for, or the first of the overview.
     """
+    if page:
+        if len(results) > 1:
+            raise click.UsageError("--animate plays one results file")
+        from mecano.post.animation import animate
+
+        click.echo(animate(results[0], page, plots, title))
+        return
     from mecano.post.pictures import post as draw
 
     for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title):
@@ -233,6 +247,24 @@ def main():
         _end(7, "out of memory")
     except Exception as error:
         _report(error)
+
+
+def program():
+    """``main`` as a process of its own: the objects of numba and of the model all live to its end.
+
+    To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
+    """
+    gc.set_threshold(50_000, 20, 20)
+    try:
+        main()
+        code = 0
+    except SystemExit as ended:
+        code = ended.code or 0
+    atexit._run_exitfuncs()  # os._exit leaves them out
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
+    os._exit(code)
 
 
 def _report(error):
