@@ -7,7 +7,7 @@ import numpy as np
 from mecano.contract import CONTACT
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Catch:
     """One event with a shock of one element."""
 

@@ -139,7 +139,8 @@ class _Solution:
     """Velocities and impulses with the contacts ``lone`` in complementarity, and everything else held."""
 
     def __init__(self, shocks, held, all_held, lone, e, compliance):
-        self.shocks, self.system, self.lone, self.e = shocks, shocks.system, lone, e
+        self.shocks, self.system, self.e = shocks, shocks.system, e
+        self.lone = {c: i for i, c in enumerate(lone)}
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in lone], np.int64)
         self.before = self._rates(held.v)
@@ -204,7 +205,8 @@ class _Solution:
         """The Shock from the state ``s`` before, for steps of h [s]."""
         lost = -0.5 * self.impulses * (self.before + self.after)
         still = self.system.levels(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
-        stay = [c for c in closing + resting if self._stays(c, c in closing)]
+        new = set(closing)
+        stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order
         gone = [c for c in resting if c not in stay]
         end = self.shocks.moded(replace(s, v=self.held.v), stay, "after")
         happened = [*happenings, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
@@ -216,8 +218,8 @@ class _Solution:
             *found, redundant = self.shocks.consistent(end, self.compliance)
             found.append((*self.redundant, *redundant))
         of = self.system.numbering
-        new = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}
-        found[2] = tuple(group for group in found[2] if new & set(group.names))
+        rows = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}
+        found[2] = tuple(group for group in found[2] if rows & set(group.names))
         given = -float(self.impulses @ still)
         return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
 
@@ -251,7 +253,7 @@ class _Solution:
         moving = self.held.copy()
         self.consistent.accelerate(moving)
         second = self.system.levels(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
-        at = [self.lone.index(c) for c in stay]
+        at = [self.lone[c] for c in stay]
         of_these = self.leads[at]
         forces = self._solve(second[of_these], at)
         parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
