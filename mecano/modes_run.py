@@ -12,7 +12,9 @@ from mecano.snapshot import state_at
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
-from mecano.statics import equilibrium, follow
+from mecano.start import bring_to_start
+from mecano.start import words as start_in_words
+from mecano.statics import follow
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 DOUBTFUL = 1e-6  # residual above which a mode is told to be inaccurate
@@ -40,10 +42,9 @@ def about(deck, at=None):
         result = follow(prepared)
         text = f"static equilibrium at {result.where}"
         return About(prepared, result.point.state, result.assemble, text, (*remarks(prepared), *result.remarks))
-    told = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    told = bring_to_start(prepared, disturbed=False)
     run = march_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    text = "static equilibrium at the start" if deck.values["initial"]["static"] else "initial state"
-    return About(prepared, run.motion, None, text, (*remarks(prepared, run), *told))
+    return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
 
 
 def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic", force=False):

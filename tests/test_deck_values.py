@@ -48,7 +48,7 @@ def test_defaults_are_filled_in():
         "laws": {},
         "grounds": {},
         "tire_laws": {},
-        "initial": {"static": None, "velocities": []},
+        "initial": {"static": None, "steady": None, "velocities": []},
         "time": {
             "start": 0.0,
             "end": 1.0,

@@ -69,8 +69,9 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _check_process(root, sections, scope)
     _stop_at(problems)
-    if result.get("static") and result["initial"]["static"]:
-        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
+    for start in ("static", "steady"):
+        if result.get("static") and result["initial"][start]:
+            scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
