@@ -2,24 +2,29 @@
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
-from mecano.errors import ConvergenceError, MecanoError, UsageError
+from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.modes_run import about, turning_of
+from mecano.results.provenance import Source
+from mecano.results.sweep_file import contents, write_sweep, write_table
+from mecano.results.writer import refuse_existing
 from mecano.solve.critical import critical
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
 from mecano.solve.tracking import Spectrum, loci, track, unstable
+from mecano.sweep_text import lines
 
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
-FAILED = (ConvergenceError,)
+FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,7 @@ class Case:
     method: str = "automatic"
     remarks: dict = field(default_factory=dict)  # text -> in how many states
     about: str = ""
+    error: Exception | None = None  # of the last state that was not found
 
     def deck(self, settings=()):
         """The checked deck with some numbers set: (path, value) each."""
@@ -104,7 +110,7 @@ class Case:
         turning = turning_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
         found = solve(lin, self.number, self.method)
-        self.about = self.about or base.words
+        self.about = base.words.partition(" at [")[0]
         for text in base.remarks:
             self.remarks[text] = self.remarks.get(text, 0) + 1
         length = float(lin.root.max(initial=1.0))
@@ -136,7 +142,7 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
         found.append(_locus(case, first, other, told))
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
-    remarks = [text if count == total else f"{text} (in {count} of {total} states)" for text, count in case.remarks.items()]
+    remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in case.remarks.items()]
     return Sweep(axes, found, remarks, case.about, deck)
 
 
@@ -210,3 +216,17 @@ def _distinct(criticals):
         if not twin or c.value.imag != 0.0 and not any(abs(c.value - k.value) < 1e-6 * abs(c.value) for k in kept):
             kept.append(c)
     return kept
+
+
+def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
+    """``sweep`` into a file, with ``columns`` into a table of comma-separated values beside it: (text, states)."""
+    refuse_existing(file, force)
+    found = sweep(path, overrides, texts, **options)
+    deck, plain = found.deck, contents(found)
+    source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+                    remarks=found.remarks)  # fmt: skip
+    write_sweep(file, plain, source, force=force)
+    if columns:
+        write_table(Path(file).with_suffix(".csv"), plain)
+    text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.remarks)])
+    return text, sum(len(locus.count) for locus in found.loci)
