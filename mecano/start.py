@@ -44,4 +44,5 @@ def _reshaped(prepared, before):
     size = np.linalg.norm(shift - shift.mean(axis=0), axis=1)
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
-        yield f"to run steadily the mechanism takes another shape: node '{system.nodes[i].name}' moves by {size[i]:.3g} m"
+        name = system.nodes[i].name
+        yield f"to run steadily the mechanism takes another shape: node '{name}' moves by {size[i]:.3g} m"

@@ -1,4 +1,4 @@
-"""Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``. An allow-list of what may stand in a formula; nothing is executed.
+"""Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; by an allow-list of what may stand there, nothing is executed.
 
 A text is an expression when it has a ``$`` or begins with ``=``. Names with a ``$`` are those of parameters; angles are
 plain numbers [rad].
@@ -18,10 +18,8 @@ OPERATORS = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.Pow: operator.pow, ast.UAdd: operator.pos, ast.USub: operator.neg,
 }  # fmt: skip
-FUNCTIONS = {
-    name: getattr(math, name)
-    for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot", "degrees", "radians")
-}
+ANGLES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "degrees", "radians")
+FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log", "hypot")}
 FUNCTIONS |= {"abs": abs, "min": min, "max": max}
 CONSTANTS = {"pi": math.pi}
 

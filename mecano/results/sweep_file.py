@@ -1,4 +1,4 @@
-"""The file of a sweep that `mecano modes --sweep` writes: HDF5, layout in docs/results-file.md; and its table as CSV."""
+"""The file of a sweep by `mecano modes --sweep`: HDF5, layout in docs/results-file.md; and its table as CSV."""
 
 import csv
 import json

@@ -1,18 +1,20 @@
 r"""Straight steady running: a motion that looks the same at every instant to one who moves along.
 
-All nodes have the velocity V, angular velocities are constant, nothing accelerates: only wheels and what turns with them
-spin. Wanted are positions (deflections of tyres and springs, y and psi of patches), spins and reactions with
+All nodes have the velocity V, angular velocities are constant, nothing accelerates: only wheels and what turns with
+them spin. Wanted are positions (deflections of tyres and springs, y and psi of patches), spins and reactions with
 
-.. math::  f(q, v, a = 0) - B^T \Lambda = 0, \quad \Phi(q) = 0, \quad \Phi_v(q, v) = 0, \quad v = (V, \omega_0 + N \sigma).
+.. math::
+   f(q, v, a = 0) - B^T \Lambda = 0, \quad \Phi(q) = 0, \quad \Phi_v(q, v) = 0, \quad v = (V, \omega_0 + N \sigma).
 
 Which angular velocities change nothing follows from the tangent: with its columns K_x by displacements and K_r by
 rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has the least
 solution :math:`\omega_0`, and N spans what may turn besides: the spins.
 
-Newton's method on :math:`(q, \sigma, \Lambda)`, solved for the least change: the place on the road, the angle of a spin, a
-reaction that nothing determines stay where they are. A sliding wheel does not tell how far from rolling it is: the spin of
-a wheel that no constraint makes roll is first found from the moment about its axle alone, which grows with it. Where
-Newton's method does not arrive the state creeps, against a drag that fades with the forces, and then goes on from there.
+Newton's method on :math:`(q, \sigma, \Lambda)`, solved for the least change: the place on the road, an angle of spin, a
+reaction that nothing determines stay where they are; steps are halved until the residual falls. A sliding wheel does
+not tell how far from rolling it is: the spin of a wheel that no constraint makes roll is found from the moment about
+its axle alone, which grows with it, at every iteration. Where Newton's method does not arrive the state creeps, against
+a drag that fades with the forces, and Newton's method goes on from there.
 """
 
 from dataclasses import dataclass
@@ -23,19 +25,22 @@ import scipy.sparse as sp
 from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError
+from mecano.maths.vec import skew
 from mecano.model.numbering import ROTATION
 from mecano.solve.events import Watch
 from mecano.solve.failure import worst_equations
 from mecano.solve.increments import displaced
 
 LARGEST = 4000  # equations, solved by dense least squares
-ITERATIONS, CREEPS = 30, 200
+ITERATIONS, CREEPS = 60, 300
 RANK = 1e-12  # of the largest singular value: what counts as zero
 SPINS = 1e-9  # the same, for what may turn without any change
 FARTHEST = 0.2  # of the length scale, or rad, in one iteration
-FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # of the forces at work; of length or speed; of the length scale, or rad
+FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # of the forces at work; of length scale or speed; of length scale, or rad
 ROUGHLY = 1e-4  # of the forces at work: Newton's method goes on from there
+LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # of the residual that a step must take away, the whole one; of a step
 FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # of the length scale, by the largest force; change of the drag in a step
+MOST_GROWTH, HARDER = 1.5, 4.0  # of the largest force in a creeping step; of the drag where it grows more
 STEADY = 1e-6  # of the forces at work, that may change per radian or length scale; of the speed
 ROUNDED = 1e-12  # of the speed, and of that over the length scale: slower motions are rounding
 WIDER, WIDENINGS = 2.0, 40  # of the bracket of a spin
@@ -47,10 +52,14 @@ class Tangent:
 
     K: np.ndarray
     C: np.ndarray
+    k: float  # mean stiffness [N/m], which makes rows of forces and of constraints comparable
     f: np.ndarray  # (n_q,) forces out of balance
     size: np.ndarray  # (n_q,) the forces at work
-    gap: np.ndarray  # (n_l,) constraints, on positions or on velocities, as they are
-    rates: np.ndarray  # (n_l,) of the constraints on positions; the constraints on velocities
+    gap: np.ndarray  # (n_l,) constraints on positions; those on velocities over speed and length scale
+    rates: np.ndarray  # (n_l,) rates of the constraints on positions; the constraints on velocities
+    force: float  # the largest force out of balance, moments over the length scale [N]
+    merit: float  # norm of all residuals
+    excess: float  # the largest residual over its tolerance
 
 
 class Steady:
@@ -67,6 +76,7 @@ class Steady:
         for first in np.unique(of.x[of.x < self.n_q]):
             self.along[first : first + 3] = self.V
         self.watch = Watch(system)
+        self.k = None  # [N/m] mean stiffness at the start
 
     def find(self, start):
         """The steady State near ``start``. Raises ConvergenceError, which says why there is none."""
@@ -84,36 +94,45 @@ class Steady:
         s.a[:] = 0.0
         s.v[:] = self.along
         s.z[self.n_q : self.system.n] = 0.0
-        return self.watch.settle(s)
+        return s
 
     def _newton(self, s):
-        """(state, whether it is steady to rounding)."""
+        """(state, whether it is steady to rounding); steps are halved until the residual falls."""
+        s, N, at = self._spun(s)
         last = np.inf
         for _ in range(ITERATIONS):
-            s, N = self._spun(self.watch.settle(s))
-            at = self.tangent(s)
-            if self._out_of_balance(at) <= 1.0 and last <= CHANGE:
+            if at.excess <= 1.0 and last <= CHANGE:
                 return s, True
-            s, last = self._moved(s, at, N)
-            if not np.isfinite(last):
+            step, last = self._step(at, N)
+            share = min(1.0, FARTHEST / max(last, 1e-300))
+            while np.isfinite(last):
+                trial = self._spun(self._moved(s, step, N, share))
+                if trial[2].merit <= (1.0 - LEAST_GAIN * share) * at.merit or max(trial[2].excess, at.excess) <= 1.0:
+                    break
+                share *= 0.5
+                if share < SMALLEST_SHARE:
+                    return s, at.excess <= 1.0
+            else:
                 return s, False
+            s, N, at = trial
         return s, False
 
     def _creep(self, s):
         """The state near an equilibrium, after steps of implicit Euler against a drag; or as far as they come."""
-        drag = before = None
+        s, N, at = self._spun(s)
+        drag = at.force / (FIRST_CREEP * self.length)
         for _ in range(CREEPS):
-            s, N = self._spun(self.watch.settle(s))
-            at = self.tangent(s)
-            force = float(np.abs(at.f / self.root).max(initial=1e-300))
-            if self._out_of_balance(at) <= ROUGHLY / FORCE:
+            if at.excess <= ROUGHLY / FORCE:
                 break
-            fade = 1.0 if drag is None else min(max(force / before, FADES[0]), FADES[1])
-            drag = force / (FIRST_CREEP * self.length) if drag is None else drag * fade
-            before, kept = force, s
-            s, change = self._moved(s, at, N, drag)
+            step, change = self._step(at, N, drag)
             if not np.isfinite(change):
-                return kept
+                break
+            trial = self._spun(self._moved(s, step, N, 1.0)) if change <= FARTHEST else None
+            if trial is None or not trial[2].force <= MOST_GROWTH * at.force:
+                drag *= HARDER
+                continue
+            drag *= min(max(trial[2].force / max(at.force, 1e-300), FADES[0]), FADES[1])
+            s, N, at = trial
         return s
 
     def tangent(self, s):
@@ -124,66 +143,77 @@ class Steady:
             system.assemble(s, 1.0, 0.0, *weights)
             matrix = sp.csr_matrix((system.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
             parts.append(matrix.toarray())
+        C, K = parts
         f, size, levels = system.residual[: self.n_q].copy(), system.size[: self.n_q].copy(), system.levels(s)
-        gap = np.where(self.of_rates, levels[:, 1], levels[:, 0])
-        return Tangent(parts[1], parts[0][:, : self.n_q], f, size, gap, levels[:, 1])
+        gap = np.where(self.of_rates, levels[:, 1] * self.length / self.speed, levels[:, 0])
+        k = self.k = self.k or self._stiffness(K)
+        merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
+        force = float(np.abs(f / self.root).max(initial=0.0))
+        return Tangent(K, C[:, : self.n_q], k, f, size, gap, levels[:, 1], force, merit, self._excess(f, size, gap))
 
-    def _out_of_balance(self, at):
+    def _excess(self, f, size, gap):
         """What is left of the equations, over the tolerances."""
-        worst = [0.0]
+        worst = [np.abs(gap).max(initial=0.0) / (GAP * self.length)]
         for own in (self.turning, ~self.turning):
-            worst.append(np.abs(at.f[own]).max(initial=0.0) / (FORCE * max(at.size[own].max(initial=0.0), 1e-300)))
-        worst.append(np.abs(at.gap[~self.of_rates]).max(initial=0.0) / (GAP * self.length))
-        worst.append(np.abs(at.gap[self.of_rates]).max(initial=0.0) / (GAP * self.speed))
+            worst.append(np.abs(f[own]).max(initial=0.0) / (FORCE * max(size[own].max(initial=0.0), 1e-300)))
         return max(worst) if np.all(np.isfinite(worst)) else np.inf
 
-    def _moved(self, s, at, N, drag=0.0):
-        """The state after an iteration, or a creeping step, and the largest change over the length scale, or [rad]."""
-        n_q, k = self.n_q, self._stiffness(at.K)
-        A = np.hstack([at.K[:, :n_q] / self.root, at.C @ N, at.K[:, n_q:] * k])
-        b = np.concatenate([-at.f, at.gap])
+    def _step(self, at, N, drag=0.0):
+        """An iteration, or a creeping step: changes of (q, spins, reactions), scaled, and the largest of q."""
+        n_q, spins, k = self.n_q, N.shape[1], at.k
+        rows = np.where(self.of_rates, self.length / self.speed, 1.0)
+        A = np.hstack([at.K[:, :n_q] / self.root, at.C @ N * (self.speed / self.length), at.K[:, n_q:] * k])
         A[np.arange(n_q), np.arange(n_q)] += drag * self.root
-        scale = np.concatenate([1.0 / (k * self.root), np.ones(self.system.n_l)])
+        A *= np.concatenate([1.0 / (k * self.root), rows])[:, None]
+        b = np.concatenate([-at.f / (k * self.root), at.gap])
         if not (np.all(np.isfinite(A)) and np.all(np.isfinite(b))):
-            return s, np.inf
-        spin = self.speed / self.length
-        A[:, n_q : n_q + N.shape[1]] *= spin
-        x = la.lstsq(A * scale[:, None], b * scale, cond=RANK, lapack_driver="gelsy")[0]
-        dq, change = x[:n_q] / self.root, float(np.abs(x[:n_q]).max(initial=0.0)) / self.length
-        share = min(1.0, FARTHEST / max(change, 1e-300))
+            return None, np.inf
+        x = la.lstsq(A, b, cond=RANK, lapack_driver="gelsy")[0]
+        spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]
+        return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[:n_q]).max(initial=0.0)) / self.length
+
+    def _moved(self, s, step, N, share):
+        """The state after a share of a step."""
+        dq, spin, reaction = step
         s = displaced(s, share * dq, self.system.numbering)
-        s.v[:n_q] += share * spin * (N @ x[n_q : n_q + N.shape[1]])
-        s.z[n_q : self.system.n] += share * k * x[n_q + N.shape[1] :]
-        return s, change
+        s.v[: self.n_q] += share * (N @ spin)
+        s.z[self.n_q : self.system.n] += share * reaction
+        return s
 
     def _stiffness(self, K):
-        """Mean stiffness [N/m], which makes rows of forces and of constraints comparable."""
+        """Mean stiffness [N/m] of the tangent."""
         diagonal = np.abs(np.diag(K)[: self.n_q]) / self.root**2
         return float(diagonal[diagonal > 0].mean()) if np.any(diagonal > 0) else 1.0
 
     def _spun(self, s):
-        """A state with angular velocities that change nothing, wheels rolling as far as that can be told; and N."""
-        s = s.copy()
+        """The state with angular velocities that change nothing, wheels rolling as far as that can be told; N; Tangent.
+
+        Elements are in the modes that the state tells.
+        """
+        s = self.watch.settle(s.copy())
         omega, N = self._turning(s)
         s.v[: self.n_q] = self.along[: self.n_q] + omega + N @ (np.linalg.pinv(N) @ (s.v[: self.n_q] - omega))
         at = self.tangent(s)
-        B = -np.where(self.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
-        s.v[: self.n_q] -= N @ la.lstsq(B, at.rates, cond=SPINS)[0] if B.size else 0.0
-        for j in range(N.shape[1]):
-            if not B.size or np.abs(B[:, j]).max() <= SPINS * self.length:
+        if N.shape[1]:
+            B = -np.where(self.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
+            s.v[: self.n_q] -= N @ la.lstsq(B, at.rates, cond=SPINS)[0] if len(B) else 0.0
+            for j in np.flatnonzero(np.abs(B).max(axis=0, initial=0.0) <= SPINS * self.length):
                 self._roll(s, N[:, j])
-        return s, N
+            at = self.tangent(s)
+        return s, N, at
 
     def _turning(self, s):
         """Angular velocities (n_q,) that follow from the running, and what may turn besides, N (n_q, spins)."""
         running = s.copy()
         running.v[:] = self.along
         at = self.tangent(s)
-        K = at.K[:, : self.n_q]
-        rates = self.system.levels(running)[:, 1]
+        K = at.K[:, : self.n_q].copy()
+        for d in self.system.numbering.rotation_dof:
+            if d < self.n_q:  # of moments in inertial axes: a spin does not turn those that are out of balance
+                K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
         change = K @ self.along[: self.n_q]
-        change[self.n_q :] = np.where(self.of_rates, change[self.n_q :], -rates)
-        scale = np.concatenate([1.0 / (self._stiffness(at.K) * self.root), np.ones(self.system.n_l)])
+        change[self.n_q :] = np.where(self.of_rates, change[self.n_q :], -self.system.levels(running)[:, 1])
+        scale = np.concatenate([1.0 / (at.k * self.root), np.ones(self.system.n_l)])
         U, sigma, Vt = la.svd(K[:, self.turning] * scale[:, None] / self.length, full_matrices=True)
         rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))
         omega, N = np.zeros(self.n_q), np.zeros((self.n_q, Vt.shape[0] - rank))
@@ -229,13 +259,14 @@ class Steady:
             raise ConvergenceError(f"{text}: it would not fulfil '{name}' as time goes by\n{tries}")
         K, v = at.K[: self.n_q, : self.n_q], s.v[: self.n_q]
         change, force = np.abs(K @ v) / self.root, (at.size / self.root).max(initial=0.0)
-        if change.max(initial=0.0) > STEADY * force * max(self.speed / self.length, np.abs(v[self.turning]).max(initial=0.0)):
+        rate = max(self.speed / self.length, np.abs(v[self.turning]).max(initial=0.0))
+        if change.max(initial=0.0) > STEADY * force * rate:
             name = self.system.numbering.name[int(np.argmax(change))]
             raise ConvergenceError(f"{text}: the forces change as time goes by, in {name}\n{tries}")
 
 
 def _plain(N):
-    """The same space (n, s) by directions of which each has a place of its own where the others vanish; unit vectors."""
+    """The same space (n, s) by unit directions of which each has a place of its own where the others vanish."""
     if not N.shape[1]:
         return N
     _, _, order = la.qr(N.T, pivoting=True, mode="economic")
