@@ -153,10 +153,9 @@ class Steady:
 
     def _excess(self, f, size, gap):
         """What is left of the equations, over the tolerances."""
-        worst = [np.abs(gap).max(initial=0.0) / (GAP * self.length)]
-        for own in (self.turning, ~self.turning):
-            worst.append(np.abs(f[own]).max(initial=0.0) / (FORCE * max(size[own].max(initial=0.0), 1e-300)))
-        return max(worst) if np.all(np.isfinite(worst)) else np.inf
+        forces = np.abs(f / self.root).max(initial=0.0) / (FORCE * max((size / self.root).max(initial=0.0), 1e-300))
+        worst = max(forces, np.abs(gap).max(initial=0.0) / (GAP * self.length))
+        return worst if np.isfinite(worst) else np.inf
 
     def _step(self, at, N, drag=0.0):
         """An iteration, or a creeping step: changes of (q, spins, reactions), scaled, and the largest of q."""

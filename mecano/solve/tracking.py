@@ -52,7 +52,7 @@ def track(spectra, places):
     """
     known = [i for i, spectrum in enumerate(spectra) if spectrum is not None]
     rows = []
-    for before, i in zip([None, *known[:-1]], known, strict=True):
+    for before, i in zip([None, *known], known, strict=False):
         open_rows = [row for row in rows if before is not None and row[before] >= 0]
         left = set(range(len(spectra[i].values)))
         if open_rows and left:
