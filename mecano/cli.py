@@ -199,13 +199,24 @@ def check(deck, overrides):
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
-def post(results, plots, output, kind, columns, title):
+@click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
+def post(results, plots, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
     those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
     --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
+
+    --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
+    colours by stress or force, and beside it the plots asked for, or the first of the overview.
     """
+    if page:
+        if len(results) > 1:
+            raise click.UsageError("--animate plays one results file")
+        from mecano.post.animation import animate
+
+        click.echo(animate(results[0], page, plots, title))
+        return
     from mecano.post.pictures import post as draw
 
     for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title):

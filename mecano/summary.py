@@ -1,5 +1,6 @@
 """What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
+from collections import Counter
 from textwrap import wrap
 
 from mecano.contract import SECTIONS
@@ -17,12 +18,11 @@ def summary(deck):
     prepared = prepare(deck)
     system, analysis = prepared.system, prepared.analysis
     values = deck.values
-    masses = [d["mass"] for d in values["elements"].values() if "mass" in d]
     lines = [
         f"{deck.file}: {values['title'] or 'no title'}",
         f"nodes            {len(values['nodes'])}",
         *_counts(values),
-        f"bodies           {len(masses)}, together {sum(masses):.6g} kg",
+        f"mass             {_mass(system):.6g} kg",
         _gravity(deck),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
@@ -32,7 +32,7 @@ def summary(deck):
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
     alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
-    texts = [f"{len(alone)} unknown(s) that no constraint ties: {some(alone, MOST_NAMES)}"] if alone else []
+    texts = [f"{len(alone)} unknown(s) that no constraint ties: {some(_by_nodes(alone), MOST_NAMES)}"] if alone else []
     for group in (group for group in analysis.mechanisms if len(group.names) > 1):
         texts.append(f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}")
     for text in texts:
@@ -45,6 +45,26 @@ def summary(deck):
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
     return "\n".join(lines)
+
+
+def _mass(system):
+    """Total mass [kg]: of every kind whose record has one."""
+    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
+
+
+def _by_nodes(names):
+    """Names of unknowns ("node a: displacement x"); a node all of whose unknowns are there is one, a member too."""
+    nodes, found, inside = {}, [], Counter()
+    for name in names:
+        nodes.setdefault(name.partition(": ")[0], []).append(name)
+    for node, own in nodes.items():
+        if len(own) < 6:
+            found += own
+        elif "." in node:
+            inside[node.removeprefix("node ").rpartition(".")[0]] += 1
+        else:
+            found.append(f"{node}: all")
+    return found + [f"all of the {count} node(s) inside '{member}'" for member, count in inside.items()]
 
 
 def _statics(prepared):

@@ -32,3 +32,9 @@ def test_the_startup_is_measured():
 def test_without_a_case_it_says_which_there_are():
     ended = subprocess.run([sys.executable, RUN, "chain"], capture_output=True, text=True)
     assert ended.returncode == 2 and "'chain-100'" in ended.stderr
+
+
+def test_the_mast_is_measured():
+    command = [sys.executable, RUN.with_name("mast.py"), "500"]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said.startswith("    540 unknowns: prepared in ") and "100 steps of" in said and "0 unstable" in said

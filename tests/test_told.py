@@ -9,6 +9,7 @@ import mecano
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.prepare import prepare, remarks
 from mecano.solve.scales import length_scale
+from mecano.summary import summary
 
 REMARKS = {  # deck: overrides, what is said at the start
     "four_bar": (
@@ -143,3 +144,16 @@ def test_absurd_amounts_are_warned_of_before_the_run():
     assert "warning" not in check()
     said = remarks(prepare(input_deck("pendulum", "time.step=1.0e-8")))
     assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "loose"),
+    [
+        ("superelement_arm", 12, "80 unknown(s) that no constraint ties: node n1: all; "),  # 1.2 kg/m over 10 m
+        ("beam_spin_up", 12, "ties: node tip: all; all of the 7 node(s) inside 'arm' redundant"),
+        ("hanging_chain", 1.5, "mechanism of 2 degree(s) of freedom"),
+    ],
+)
+def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
+    said = " ".join(summary(input_deck(name)).split())
+    assert f" mass {mass} kg " in said and loose in said

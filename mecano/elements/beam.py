@@ -23,12 +23,12 @@ from numba import njit
 
 from mecano.contract import Kind, Output, record
 from mecano.elements.beam_elastic import add_elastic, end_loads, strain_rates, strains, stresses, stretched, unstretched
-from mecano.elements.beam_flexibility import element_stiffness, elongation
+from mecano.elements.beam_flexibility import elastic_constants, hat
 from mecano.elements.beam_inertia import add_inertia, energies, inertia_record
-from mecano.elements.beam_line import check_line, stations
+from mecano.elements.beam_line import check_line, screw, stations
 from mecano.elements.cross_section import MOST_POINTS, constants, is_round
 from mecano.maths.rotation_vector import first_derivative
-from mecano.maths.so3 import exp, log, tangent, tangent_inverse
+from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import add, cross, dot, mat, matmul, mul, put, scale, sub, tmul, transpose
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
@@ -127,27 +127,25 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 
 def divide(d, nodes):
     """Nodes (x, R) between the elements of a member, oriented as its first node, and the values of each element."""
-    at = stations(d, nodes)
+    at, common = stations(d, nodes), {**d, "mesh": 1, "constants": constants(d["section"])}
     inner = [(x, nodes[0][1]) for x, _ in at[1:-1]]
-    return inner, [{**d, "mesh": 1, "stations": pair} for pair in zip(at[:-1], at[1:], strict=True)]
+    return inner, [{**common, "stations": pair} for pair in zip(at[:-1], at[1:], strict=True)]
 
 
 def prepare(d, nodes, context):
     """Record of one element."""
-    (x_1, A_1), (x_2, A_2) = d.get("stations") or stations(d, nodes)
-    section = constants(d["section"])
+    (_, A_1), (_, A_2) = ends = d.get("stations") or stations(d, nodes)
+    section = d.get("constants") or constants(d["section"])
     S_1, S_2 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2
-    phi = np.array(log(tuple(map(tuple, A_1.T @ A_2))))
-    u = np.array(tangent_inverse(tuple(phi))) @ A_2.T @ np.subtract(x_2, x_1)
-    K, F = element_stiffness(section.C, np.concatenate([u, phi])), np.linalg.inv(section.C)
-    length, c, turned = np.linalg.norm(u), section.center, np.kron(np.eye(2), S_2)
-    B = S_2 @ elongation(section.C, K, length) @ S_2.T
-    K = turned @ K @ turned.T
-    tangent = u + np.cross(phi, c)
+    h0, c = screw(*ends), section.center
+    u, phi = h0[:3], h0[3:]
+    K_uu, K_up, K_pp, B, F = elastic_constants(section.C, h0)
+    length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
     return {
-        "S": S_1 @ S_2.T, "K_uu": K[:3, :3], "K_up": K[:3, 3:], "K_pp": K[3:, 3:], "B": B,
+        "S": S_1 @ S_2.T, "K_uu": S_2 @ K_uu @ S_2.T, "K_up": S_2 @ K_up @ S_2.T, "K_pp": S_2 @ K_pp @ S_2.T,
+        "B": S_2 @ B @ S_2.T,
         "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
         "damping": d["section"]["damping"], "gravity": context.gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),

@@ -10,6 +10,8 @@ the residual bending flexibility of MacNeal (1978) for a straight beam. It remov
 a slender straight element is that of the cubic beam.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
@@ -27,6 +29,21 @@ def adjoint(h):
     out[:3, :3] = out[3:, 3:] = hat(h[3:])
     out[:3, 3:] = hat(h[:3])
     return out
+
+
+def elastic_constants(C, h0):
+    """K_uu, K_up, K_pp, B (3, 3) of an element and its section flexibility F (6, 6), section axes of its end.
+
+    C (6, 6) section stiffness, h0 (6,) strain-free screw. They are the same for all equal elements of a model.
+    """
+    return _elastic_constants(C.tobytes(), h0.tobytes())
+
+
+@lru_cache(maxsize=1000)
+def _elastic_constants(C, h0):
+    C, h0 = np.frombuffer(C).reshape(6, 6), np.frombuffer(h0)
+    K = element_stiffness(C, h0)
+    return K[:3, :3], K[:3, 3:], K[3:, 3:], elongation(C, K, np.linalg.norm(h0[:3])), np.linalg.inv(C)
 
 
 def element_stiffness(C, h0):

@@ -6,11 +6,12 @@ A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes th
 import numpy as np
 
 from mecano.constraints.joint_frame import PLACE, at_one_place, triad
-from mecano.maths.so3 import exp
+from mecano.maths.so3 import exp, log, tangent_inverse
 
 MOST_TURN = 3.0  # rad between the ends of one element
 PARALLEL = 1e-6  # sine of the angle between directions that count as parallel
 UPRIGHT = 1e-3  # sine of the angle to the vertical below which a beam is upright
+ROUNDING = 1e-14  # rad: an angle that means none
 FLAT = 1e-9  # of the length: an arc of less rise is straight
 
 
@@ -25,6 +26,18 @@ def stations(d, nodes):
         x = x_1 + s * (x_2 - x_1) if centre is None else centre + turned @ (x_1 - centre)
         found.append((x, turned @ A @ np.array(exp((s * d["twist"], 0.0, 0.0)))))
     return found
+
+
+def screw(first, second):
+    """The strain-free screw (u, phi) (6,) [m, rad] from one station to the next, in section axes of the second.
+
+    That of a straight element is (length, 0, ...) without any rounding, so that equal elements are seen to be equal.
+    """
+    (x_1, A_1), (x_2, A_2) = first, second
+    line, phi = np.subtract(x_2, x_1), np.array(log(tuple(map(tuple, A_1.T @ A_2))))
+    if np.abs(phi).max() <= ROUNDING:
+        return np.array([np.linalg.norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
+    return np.concatenate([np.array(tangent_inverse(tuple(phi))) @ A_2.T @ line, phi])
 
 
 def _arc(x_1, via, x_2):

@@ -24,6 +24,8 @@ from mecano.solve.kept_tangent import SHARE, keep
 from mecano.solve.newton import (
     CONVERGED,
     FIRST,
+    FORCES,
+    INCREMENT,
     ITERATIONS,
     MESSAGES,
     NOT_FINITE,
@@ -91,13 +93,19 @@ class GeneralizedAlpha:
     def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
-        self.k, self.penalty, self.compliance = k, penalty, compliance
-        self._rows = NO_ROWS if compliance is None else compliance.rows
+        self.k, self.penalty = k, penalty
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
+        self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
+        self.use(compliance)
+
+    def use(self, compliance):
+        """Let redundant constraints have these compliances, or none (None), from now on."""
+        self.compliance = compliance
+        self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
-        self._exact_rates = system.numbering.of_rates.copy()
+        self._exact_rates = self.system.numbering.of_rates.copy()
         if compliance is not None and compliance.of_rates.any():
             self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
         self._bind()
@@ -119,16 +127,16 @@ class GeneralizedAlpha:
             (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
         )  # fmt: skip
 
-    def start(self, s, h):
+    def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
         a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
-        returned has exact velocities, the history carries the shifts.
+        returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
         """
         s = s.copy()
-        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
         consistent.settle_rates(s)
         consistent.accelerate(s)
@@ -183,25 +191,45 @@ class GeneralizedAlpha:
         scales, tangent = self._scales(history, h), history.tangent
         if tangent is not None and self.linear.label is not tangent:
             self._factor(tangent, scales)
-        s = s0.copy()
-        s.t = s0.t + h
-        reach = self._predict(
-            h, history.a, s0.a, history.slope, history.bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R
-        )
-        report = np.zeros(len(REPORT))
-        code = self._solve(s, s0.R, scales, history.k, reach, tangent is not None, report)
-        iterations, *reached = report[:4].tolist()
-        iterations, message = int(iterations), MESSAGES.get(code, "").format(int(iterations))
+        iterations = 0
+        for slope, bend in self._guesses(s0, history):
+            s, code, report = self._attempt(s0, history, h, scales, slope, bend)
+            iterations += int(report[ITERATIONS])
+            if code in (CONVERGED, NOT_FINITE):
+                break
+        reached = tuple(report[FORCES : INCREMENT + 1].tolist())
         if code != CONVERGED:
-            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, message)
+            message = MESSAGES[code].format(int(report[ITERATIONS]))
+            return s, history, StepInfo(False, iterations, reached, np.nan, message)
         a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
         change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
         if turn > MOST_TURN:
-            return s, history, StepInfo(False, iterations, tuple(reached), np.nan, TURNS_TOO_FAR)
+            return s, history, StepInfo(False, iterations, reached, np.nan, TURNS_TOO_FAR)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
-        return s, new, StepInfo(True, iterations, tuple(reached), self.coefficients.error * h * h * change)
+        return s, new, StepInfo(True, iterations, reached, self.coefficients.error * h * h * change)
+
+    def _guesses(self, s0, history):
+        """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.
+
+        The second displaces everything by its velocity alone: after a sudden load on stiff and light members the
+        accelerations tell little of the displacements in a long step.
+        """
+        yield history.slope, history.bend
+        c, n_q = self.coefficients, self.system.n_q
+        a0, slope = history.a[:n_q], self._no_slope.copy()
+        a1 = (1.0 - 0.5 / c.beta) * a0
+        slope[:n_q] = ((1.0 - c.am) * a1 + c.am * a0 - c.af * s0.a[:n_q]) / (1.0 - c.af) - s0.a[:n_q]
+        yield slope, self._no_slope
+
+    def _attempt(self, s0, history, h, scales, slope, bend):
+        """Newton's iterations from one guess: (state, a code of newton.py, report)."""
+        s, report = s0.copy(), np.zeros(len(REPORT))
+        s.t = s0.t + h
+        reach = self._predict(h, history.a, s0.a, slope, bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R)
+        kept = history.tangent is not None and self.linear.label is history.tangent
+        return s, self._solve(s, s0.R, scales, history.k, reach, kept, report), report
 
     def _solve(self, s, R0, scales, stiffness, reach, kept, report):
         """Newton's iterations from the predicted state ``s``, moved in place; a code of newton.py."""
