@@ -109,7 +109,7 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
 
 
 def test_cornering_tyre():
-    """At the slip angle alpha: F = K y = psi/C but for the drag; what is left creeps, V sin(alpha - atan psi) = u eps."""
+    """At the slip angle alpha: F = K y = psi/C but for the drag; the rest creeps, V sin(alpha - atan psi) = u eps."""
     base = about(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",
                             "initial={steady: {velocity: [10, 0, 0]}}"))  # fmt: skip
     y, psi = np.abs(base.state.z[base.prepared.system.n_q - 2 : base.prepared.system.n_q])
