@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from mecano.solve.steady import Steady
 from mecano.statics import equilibrium
 
 NOTICEABLE = 0.1  # of the length scale
@@ -19,6 +18,8 @@ def bring_to_start(prepared, disturbed=True):
         return equilibrium(prepared)
     if not initial["steady"]:
         return ()
+    from mecano.solve.steady import Steady  # takes 0.2 s to import, for which only decks that need it should wait
+
     asked, before = prepared.state.v.copy(), prepared.state
     prepared.state = Steady(prepared.system, prepared.length, initial["steady"]["velocity"]).find(before)
     if disturbed:
