@@ -58,7 +58,7 @@ def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = solve(lin, number, method)
-    told = [*base.remarks, *_doubts(found, lin)]
+    told = [*base.remarks, *doubts(lin.variation, found.residuals)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
                         remarks=told)  # fmt: skip
@@ -85,13 +85,14 @@ def turning_of(system, s, frame):
     return turning
 
 
-def _doubts(found, lin):
-    if lin.variation > CONSTANT:
+def doubts(variation, residuals):
+    """Texts on matrices that are not constant, and on modes that do not fulfil the equations."""
+    if variation > CONSTANT:
         yield (
-            f"the equations of small motions are not constant in these axes (they change by {lin.variation:.2g} when "
+            f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
             "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
         )
-    worst = float(found.residuals.max(initial=0.0))
+    worst = float(np.max(residuals, initial=0.0))
     if worst > DOUBTFUL:
         yield f"the modes are inaccurate: what they leave of the equations is up to {worst:.2g} of their terms"
 

@@ -9,7 +9,7 @@ import numpy as np
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
-from mecano.modes_run import about, turning_of
+from mecano.modes_run import about, doubts, turning_of
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, write_sweep, write_table
 from mecano.results.writer import refuse_existing
@@ -98,10 +98,21 @@ class Case:
     remarks: dict = field(default_factory=dict)  # text -> in how many states
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
+    variation: float = 0.0  # largest of all states, as that of a Linearization
+    residual: float = 0.0  # largest of all modes
 
     def deck(self, settings=()):
         """The checked deck with some numbers set: (path, value) each."""
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
+
+    def remark(self, text):
+        """Note a text, once more where it is known."""
+        self.remarks[text] = self.remarks.get(text, 0) + 1
+
+    def fail(self, error):
+        """Note the error of a state."""
+        self.error = error
+        self.remark(str(error).partition("\n")[0])
 
     def spectrum(self, settings):
         """(Spectrum, words(shape) -> text) of a state."""
@@ -111,8 +122,10 @@ class Case:
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
         found = solve(lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
+        self.variation = max(self.variation, lin.variation)
+        self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
         for text in base.remarks:
-            self.remarks[text] = self.remarks.get(text, 0) + 1
+            self.remark(text)
         length = float(lin.root.max(initial=1.0))
 
         def motion(shape):
@@ -143,7 +156,7 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
     remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in case.remarks.items()]
-    return Sweep(axes, found, remarks, case.about, deck)
+    return Sweep(axes, found, [*remarks, *doubts(case.variation, case.residual)], case.about, deck)
 
 
 def _locus(case, axis, other, told):
@@ -154,9 +167,8 @@ def _locus(case, axis, other, told):
         try:
             spectrum, motion = case.spectrum(settings)
         except FAILED as error:
-            case.error, spectrum, motion = error, None, None
-            text = str(error).partition("\n")[0]
-            case.remarks[text] = case.remarks.get(text, 0) + 1
+            spectrum, motion = None, None
+            case.fail(error)
         spectra.append(spectrum)
         motions.append(motion)
         told(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
@@ -203,8 +215,7 @@ def _criticals(case, axis, other, rows, spectra):
             try:
                 found.append(critical(spectrum_at, *ends, branch))
             except FAILED as error:
-                text = str(error).partition("\n")[0]
-                case.remarks[text] = case.remarks.get(text, 0) + 1
+                case.fail(error)
     return _distinct(sorted((c for c in found if c is not None), key=lambda c: c.place))
 
 

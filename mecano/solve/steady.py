@@ -245,7 +245,10 @@ class Steady:
         """Refuse what is no steady running."""
         at = self.tangent(s)
         text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"
-        tries = "what to try: initial positions nearer to it; a velocity along the road; what balances the drag"
+        tries = (
+            "what to try: initial positions nearer to it; a velocity along the road; what balances the drag; wheels in "
+            "balance about their axles (inertias are given in the axes of the node)"
+        )
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         if not arrived:
             raise ConvergenceError(
