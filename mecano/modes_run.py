@@ -12,7 +12,9 @@ from mecano.snapshot import state_at
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
-from mecano.statics import equilibrium, follow
+from mecano.start import bring_to_start
+from mecano.start import words as start_in_words
+from mecano.statics import follow
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 DOUBTFUL = 1e-6  # residual above which a mode is told to be inaccurate
@@ -40,10 +42,9 @@ def about(deck, at=None):
         result = follow(prepared)
         text = f"static equilibrium at {result.where}"
         return About(prepared, result.point.state, result.assemble, text, (*remarks(prepared), *result.remarks))
-    told = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    told = bring_to_start(prepared, disturbed=False)
     run = march_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    text = "static equilibrium at the start" if deck.values["initial"]["static"] else "initial state"
-    return About(prepared, run.motion, None, text, (*remarks(prepared, run), *told))
+    return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
 
 
 def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic", force=False):
@@ -57,7 +58,7 @@ def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = solve(lin, number, method)
-    told = [*base.remarks, *_doubts(found, lin)]
+    told = [*base.remarks, *doubts(lin.variation, found.residuals)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
                         remarks=told)  # fmt: skip
@@ -84,13 +85,14 @@ def turning_of(system, s, frame):
     return turning
 
 
-def _doubts(found, lin):
-    if lin.variation > CONSTANT:
+def doubts(variation, residuals):
+    """Texts on matrices that are not constant, and on modes that do not fulfil the equations."""
+    if variation > CONSTANT:
         yield (
-            f"the equations of small motions are not constant in these axes (they change by {lin.variation:.2g} when "
+            f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
             "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
         )
-    worst = float(found.residuals.max(initial=0.0))
+    worst = float(np.max(residuals, initial=0.0))
     if worst > DOUBTFUL:
         yield f"the modes are inaccurate: what they leave of the equations is up to {worst:.2g} of their terms"
 

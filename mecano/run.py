@@ -10,7 +10,7 @@ from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
-from mecano.statics import equilibrium
+from mecano.start import bring_to_start
 
 
 class Recorder:
@@ -84,7 +84,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     """
     refuse_existing(path, force)
     values, prepared = deck.values["time"], prepare(deck)
-    found = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
     notes = [*remarks(prepared, start), *found]
