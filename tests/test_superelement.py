@@ -300,6 +300,18 @@ def test_modes_of_a_deck_and_of_a_saved_state(tmp_path):
     np.testing.assert_allclose(again, expected, rtol=1e-7)
 
 
+def test_one_boundary_node(tmp_path):
+    """A bar reduced to its clamped root keeps its frequencies; of the root alone every motion is rigid."""
+    result = reduce_part(deck(BAR), tmp_path / "bar.npz", nodes=["root"], number=None)[1]
+    np.testing.assert_array_equal(result.content["stiffness"][:6], 0.0)
+    head = BAR.split("sections:")[0].replace("root: {", "root: {fixed: true, ")
+    text = head + "elements: {s: {type: superelement, nodes: [root], file: bar.npz}}\ntime: {end: 1, step: 1}\n"
+    small = "\n".join(line for line in text.splitlines() if not line.strip().startswith("tip:"))
+    found = modes(deck_of_bytes(small.encode(), str(tmp_path / "small.yaml")), None, number=3)[1].frequency
+    expected = modes(deck(BAR.replace("root: {", "root: {fixed: true, ")), None, number=3)[1].frequency
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
+
+
 def test_static_deflection(tmp_path):
     """P L^3/(3 EI) + P L/(k GA) across the bar towards the wide side of its section, for a small force."""
     load = "f: {type: force, node: tip, value: 0.01, direction: [0.316227766, -0.948683298, 0]}"
