@@ -78,6 +78,14 @@ def test_strut_force_is_shown_over_its_stroke(shown, runs):
     assert panel.label == "compression force" and not panel.over_time
 
 
+def test_single_numbers_keep_their_sign_and_lengths_are_named(shown, runs):
+    curves = {curve.y.path: curve for panel in shown["reactions"].panels for curve in panel.curves}
+    signed = curves["joints/one_prescribed_angle/moment"]
+    assert signed.y.what == "moment"
+    assert np.array_equal(signed.y.values, values(runs[0], "one_prescribed_angle.moment"))
+    assert curves["joints/one_hinge/force.magnitude"].y.what == "|force|"
+
+
 def test_energies_are_changes_since_the_start(shown, runs):
     for curve in shown["energy"].panels[0].curves:
         stored = values(runs[0], curve.y.path)
