@@ -45,8 +45,9 @@ class Consistent:
         self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
         self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
         if len(self.relaxing):
-            own = np.isin(system.rows, self.relaxing) | np.isin(system.cols, self.relaxing)
-            data[:-1][own] = 0.0
+            relaxing = np.zeros(system.n, bool)
+            relaxing[self.relaxing] = True
+            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
