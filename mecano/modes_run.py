@@ -60,7 +60,7 @@ def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = solve(lin, number, method)
-    told = [*base.remarks, *_doubts(found, lin)]
+    told = [*base.remarks, *_sticking(deck, system, base.state), *_doubts(found, lin)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
                         remarks=told)  # fmt: skip
@@ -86,6 +86,33 @@ def turning_of(system, s, frame):
     if turning.shape != (3,):
         raise UsageError(f"there is no node '{frame}'; --frame takes 'inertial', a node, or three numbers [rad/s]")
     return turning
+
+
+def _sticking(deck, system, s):
+    """Remark on the joints whose friction is in its regularized part, where it is a viscous damper."""
+    stuck = [
+        f"{d['type']} '{name}'"
+        for name, d in deck.values["joints"].items()
+        if d.get("friction") and _sliding(system, s, d["nodes"], d["friction"]) < d["friction"]["regularization"]
+    ]
+    if stuck:
+        yield (
+            f"{', '.join(stuck)}: friction that is regularized is a strong viscous damper as long as the joint sticks, "
+            "and these are the modes with that damper; leave out the friction for the modes of a joint that slides, "
+            "or put a fixed joint in its place for those of one that holds"
+        )
+
+
+def _sliding(system, s, pair, friction):
+    """Largest speed [m/s] at which two nodes can slide on one another, turning at the largest radius given."""
+    of, names = system.numbering, [node.name for node in system.nodes]
+    motion = []
+    for i in (names.index(name) for name in pair if name in names):
+        x, r = of.x[i], of.r[i]
+        motion.append((s.v[x : x + 3], s.R[of.rotation[i]] @ s.v[r : r + 3]))
+    v, omega = (np.linalg.norm(m[-1] - m[0] if len(m) > 1 else m[0]) for m in zip(*motion, strict=True))
+    radius = max((value for key, value in friction.items() if "radius" in key and value), default=1.0)
+    return max(float(v), radius * float(omega))
 
 
 def _doubts(found, lin):
