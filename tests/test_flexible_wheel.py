@@ -10,7 +10,7 @@ from marching import March, deck, input_deck
 from small_motions import eigenvalues
 
 from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.lateral_law import check_lateral, matrices
+from mecano.elements.lateral_law import FORMS, check_lateral, matrices
 from mecano.laws.probe import curve_at
 
 # (c, k, D, C1): speed -> eigenvalues with positive or no imaginary part; I = 1, L = 0.1, K = 2e5, C = 1/6e4
@@ -106,6 +106,18 @@ def test_the_lateral_force_builds_up_over_the_relaxation_length():
     assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/kinetic"][0]
 
 
+def test_error_control_takes_a_law_without_a_rate_of_psi():
+    """C1 = 0: psi = C F from the start on, rates included; the steps are those of the motion, not of a start-up."""
+    adaptive = "time.adaptive={tolerance: 1e-5}", "tire_laws.rubber.slip_regularization=1e-3"
+    march = March(input_deck("step_steer", *adaptive))
+    force = march["elements/tire/tire_force"]
+    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
+    assert len(march.time) < 300
+    assert np.abs(np.abs(force) - expected).max() < 2e-3 * 1200.0
+    np.testing.assert_allclose(march["elements/tire/psi"], force / 6e4, rtol=2e-3, atol=1e-8)
+    assert march["elements/tire/psi_rate"][0] == pytest.approx(-10.0 * 0.02 / 0.3, rel=1e-3)
+
+
 DROP = """
     mecano: 1
     nodes:
@@ -170,7 +182,7 @@ def test_an_adhesive_wheel_is_spun_up_at_once():
 
 
 def test_moreland_and_relaxation_are_cases_of_the_matrices():
-    none = {"matrices": None, "moreland": None, "relaxation": None}
+    none = dict.fromkeys(FORMS)
     moreland = {"lateral_stiffness": 2e5, "lateral_damping": 3.0, "yaw_coefficient": 1e-5, "yaw_time": 0.1,
                 "torsional_stiffness": 50.0}  # fmt: skip
     A0, A1 = matrices({**none, "moreland": moreland})
@@ -183,7 +195,7 @@ def test_moreland_and_relaxation_are_cases_of_the_matrices():
 
 
 def test_what_cannot_be_is_refused():
-    none = {"matrices": None, "moreland": None, "relaxation": None}
+    none = dict.fromkeys(FORMS)
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
     assert "no 'lateral' law" in check_lateral(None)[0]

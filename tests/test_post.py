@@ -14,8 +14,9 @@ from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import draw_panel, figure, plans, sheets, style
 from mecano.post.info import info
-from mecano.post.panels import worth_showing
+from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
+from mecano.post.plans import Plan, View
 from mecano.post.quantity import find
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
@@ -76,6 +77,16 @@ def test_strut_force_is_shown_over_its_stroke(shown, runs):
     assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_spring_damper.stroke"))
     assert np.array_equal(panel.curves[0].y.values, -values(runs[0], "one_spring_damper.force"))  # a push is positive
     assert panel.label == "compression force" and not panel.over_time
+
+
+def test_single_numbers_keep_their_sign_and_lengths_are_named(shown, runs):
+    plan = Plan("moments", "Moments", ("torsion_spring_damper",), (View("moment", ("moment.magnitude",)),))
+    (panel,) = planned_panels(plan, runs)[0]
+    expected = values(runs[0], "one_torsion_spring_damper.moment")
+    assert expected.min() < 0.0 and panel.label == "moment" and panel.whats == ("moment",)
+    assert np.array_equal(panel.curves[0].y.values, expected)
+    lengths = [curve.y for panel in shown["reactions"].panels for curve in panel.curves if "magnitude" in curve.y.path]
+    assert lengths and {y.what for y in lengths} <= {"|force|", "|moment|"}
 
 
 def test_energies_are_changes_since_the_start(shown, runs):

@@ -44,6 +44,7 @@ CHECKS = {
     "ground": values.name_in("grounds"),
     "tire_law": values.name_in("tire_laws"),
     "section": values.name_in("sections"),
+    "wheel": values.name_in("elements"),
     "reduced": reduced,
     "rows": rows,
     "law": law_or_name,

@@ -85,7 +85,8 @@ def _panel(view, things, runs):
         if thing in run.pieces
         for curve in _curves(view, thing, run, number)
     ]
-    return Panel(view.label, tuple(curves))
+    lengths = curves and all(curve.y.path.endswith(MAGNITUDE) and curve.y.whole == view.label for curve in curves)
+    return Panel(f"|{view.label}|" if lengths else view.label, tuple(curves))
 
 
 def _curves(view, thing, run, number):
@@ -111,8 +112,14 @@ def _name_of(run, thing, output):
         stem = name.partition(".")[0]
         needed = DERIVED[stem].needs if stem in DERIVED else (stem,)
         if all(f"{owner}/{one}" in run.paths for one in needed):
-            return f"{owner}/{name}"
+            return _signed(run, f"{owner}/{name}")
     return ""
+
+
+def _signed(run, name):
+    """A single number as it is: of its magnitude the sign would be missing."""
+    stem = name.removesuffix(MAGNITUDE)
+    return name if stem != name and run.results.series[stem].shape else stem
 
 
 def with_peaks(panel, runs):
