@@ -125,7 +125,7 @@ def test_a_march_from_steady_running_stays_there(tmp_path):
 
     run(input_deck("caster_shimmy", "parameters.swing=0", "time.end=0.05"), tmp_path / "s.h5")
     with open_results(tmp_path / "s.h5") as results:
-        assert np.abs(results["joints/caster/angle"].values).max() < 1e-12
+        assert np.abs(results["joints/caster/angle"].values).max() < 1e-9  # rounding, which shimmy lets grow
         spin = results["nodes/hub/angular_velocity"].values
         np.testing.assert_allclose(spin, [[0, 20.0 / 0.3, 0]] * len(spin), atol=1e-9)
 
