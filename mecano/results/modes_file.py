@@ -46,6 +46,15 @@ class ModesFile:
     resolved: dict  # the deck
 
 
+def format_of(path):
+    """What kind of file of mecano a file is, or "" where it cannot be read."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return str(file.attrs.get("format", ""))
+    except (OSError, ValueError):
+        return ""
+
+
 def write_modes(path, contents, source, *, force=False):
     """Write modes; the file appears when it is complete. Raises ResultsError."""
     refuse_existing(path, force)
