@@ -42,7 +42,13 @@ for a kind without ``force``, ``q`` carries after its own unknowns the multiplie
 The energies of an element are those of its own ``observe`` and of its parts, whose outputs are written beside its own.
 
 ``event_values(p, m, mode, t, laws, q, v, a, R, g)`` writes one number per event; an event that is watched in the
-current mode happens where its number rises through zero.
+current mode happens where its number rises through zero. For a kind without ``force``, ``q`` is that of ``observe``.
+
+An event may come with a *shock* (``Event.shock``): constraints of the element, or of the parts that follow its mode,
+begin to hold, and momentum is exchanged at frozen positions (docs/shocks.md). They are written so that the number of
+the event is -Phi, or grows with it; what a contact can only push with is a ``Row.unilateral``, with Phi >= 0 where it
+is open and a reaction >= 0 where it is closed. A contact has an event back, which happens where its reaction falls to
+zero. As positions do not change in a shock, a constraint may hold what its ``commit`` has just written.
 
 ``commit(p, m, mode, t, laws, q, v, a, R, m_out)`` writes the new memory after an accepted step.
 """
@@ -52,6 +58,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+LOCK, CONTACT = "lock", "contact"  # kinds of shocks
 SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
 
 
@@ -72,6 +79,7 @@ class Row:
     name: str
     unit: str  # of k*lambda: N or N m
     constraint_unit: str  # of Phi: m or rad; m/s or rad/s for a constraint on velocities
+    unilateral: bool = False  # the row of a contact whose reaction is never negative, the first of its element
 
 
 @dataclass(frozen=True)
@@ -82,6 +90,13 @@ class Event:
     before: str
     after: str
     doc: str
+    shock: str = ""
+    """LOCK: constraints begin to hold for good; CONTACT: they may push, and let go again; "": no shock"""
+    restitution: str = ""
+    """of a CONTACT: the number of the record that is its coefficient of restitution, or, where it is negative, tells
+    that the contact never opens; 0 without a name"""
+    through: str = ""
+    """the mode whose constraints hold during the shock, where they are not those of ``after``"""
 
 
 @dataclass(frozen=True)

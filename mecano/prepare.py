@@ -72,7 +72,7 @@ def march_of(prepared, observers=()):
         system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
         k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
     )  # fmt: skip
-    return March(system, method, _control(values), tuple(observers), time_breakpoints(deck))
+    return March(system, method, _control(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
 
 
 def _control(values):

@@ -40,7 +40,8 @@ class Recorder:
             self._save(accepted, row)
         for happening in accepted.happenings:
             self.writer.append_event(
-                happening.t, happening.element, happening.name, happening.before, happening.after
+                happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
+                happening.unit, happening.lost,
             )  # fmt: skip
 
     def _save(self, accepted, row):
@@ -90,7 +91,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)
-        warnings = exceeded(deck, sampler, writer.extremes)
+        warnings = [*march.remarks, *exceeded(deck, sampler, writer.extremes)]
         for text in warnings:
             announce(text)
         writer.close("complete", "; ".join(["the end was reached", *warnings]))

@@ -115,3 +115,8 @@ def positive(value):
 def not_negative(value):
     """Check: >= 0."""
     return None if value >= 0 else "must not be negative"
+
+
+def share(value):
+    """Check: from 0 to 1."""
+    return None if 0.0 <= value <= 1.0 else "must be from 0 to 1"

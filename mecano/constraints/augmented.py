@@ -31,6 +31,13 @@ def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
 
 
 @njit
+def let_go(f, K, row, k, multiplier):
+    """One constraint that does not hold in the present mode: no reaction. Its levels are not written."""
+    f[row] -= multiplier
+    K[row, row] -= k
+
+
+@njit
 def put_levels(g, row, Phi, rate, second_rate):
     """Write the three levels of one constraint."""
     g[row, 0] = Phi

@@ -10,30 +10,42 @@ from mecano.constraints.carried import carried, product_rates
 from mecano.constraints.slide import add_slide_curvature, slide_gradient
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import dot, mat, sub, tmul, vec
+from mecano.maths.vec import dot, mat, scale, sub, tmul, vec
 
 RECORD = record(mu=3, **TARGET)
 MULTIPLIER = 9
 
 
 @njit
+def hold_slide(sign, mu, wanted, k, penalty, q, R, f, K):
+    """Add the constraint sign (mu . d - wanted) = 0, d from the first node to the second in axes of the first."""
+    A = mat(R[0])
+    b_0, b_R, b_1 = slide_gradient(q, A, mu)
+    Phi = sign * (dot(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))) - wanted)
+    blocks = ((0, scale(sign, b_0)), (3, scale(sign, b_R)), (6, scale(sign, b_1)))
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
+    add_slide_curvature(K, sign * g, q, A, mu)
+
+
+@njit
+def slide_levels(sign, mu, wanted, q, v, a, R, g):
+    """Write the levels of that constraint; ``wanted`` with its two rates."""
+    along = carried(mat(R[0]), vec(v, 3), vec(a, 3), mu)
+    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
+    Phi, rate, second = product_rates(along, d)
+    put_levels(g, 0, sign * (Phi - wanted[0]), sign * (rate - wanted[1]), sign * (second - wanted[2]))
+
+
+@njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
-    mu, A = vec(p.mu, 0), mat(R[0])
-    b_0, b_R, b_1 = slide_gradient(q, A, mu)
-    Phi = dot(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))) - target(p, laws, t)[0]
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_R), (6, b_1)))
-    add_slide_curvature(K, g, q, A, mu)
+    hold_slide(1.0, vec(p.mu, 0), target(p, laws, t)[0], k, penalty, q, R, f, K)
 
 
 @njit
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of f(t) included."""
-    mu = carried(mat(R[0]), vec(v, 3), vec(a, 3), vec(p.mu, 0))
-    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
-    y, y1, y2 = target(p, laws, t)
-    Phi, rate, second = product_rates(mu, d)
-    put_levels(g, 0, Phi - y, rate - y1, second - y2)
+    slide_levels(1.0, vec(p.mu, 0), target(p, laws, t), q, v, a, R, g)
 
 
 def sample(rng):

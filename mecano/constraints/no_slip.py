@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from numba import njit
 
+from mecano.constraints.augmented import let_go as release
 from mecano.constraints.augmented import put_levels
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
 from mecano.maths.vec import (
@@ -90,8 +91,7 @@ def hold(k, penalty, place, directions, q, v, R, f, K, C):
 def let_go(n, k, q, f, K):
     """No reactions: a part's ``force`` in the air, ``n`` constraints."""
     for row in range(MULTIPLIERS, MULTIPLIERS + n):
-        f[row] -= q[row]
-        K[row, row] -= k
+        release(f, K, row, k, q[row])
 
 
 @njit

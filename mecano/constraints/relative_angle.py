@@ -29,30 +29,41 @@ MULTIPLIER = 6
 
 
 @njit
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
-    """Moments on both nodes."""
-    mu, xi = mat(p.mu), mat(p.xi)
+def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
+    """Add the constraint sign (angle - wanted) = 0."""
     A = relative_rotation(mat(R[0]), mat(R[1]))
-    Phi = wrap(twist(A, mu, xi) - target(p, laws, t)[0])
+    Phi = sign * wrap(twist(A, mu, xi) - wanted)
     b_0, b_1 = twist_gradient(A, mu[2], xi[2])
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_1)))
-    add_blocks(K, 0, 3, g, twist_curvature(A, mu[2], xi[2]))
+    blocks = ((0, scale(sign, b_0)), (3, scale(sign, b_1)))
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
+    add_blocks(K, 0, 3, sign * g, twist_curvature(A, mu[2], xi[2]))
 
 
 @njit
-def levels(p, m, mode, t, laws, q, v, a, R, g):
-    """Value and rates, those of f(t) included."""
+def angle_levels(sign, mu, xi, wanted, v, a, R, g):
+    """Write the levels of that constraint; ``wanted`` with its two rates."""
     R_0, R_1 = mat(R[0]), mat(R[1])
-    mu, xi = mat(p.mu), mat(p.xi)
     mu_3 = carried(R_0, vec(v, 0), vec(a, 0), mu[2])
     xi_3 = carried(R_1, vec(v, 3), vec(a, 3), xi[2])
     spin, spin_rate = sub(mul(R_1, vec(v, 3)), mul(R_0, vec(v, 0))), sub(mul(R_1, vec(a, 3)), mul(R_0, vec(a, 0)))
     cosine, cosine_rate, _ = product_rates(mu_3, xi_3)
     G = scale(1.0 / (1.0 + cosine), add(mu_3[0], xi_3[0]))
     G_rate = scale(1.0 / (1.0 + cosine), sub(add(mu_3[1], xi_3[1]), scale(cosine_rate, G)))
-    y, y1, y2 = target(p, laws, t)
-    Phi = wrap(twist(relative_rotation(R_0, R_1), mu, xi) - y)
-    put_levels(g, 0, Phi, dot(G, spin) - y1, dot(G_rate, spin) + dot(G, spin_rate) - y2)
+    Phi = wrap(twist(relative_rotation(R_0, R_1), mu, xi) - wanted[0])
+    rate, second = dot(G, spin) - wanted[1], dot(G_rate, spin) + dot(G, spin_rate) - wanted[2]
+    put_levels(g, 0, sign * Phi, sign * rate, sign * second)
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Moments on both nodes."""
+    hold_angle(1.0, mat(p.mu), mat(p.xi), target(p, laws, t)[0], k, penalty, q, R, f, K)
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Value and rates, those of f(t) included."""
+    angle_levels(1.0, mat(p.mu), mat(p.xi), target(p, laws, t), v, a, R, g)
 
 
 def sample(rng):

@@ -8,7 +8,7 @@ the disc and the normal force N = k lambda/q. In mode "air" the disc is let go.
 import numpy as np
 from numba import njit
 
-from mecano.constraints.augmented import put_levels
+from mecano.constraints.augmented import let_go, put_levels
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.contract import Kind, Row, record
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
@@ -43,8 +43,7 @@ def _press(g, by):
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force n/q at C, and its moment."""
     if mode == AIR:
-        f[MULTIPLIER] -= q[MULTIPLIER]
-        K[MULTIPLIER, MULTIPLIER] -= k
+        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
         return
     Rn = mat(R[0])
     axis = mul(Rn, vec(p.axis, 0))
@@ -103,7 +102,7 @@ ROLLING_RADIUS = Kind(
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0"),
-    multipliers=(Row("radial force of the ground", "N", "m"),),
+    multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
     modes=("contact", "air"),
     force=force,
     levels=levels,

@@ -27,6 +27,7 @@ from mecano.schema import (
     list_of,
     mapping,
     named,
+    not_negative,
     one_of_kinds,
     positive,
     shorthand,
@@ -129,6 +130,10 @@ TIME_FIELDS = (
         "rho_inf", NUMBER, "-", "spectral radius at infinite frequency: 1 damps nothing, 0 most", 0.8, spectral_radius
     ),
     Field("adaptive", mapping(*ADAPTIVE_FIELDS), "-", "step size from the error; a fixed step when absent", None),
+    Field(
+        "rest_speed", NUMBER, "1/s",
+        "contacts that approach more slowly do not rebound: in length scales, or rad, per second", 1e-4, not_negative,
+    ),
     Field("newton", mapping(*NEWTON_FIELDS), "-", "when the equations count as solved", {}),
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
 )  # fmt: skip

@@ -16,22 +16,37 @@ A natural length that changes does work, which is given by the surroundings (a w
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L
 
+A cable may be paid out by a winder, and may meet its full length with a shock (``payout_tension``,
+``at_full_length``): see constraints/wound_line.py.
+
 The mass, that of the natural length at t = 0, stays. It is consistent with the linear velocity between the nodes,
 :math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component, or one half at each node.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numba import njit
 
+from mecano.constraints import wound_line
+from mecano.constraints.elastic_line import (
+    LINE_RECORD,
+    add_line_inertia,
+    distance,
+    line_record,
+    put_line,
+    put_line_energy,
+    strained,
+)
 from mecano.constraints.joint_frame import at_one_place
-from mecano.constraints.line import SHORTEST, add_line_force, line
+from mecano.constraints.line import add_line_force, line
+from mecano.constraints.wound_line import CATCHES
 from mecano.contract import Event, Kind, Output, record
 from mecano.laws.probe import curve_at
-from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, scale, sub, vec
+from mecano.laws.table import evaluate_curve, terms_of
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
-RECORD = record(EA=(), inverse_area=(), damping=(), law="i", mass=(), own=(), cross=(), gravity=3)
+RECORD = record(**LINE_RECORD)
 TAUT = 0  # a bar is always in this mode
 CABLE_MODES = ("taut", "slack")
 
@@ -40,19 +55,13 @@ CABLE_MODES = ("taut", "slack")
 def _strain(p, laws, t, length, rate):
     """Strain, its rate, natural length and its rate."""
     L, L_rate, _ = evaluate_curve(laws, p.law, t)
-    L = max(L, SHORTEST)
-    stretch = length / L
-    return stretch - 1.0, (rate - stretch * L_rate) / L, L, L_rate
+    return *strained(length, rate, L, L_rate), L, L_rate
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Tension, inertia and weight."""
-    half_weight = scale(0.5 * p.mass, vec(p.gravity, 0))
-    for i, j in ((0, 3), (3, 0)):
-        add_vec(f, i, 1.0, sub(add(scale(p.own, vec(a, i)), scale(p.cross, vec(a, j))), half_weight))
-        add_mat(M, i, i, p.own, EYE)
-        add_mat(M, i, j, p.cross, EYE)
+    add_line_inertia(p, a, f, M)
     if mode != TAUT:
         return
     length, rate, geometry = line(q, v)
@@ -70,12 +79,18 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
     N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
     viscous = N - elastic
-    y[0], y[1], y[2], y[3], y[4], y[5] = length, L, strain, strain_rate, N, N * p.inverse_area
-    v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)
-    e[0] = 0.5 * p.own * (dot(v_0, v_0) + dot(v_1, v_1)) + p.cross * dot(v_0, v_1)
-    e[1] = 0.5 * elastic * strain * L - 0.5 * p.mass * dot(g, add(vec(q, 0), vec(q, 3)))
+    put_line(p, y, length, L, strain, strain_rate, N)
+    put_line_energy(p, q, v, e)
+    e[1] += 0.5 * elastic * strain * L
     e[2] = viscous * L * strain_rate
     e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+
+
+@njit
+def observe_cable(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """The same, and whether it is taut."""
+    observe(p, m, mode, t, laws, q, v, a, R, F, y, e)
+    y[6] = 1.0 if mode == TAUT else 0.0
 
 
 @njit
@@ -90,17 +105,21 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 def prepare(d, nodes, context):
     """Record of one bar or cable; its natural length is the initial distance unless given."""
-    distance = float(np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])))
-    natural = distance if d["natural_length"] is None else d["natural_length"]
-    mass, area = d["mass_per_length"] * curve_at(natural, 0.0)[0], d["area"]
-    own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
+    return line_record(d, nodes, context)
+
+
+def prepare_wound(d, nodes, context):
+    """The same with winder and catch."""
+    wound = d["payout_tension"] is not None
     return {
-        "EA": d["young_modulus"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
-        "inverse_area": 0.0 if area is None else 1.0 / area,
-        "damping": d["damping"],
-        "law": context.laws.add(natural),
-        "mass": mass, "own": own, "cross": cross, "gravity": context.gravity,
+        **line_record(d, nodes, context), "wound": float(wound), "start": distance(nodes),
+        "payout": context.laws.add(d["payout_tension"]), "catch": CATCHES.index(d["at_full_length"]),
     }  # fmt: skip
+
+
+def variant(d):
+    """The cable that is elastic only, or the one with a winder or a shock."""
+    return CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
 def check(d, nodes):
@@ -115,6 +134,19 @@ def check(d, nodes):
     return texts
 
 
+def check_cable(d, nodes):
+    """The same, and what a winder needs: a full length that is not reached yet."""
+    texts = check(d, nodes)
+    if d["payout_tension"] is None or texts:
+        return texts
+    full = terms_of(d["natural_length"])
+    if {name for name, _ in full} != {"constant"} or not curve_at(full, 0.0)[0] > distance(nodes):
+        return ["'natural_length' must be a number greater than the distance of the nodes, which is paid out at first"]
+    if curve_at(d["payout_tension"], 0.0)[0] < 0.0:
+        return ["'payout_tension' must not be negative at the rate zero"]
+    return []
+
+
 def sample_bar(rng):
     """A heavy bar that is pushed, a lumped one with a section whose natural length grows."""
     growing = (("linear", {"slope": 0.4, "offset": 1.0}),)
@@ -127,12 +159,16 @@ def sample_bar(rng):
 
 
 def sample_cable(rng):
-    """Taut while it is wound up, and slack."""
+    """Taut while it is wound up, and slack; with a winder and a catch in all its modes."""
     d = {"axial_stiffness": 80.0, "area": 0.01, "mass_per_length": 0.5, "damping": 0.05}
     wound = (("linear", {"slope": -0.3, "offset": 1.5}),)
+    winder = {"payout_tension": (("linear", {"slope": 4.0, "offset": 0.03}),), "at_full_length": "shock"}
     return [
         ({**d, "natural_length": wound}, _apart(rng, 2.0), "taut"),
         ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
+        ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
+        ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
+        *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), mode) for mode in ("taut", "paying out")),
     ]
 
 
@@ -151,6 +187,14 @@ FIELDS = (
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
     Field("mass_distribution", choice("consistent", "lumped"), "-", "how the nodes share the mass", "consistent"),
 )
+WINDER_FIELDS = (
+    Field("at_full_length", choice(*CATCHES), "-",
+          "where it is pulled straight: it stretches without a shock; or it exchanges momentum and then stretches "
+          "(shock), or holds (hold), docs/shocks.md", "stretch"),
+    Field("payout_tension", CURVE, "N",
+          "a winder pays the cable out, from the initial distance to the natural length, at this tension: a function "
+          "of the rate of the distance [m/s], which limits the rate where it rises; no winder when absent", None),
+)  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "distance of the nodes"),
     Output("natural_length", "m", "length without force"),
@@ -181,17 +225,34 @@ CABLE = Kind(
     doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
     dtype=RECORD,
     layout=("x0", "x1"),
-    fields=FIELDS,
-    outputs=OUTPUTS,
+    fields=(*FIELDS, *WINDER_FIELDS),
+    outputs=(*OUTPUTS, Output("state", "-", "0 slack, 1 taut, 2 paying out")),
     modes=CABLE_MODES,
     events=(
         Event("goes taut", "slack", "taut", "the length rises to the natural length"),
         Event("goes slack", "taut", "slack", "the tension falls to zero"),
     ),
     prepare=prepare,
-    check=check,
+    variant=variant,
+    check=check_cable,
     force=force,
-    observe=observe,
+    observe=observe_cable,
     event_values=event_values,
     sample=sample_cable,
+)
+
+WOUND_CABLE = replace(
+    CABLE,
+    name="wound_cable",
+    dtype=wound_line.RECORD,
+    multipliers=(wound_line.ROW,),
+    modes=wound_line.MODES,
+    events=wound_line.EVENTS,
+    memory=wound_line.MEMORY,
+    prepare=prepare_wound,
+    force=wound_line.force,
+    levels=wound_line.levels,
+    observe=wound_line.observe,
+    event_values=wound_line.event_values,
+    commit=wound_line.commit,
 )

@@ -9,8 +9,9 @@ The constants c_i are those of the start: the axis goes through node b. The mult
 the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
 
 Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
-rates. ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid constraints. Force
-and moment are those of what holds b; laws and friction have outputs of their own.
+rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it are rigid and may rebound
+(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid
+constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
 from dataclasses import replace
@@ -35,6 +36,7 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.slide import slide
 from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
+from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, put, vec
@@ -96,7 +98,7 @@ def parts(d, nodes, context):
     if friction:
         values = round_record(p["mu"][2], p["xi"][2], friction, context)
         parts.append(Part(ROUND_FRICTION, (0, 1), values, borrows=(0, 1, 2, 3)))
-    return parts
+    return parts + slide_end_parts(d, p)
 
 
 def variant(d):
@@ -122,6 +124,7 @@ def sample(rng):
     d = {"axis": rng.normal(size=3)}
     return [
         (d, nodes, ""),
+        ({**d, "latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}, nodes, ""),
         ({**d, "turning_law": law, "natural_angle": 0.2, "sliding_law": law, "friction": friction}, nodes, ""),
         ({**d, "friction": {**friction, "regularization": 50.0, "radius": 0.0, "length": None}}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": law, "about_1": law}}, nodes, ""),
@@ -140,6 +143,7 @@ CYLINDRICAL = Kind(
         AXIS_1,
         *TURNING_FIELDS,
         *SLIDING_FIELDS,
+        *SLIDE_END_FIELDS,
         friction_fields(radius("radius", "radius at which turning slides", 0.0), LENGTH),
         compliance_field(HELD),
     ),
@@ -154,6 +158,8 @@ CYLINDRICAL = Kind(
     optional=(
         ("turning_law", TWIST_LAW, ""),
         ("sliding_law", SLIDE_LAW, ""),
+        ("latch", SLIDE_LATCH, ""),
+        ("stops", SLIDE_STOP, ""),
         ("friction", ROUND_FRICTION, ""),
         *law_outputs("compliance", HELD),
     ),

@@ -10,7 +10,9 @@ The multiplier of the first is the moment on b about :math:`+\mu_2`, that of the
 equations also hold for :math:`\xi_3 = -\mu_3`: assembly refuses that solution. :math:`\mu_1` is ``axis_1``, or the
 inertial axis most perpendicular to the axis at the start, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
-Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, stops.
+Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
+``latch`` locks the hinge for good at an angle, ``stops`` are rigid and may rebound; both exchange momentum at the
+instant when they are met (docs/shocks.md).
 ``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares nothing but has one
 multiplier, or the law in its place, for each. Force and moment are those of what holds b; law and friction have
 outputs of their own.
@@ -21,6 +23,7 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
+from mecano.constraints.angle_stops import ANGLE_END_FIELDS, ANGLE_LATCH, ANGLE_STOP, angle_end_parts
 from mecano.constraints.carried import follow, turned
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
@@ -95,7 +98,7 @@ def prepare_held(d, nodes, context):
 def parts(d, nodes, context):
     """mu_1 and mu_2 perpendicular to xi_3; the law of the angle."""
     p = _place(d, nodes)
-    return pair_parts(p, HELD[:2], None, context) + turning_parts(d, p, context)
+    return pair_parts(p, HELD[:2], None, context) + turning_parts(d, p, context) + angle_end_parts(d, p)
 
 
 def parts_held(d, nodes, context):
@@ -105,7 +108,7 @@ def parts_held(d, nodes, context):
     if friction:
         values = hinge_friction_record(p["mu"][2], p["xi"][2], friction, context)
         parts.append(Part(HINGE_FRICTION, (0, 1), values, borrows=(0, 1, 2, 3, 4)))
-    return parts
+    return parts + angle_end_parts(d, p)
 
 
 def variant(d):
@@ -138,12 +141,12 @@ def sample(rng):
     friction = {
         "coefficient": falling, "regularization": 0.2, "radius": 0.3, "collar_radius": 0.4, "length": 0.7,
     }  # fmt: skip
-    d = {"axis": rng.normal(size=3)}
+    d, stops = {"axis": rng.normal(size=3)}, {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
     return [
         (d, nodes, ""),
-        ({"axis": (1, 0, 0), "axis_b": (1, 0.1, 0)}, nodes, ""),
+        ({"axis": (1, 0, 0), "axis_b": (1, 0.1, 0), "latch": {"angle": 1.5}}, nodes, ""),
         ({**d, "turning_law": law, "natural_angle": 0.3, "friction": friction}, nodes, ""),
-        ({**d, "friction": {**friction, "regularization": 50.0, "length": None}}, nodes, ""),
+        ({**d, "friction": {**friction, "regularization": 50.0, "length": None}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "turning_law": law, "compliance": dict.fromkeys(HELD, law)}, nodes, ""),
     ]
 
@@ -160,6 +163,7 @@ HINGE = Kind(
         Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None),
         AXIS_1,
         *TURNING_FIELDS,
+        *ANGLE_END_FIELDS,
         friction_fields(
             radius("radius", "radius of the bearing"),
             radius("collar_radius", "mean radius at which the axial force acts", 0.0),
@@ -175,6 +179,8 @@ HINGE = Kind(
     ),
     optional=(
         ("turning_law", TWIST_LAW, ""),
+        ("latch", ANGLE_LATCH, ""),
+        ("stops", ANGLE_STOP, ""),
         ("friction", HINGE_FRICTION, ""),
         *law_outputs("compliance", HELD),
     ),

@@ -8,7 +8,8 @@ the axis:
 The constants c_i are those of the start: the line of sliding goes through node b. The multipliers are the forces on
 b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments are what balances b.
 
-Options. ``sliding_law`` gives a force from the displacement and its rate. ``friction`` and ``compliance`` need the
+Options. ``sliding_law`` gives a force from the displacement and its rate. ``latch`` locks it for good at a
+displacement, ``stops`` are rigid and may rebound (docs/shocks.md). ``friction`` and ``compliance`` need the
 reactions along all five axes: the joint then shares nothing but has one multiplier, or the law in its place, for each.
 Force and moment are those of what holds b; law and friction have outputs of their own.
 """
@@ -34,6 +35,7 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.slide import slide
 from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
+from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.contract import Kind, Output, Part, nothing, record
 from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
@@ -82,7 +84,7 @@ def prepare_held(d, nodes, context):
 def parts(d, nodes, context):
     """b stays in two planes of a; the law along the axis."""
     p = _place(d, nodes)
-    return pair_parts(p, HELD[3:], None, context) + sliding_parts(d, p, context)
+    return pair_parts(p, HELD[3:], None, context) + sliding_parts(d, p, context) + slide_end_parts(d, p)
 
 
 def parts_held(d, nodes, context):
@@ -92,7 +94,7 @@ def parts_held(d, nodes, context):
     if friction:
         values = keyed_record(p["mu"][2], friction, context)
         parts.append(Part(KEYED_FRICTION, (0, 1), values, borrows=(0, 1, 2, 3, 4)))
-    return parts
+    return parts + slide_end_parts(d, p)
 
 
 def variant(d):
@@ -126,6 +128,7 @@ def sample(rng):
         (d, nodes, ""),
         ({**d, "sliding_law": law, "natural_displacement": 0.2, "friction": friction}, nodes, ""),
         ({**d, "friction": {**friction, "regularization": 50.0, "key_radius": None, "length": None}}, nodes, ""),
+        ({**d, "latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, law)}, nodes, ""),
     ]
 
@@ -141,6 +144,7 @@ PRISMATIC = Kind(
         Field("axis", DIRECTION, "-", "direction of sliding at the start, inertial; carried by a"),
         AXIS_1,
         *SLIDING_FIELDS,
+        *SLIDE_END_FIELDS,
         friction_fields(
             LENGTH,
             Field(
@@ -160,7 +164,13 @@ PRISMATIC = Kind(
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
     ),
-    optional=(("sliding_law", SLIDE_LAW, ""), ("friction", KEYED_FRICTION, ""), *law_outputs("compliance", HELD)),
+    optional=(
+        ("sliding_law", SLIDE_LAW, ""),
+        ("latch", SLIDE_LATCH, ""),
+        ("stops", SLIDE_STOP, ""),
+        ("friction", KEYED_FRICTION, ""),
+        *law_outputs("compliance", HELD),
+    ),
     prepare=prepare,
     shares=shares,
     parts=parts,

@@ -13,7 +13,7 @@ radial force, N = F_r/q, the driving and the lateral force at C (24), and the mo
 
 With ``unilateral`` the wheel leaves the ground when N falls to zero and comes down again without rebound: at
 the instant of touch-down the velocities jump to the nearest, by kinetic energy, that roll. The energy
-of this shock is lost.
+of this shock is lost (docs/shocks.md).
 
 The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
 """
@@ -25,12 +25,14 @@ from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, n
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.contract import CONTACT as SHOCK
 from mecano.contract import Event, Kind, Part, record
 from mecano.maths.surface import directions
 from mecano.maths.vec import dot, mat, mul, scale, vec
 from mecano.schema import BOOLEAN, Field, choice
 
-RECORD = record(axis=3, radius=(), unilateral=(), **GROUND_RECORD)
+RECORD = record(axis=3, radius=(), restitution=(), **GROUND_RECORD)
+BILATERAL = -1.0  # in the place of a restitution
 CONTACT, AIR = 0, 1
 RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
 
@@ -56,7 +58,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Depth of the rim below the ground [m] for the touch-down, -F_r [N] for the lift-off."""
     g[:] = -1.0
-    if p.unilateral == 0.0:
+    if p.restitution < 0.0:
         return
     if mode == AIR:
         g[0] = p.radius - touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0))).r
@@ -66,7 +68,7 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 def prepare(d, nodes, context):
     """Record: that of the parts, and whether it may lift off."""
-    return {**disc_record(d, nodes, context), "unilateral": float(d["unilateral"])}
+    return {**disc_record(d, nodes, context), "restitution": 0.0 if d["unilateral"] else BILATERAL}
 
 
 def parts(d, nodes, context):
@@ -116,7 +118,7 @@ RIGID_WHEEL = Kind(
     outputs=OUTPUTS,
     modes=("contact", "air"),
     events=(
-        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock"),
+        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),
     ),
     prepare=prepare,

@@ -1,4 +1,7 @@
-"""All elements of one kind, with the tables that tie them to the unknowns of the model."""
+"""All elements of one kind, with the tables that tie them to the unknowns of the model.
+
+Those of a joint whose parts have more multipliers, for an option, are a batch of their own.
+"""
 
 from dataclasses import dataclass
 
@@ -69,7 +72,8 @@ def batches(instances, of, n_slots, sides):
         scalars, rows = taken[number]
         lent = [row for lender in item.borrows for row in taken[lender][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
-        groups.setdefault(id(item.kind), []).append((number, item, scalars, rows, lent, of_parts))
+        watched = len(of_parts) if item.kind.force is None else 0  # an option may add a part with a multiplier
+        groups.setdefault((id(item.kind), watched), []).append((number, item, scalars, rows, lent, of_parts))
     found, n_modes, n_memory = [], 0, 0
     for members in groups.values():
         found.append(_batch(members, of, places, sides, n_modes, n_memory))

@@ -143,10 +143,14 @@ def _events(results):
     if not events:
         return ["Events: none"]
     lines = [f"Events: {len(events)}" + (f", the first {MOST_EVENTS}" if len(events) > MOST_EVENTS else "")]
-    shown = events[:MOST_EVENTS]
+    shown, lost = events[:MOST_EVENTS], sum(event.energy_lost for event in events)
+    if any(event.impulse_unit for event in events):
+        lines[0] += f"; {lost:.6g} J lost in shocks"
     width = max(len(event.element) for event in shown)
     for event in shown:
         change = f"  ({event.before} -> {event.after})" if event.before != event.after else ""
+        if event.impulse_unit:
+            change += f"  impulse {event.impulse:.6g} {event.impulse_unit}, {event.energy_lost:.6g} J lost"
         at, name = f"{event.time:12.6g} {results.axis.unit:1}", event.name.replace("_", " ")
         lines.append(f"  {at}  {event.element:<{width}}  {name}{change}")
     return lines

@@ -80,8 +80,15 @@ EVENT_TEXTS = {
     "name": "what happened",
     "before": "mode before",
     "after": "mode after",
+    "impulse_unit": "unit of the impulse; empty for an event without shock",
 }
-"""What is kept of an event besides its time."""
+"""What is kept of an event in words."""
+
+EVENT_NUMBERS = {
+    "impulse": ("", "impulse of a shock, in impulse_unit, along the growing constraint; nan for an event without one"),
+    "energy_lost": ("J", "energy lost in a shock"),
+}
+"""What is kept of an event in numbers besides its time: units and meanings."""
 
 
 TIME = Series("time", "s", "saved time")

@@ -12,12 +12,12 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.layout import EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
+from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
 from mecano.results.salvage import missing_bytes, open_cut, rows_within
 
 _ATTEMPTS = 5
-_EVENT_COLUMNS = ("events/event_time", *(f"events/{name}" for name in EVENT_TEXTS))
+_EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
 @dataclass(frozen=True)
@@ -46,13 +46,19 @@ class Trace:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened at a time [s] to an element, joint or load, which mode it left and which it entered."""
+    """Something that happened at a time [s] to an element, joint or load, which mode it left and which it entered.
+
+    A shock has an impulse, with its unit, and the energy lost in it [J]; other events have nan, "" and 0.
+    """
 
     time: float
     element: str
     name: str
     before: str
     after: str
+    impulse_unit: str = ""
+    impulse: float = np.nan
+    energy_lost: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -115,7 +121,8 @@ class Results:
         """Never count more rows than there are."""
         self._rows = self._present("storage/output", self._rows)
         self._step_rows = self._present("storage/solver", self._step_rows)
-        self._event_rows = min(self._present(name, self._event_rows) for name in _EVENT_COLUMNS)
+        self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file]  # older files have fewer
+        self._event_rows = min(self._present(name, self._event_rows) for name in self._event_columns)
 
     def _present(self, name, rows):
         dataset = self._file[name]
@@ -203,8 +210,8 @@ class Results:
     @cached_property
     def events(self):
         """List of all events in the order of time."""
-        columns = [self._read(name, slice(self._event_rows)) for name in _EVENT_COLUMNS]
-        return [Event(float(t), *(text.decode() for text in texts)) for t, *texts in zip(*columns, strict=True)]
+        columns = [self._read(name, slice(self._event_rows)) for name in self._event_columns]
+        return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
 
     @cached_property
     def steps(self):
@@ -289,6 +296,11 @@ class Results:
         except PermissionError:
             return True
         return True
+
+
+def _plain(value):
+    """A text or a number of an event as Python has it."""
+    return value.decode() if isinstance(value, bytes) else float(value)
 
 
 def _open_file(path):

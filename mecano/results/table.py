@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 from h5py import h5a, h5d, h5p, h5s, h5t
 
-from mecano.results.layout import AXES, EVENT_TEXTS
+from mecano.results.layout import AXES, EVENT_NUMBERS, EVENT_TEXTS
 
 CHUNK_NUMBERS = 8192  # 64 KB
 BLOCK_NUMBERS = 2**17  # 1 MB
@@ -156,11 +156,16 @@ class EventTable:
             describe(texts, long_name=doc)
             name_axes(texts, times)
             self._datasets.append(texts)
+        for name, (unit, doc) in EVENT_NUMBERS.items():
+            numbers = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
+            describe(numbers, units=unit, long_name=doc)
+            name_axes(numbers, times)
+            self._datasets.append(numbers)
 
-    def add(self, time, *texts):
-        """Keep an event: its time and the fields."""
+    def add(self, time, texts, numbers):
+        """Keep an event: its time, and what ``EVENT_TEXTS`` and ``EVENT_NUMBERS`` name."""
         cut = [text.encode()[: self._length].decode(errors="ignore").encode() for text in texts]
-        self._pending.append((float(time), *cut))
+        self._pending.append((float(time), *cut, *map(float, numbers)))
 
     def write(self):
         """Hand the kept events to HDF5."""

@@ -164,9 +164,12 @@ class Writer:
         if self._steps.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_event(self, time, element, name, before="", after=""):
-        """Record an event: when [s], to which element, joint or load, which, and the modes before and after."""
-        self._events.add(time, element, name, before, after)
+    def append_event(self, time, element, name, before="", after="", impulse=np.nan, unit="", lost=0.0):
+        """Record an event: when [s], to which element, joint or load, which, and the modes before and after.
+
+        Of a shock also its impulse, with the unit of that, and the energy lost [J].
+        """
+        self._events.add(time, (element, name, before, after, unit), (impulse, lost))
 
     def flush(self):
         """Bring all that was appended into the file, and return the number of acknowledged saved times.

@@ -45,15 +45,16 @@ class Analysis:
 
 def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
-    B, size = gradient(system, s, length)
+    B, size, holds = gradient(system, s, length)
     of = system.numbering
-    loops = _in_loops(B, of.group)
+    loops, n_l = _in_loops(B, of.group), int(holds.sum())
+    loops = loops[holds[loops]]
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, system.n_l, system.n_l, (), (), sp.identity(system.n_l, format="csr"), False)
+        return Analysis(system.n_q, n_l, n_l, (), (), sp.diags(holds.astype(float), format="csr"), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
-    rank = system.n_l - deficiency
+    rank = n_l - deficiency
     complete = system.n_q <= DENSE_ROWS
     mechanisms = (
         _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]])
@@ -61,11 +62,14 @@ def analyse(system, s, length):
         else ()
     )
     dependent = _directions(system, projector, loops, size)
-    return Analysis(system.n_q, system.n_l, rank, redundant, mechanisms, dependent, complete)
+    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent, complete)
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths."""
+    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths; which hold.
+
+    A constraint that is let go in the present modes has a diagonal entry, and no gradient.
+    """
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
@@ -78,7 +82,7 @@ def gradient(system, s, length):
     B = sp.csr_matrix(sp.diags(1.0 / size) @ B)
     B.data[np.abs(B.data) < 1e-14] = 0.0
     B.eliminate_zeros()
-    return B, size
+    return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
 def _in_loops(B, group):

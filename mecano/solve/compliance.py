@@ -48,6 +48,20 @@ class Compliance:
         data[self.places] += -k * k * (self.matrix.data if values is None else values)
 
 
+    def to_plain(self):
+        """Dict of arrays that ``from_plain`` turns into the same compliances."""
+        c = self.matrix
+        of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
+        return {**of, "places": self.places, "of_rates": self.of_rates, "values": self.values}
+
+    @classmethod
+    def from_plain(cls, plain):
+        """The compliances of ``to_plain``."""
+        n = len(plain["indptr"]) - 1
+        matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
+        return cls(matrix, plain["places"], plain["of_rates"], plain["values"].copy())
+
+
 NO_ROWS = np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0)
 
 

@@ -21,6 +21,7 @@ FIRST_REACH = 1e-3  # m/s or rad/s
 RATE_TOLERANCE = 1e-12  # of the forces at work
 LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
 RUBBING = 20  # iterations on the friction at most
+DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
 
@@ -49,8 +50,16 @@ class Consistent:
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
-        self.data, self.bare = data, bare
+        self.data, self.bare, self.compliance = data, bare, compliance
         self._solve(data, np.zeros(system.n))
+
+    def repeats(self):
+        """True when a constraint without compliance depends on others: to be asked before anything is solved."""
+        n_q = self.system.n_q
+        dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
+        if self.compliance is not None:
+            dependent &= np.diff(self.compliance.matrix.indptr) == 0
+        return bool(dependent.any())
 
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
@@ -67,6 +76,14 @@ class Consistent:
     def change(self, rate):
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
         return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
+
+    def respond(self, forces):
+        """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
+        return self._resolve(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
+
+    def exchange(self, rate):
+        """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)
 
     def project_velocity(self, s, target=0.0):
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""

@@ -23,6 +23,9 @@ class Happening:
     name: str
     before: str
     after: str
+    impulse: float = np.nan  # [N s, N m s] along growing Phi; nan for an event without shock
+    unit: str = ""  # of the impulse
+    lost: float = 0.0  # energy [J]
 
 
 class Located(NamedTuple):

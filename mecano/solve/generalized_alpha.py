@@ -93,14 +93,19 @@ class GeneralizedAlpha:
     def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
-        self.k, self.penalty, self.compliance = k, penalty, compliance
-        self._rows = NO_ROWS if compliance is None else compliance.rows
+        self.k, self.penalty = k, penalty
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
+        self.use(compliance)
+
+    def use(self, compliance):
+        """Let redundant constraints have these compliances, or none (None), from now on."""
+        self.compliance = compliance
+        self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
-        self._exact_rates = system.numbering.of_rates.copy()
+        self._exact_rates = self.system.numbering.of_rates.copy()
         if compliance is not None and compliance.of_rates.any():
             self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
         self._bind()
@@ -122,16 +127,16 @@ class GeneralizedAlpha:
             (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
         )  # fmt: skip
 
-    def start(self, s, h):
+    def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
         a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
-        returned has exact velocities, the history carries the shifts.
+        returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
         """
         s = s.copy()
-        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
         consistent.settle_rates(s)
         consistent.accelerate(s)

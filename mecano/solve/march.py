@@ -8,11 +8,13 @@ import numpy as np
 from mecano.solve import failure
 from mecano.solve.events import Watch, locate
 from mecano.solve.run_state import RunState
+from mecano.solve.shocks import Shocks
 from mecano.solve.step_control import AFTER_FAILURE
 
 STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
+MOST_NAMES = 8  # named in a remark
 STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
@@ -47,22 +49,29 @@ class March:
     control: object
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
+    rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
     watch: Watch = field(init=False)
+    shocks: Shocks = field(init=False)
+    remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
         self.watch = Watch(self.system)
+        self.shocks = Shocks(self.system, self.method, self.watch, self.rest)
 
     def begin(self, s, h):
         """RunState at the start: consistent velocities, accelerations and multipliers."""
+        s = replace(s, memory=self.system.commit(s))
         s, history = self.method.start(self.watch.settle(s), h)
-        run = RunState(s, history, h)
+        run = RunState(s, history, h, compliance=self.method.compliance)
         self._observe(s)
         return replace(run, powers=self._powers())
 
     def to(self, end, run):
         """March ``run`` to the time ``end``: the new RunState. Raises ConvergenceError, NonFiniteError."""
+        if run.compliance is not self.method.compliance:
+            self.method.use(run.compliance)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
@@ -73,7 +82,8 @@ class March:
 
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""
-        g0, h, rejected, iterations, found = self.watch.values(run.motion), self._clip(run, stop), 0, 0, None
+        g0 = self.shocks.departing(run.motion, self.watch.values(run.motion))
+        h, rejected, iterations, found = self._clip(run, stop), 0, 0, None
         while True:
             trial = self._step(run, h)
             iterations += trial[2].iterations
@@ -134,11 +144,25 @@ class March:
 
     def _change_modes(self, run, info, found, rejected):
         """Events at the beginning of a step: no time goes by."""
-        s, happenings = self.watch.apply(run.motion, found.hit)
-        self._guard(run, happenings)
-        new = self._start_again(run, s)
+        run, s, happenings, consistent = self._happen(run, run.motion, found.hit, at_once=True)
+        new = self._start_again(run, s, consistent)
         self._tell(Accepted(run.motion, new, info, 0.0, rejected, new.work, tuple(happenings)))
         return new
+
+    def _happen(self, run, s, hit, at_once=False):
+        """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [Happening], Consistent or None)."""
+        if not self.shocks.among(hit):
+            s, happenings = self.watch.apply(s, hit)
+            self._guard(run, happenings)
+            return run, s, happenings, None
+        hit = self.shocks.together(s, hit, run.h)
+        shock = self.shocks.strike(s, hit, self.method.compliance, at_once)
+        self._guard(run, shock.happenings)
+        if shock.compliance is not self.method.compliance:
+            self.method.use(shock.compliance)
+            self.remarks += [_redundant(s.t, shock.happenings, group) for group in shock.redundant]
+        work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
+        return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
 
     def _accept_event(self, run, found, rejected):
         h, (s, history, info), hit = found
@@ -146,10 +170,9 @@ class March:
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         new = self._stepped(run, s, history, run.h, h)
-        after, happenings = self.watch.apply(s, hit)
-        self._guard(new, happenings)
+        after, s, happenings, consistent = self._happen(new, s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
-        return self._start_again(new, after)
+        return self._start_again(after, s, consistent)
 
     def _guard(self, run, happenings):
         """Refuse events that happen again and again while time stands still."""
@@ -172,15 +195,15 @@ class March:
         self.system.observe(s)
         dissipated, given = powers = self._powers()
         return RunState(
-            motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers,
+            motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers, compliance=run.compliance,
             rejected=run.rejected, iterations=run.iterations,
             dissipated=run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
             given=run.given + 0.5 * h * (run.powers[1] + given),
         )  # fmt: skip
 
-    def _start_again(self, run, s):
+    def _start_again(self, run, s, consistent=None):
         """Consistent accelerations and a fresh history at ``s``: after an event or a corner of a law of time."""
-        s, history = self.method.start(s, run.h)
+        s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
         return replace(run, motion=s, history=history, powers=self._powers())
 
@@ -200,3 +223,13 @@ class March:
         if h * AFTER_FAILURE >= self.control.minimum:
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, info, t, h)
+
+
+def _redundant(t, happenings, group):
+    """What a user is told of constraints that repeat one another from an event on."""
+    names = "; ".join(group.names[:MOST_NAMES]) + (" and more" if len(group.names) > MOST_NAMES else "")
+    which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in happenings[:MOST_NAMES]))
+    return (
+        f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "
+        "affected, but the reactions, and the impulses of the shock, are not unique: those of least size are given"
+    )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from mecano.model.state import History, State
+from mecano.solve.compliance import Compliance
 
 
 @dataclass(slots=True)
@@ -18,6 +19,7 @@ class RunState:
     dissipated: float = 0.0  # [J] since the start
     given: float = 0.0  # [J] by the surroundings since the start
     powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
+    compliance: Compliance | None = None  # of redundant constraints in the present modes
 
     @property
     def work(self):
@@ -28,6 +30,7 @@ class RunState:
         """The same run with more rejected trials and Newton iterations counted."""
         return RunState(
             motion=self.motion, history=self.history, h=self.h, steps=self.steps, powers=self.powers,
+            compliance=self.compliance,
             rejected=self.rejected + rejected, iterations=self.iterations + iterations,
             dissipated=self.dissipated, given=self.given,
         )  # fmt: skip
@@ -39,6 +42,7 @@ def to_plain(run):
     history["tangent"] = history["tangent"] and _values(history["tangent"])
     dissipated, given = run.powers
     powers = {"dissipated": dissipated, "given": given}
+    plain["compliance"] = run.compliance and run.compliance.to_plain()
     return plain | {"motion": _values(run.motion), "history": history, "powers": powers}
 
 
@@ -48,6 +52,8 @@ def from_plain(plain):
     history["tangent"] = history["tangent"] and State(**history["tangent"])
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
     motion = State(**plain["motion"])
+    soft = plain["compliance"] and Compliance.from_plain(plain["compliance"])
+    plain = plain | {"compliance": soft}
     return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
 
 

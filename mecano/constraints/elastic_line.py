@@ -1,0 +1,63 @@
+r"""What bars and cables have in common: record, strain, inertia, outputs (elements/cable.py has the equations)."""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.line import SHORTEST
+from mecano.laws.probe import curve_at
+from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, scale, sub, vec
+
+LINE_RECORD = {
+    "EA": (), "inverse_area": (), "damping": (), "law": "i", "mass": (), "own": (), "cross": (), "gravity": 3,
+}  # fmt: skip
+
+
+@njit
+def strained(length, rate, L, L_rate):
+    """Strain and its rate of a line of natural length L."""
+    L = max(L, SHORTEST)
+    stretch = length / L
+    return stretch - 1.0, (rate - stretch * L_rate) / L
+
+
+@njit
+def add_line_inertia(p, a, f, M):
+    """Forces of inertia and weight."""
+    half_weight = scale(0.5 * p.mass, vec(p.gravity, 0))
+    for i, j in ((0, 3), (3, 0)):
+        add_vec(f, i, 1.0, sub(add(scale(p.own, vec(a, i)), scale(p.cross, vec(a, j))), half_weight))
+        add_mat(M, i, i, p.own, EYE)
+        add_mat(M, i, j, p.cross, EYE)
+
+
+@njit
+def put_line(p, y, length, L, strain, strain_rate, N):
+    """Write the outputs."""
+    y[0], y[1], y[2], y[3], y[4], y[5] = length, L, strain, strain_rate, N, N * p.inverse_area
+
+
+@njit
+def put_line_energy(p, q, v, e):
+    """Write the kinetic energy and the potential of the weight."""
+    v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)
+    e[0] = 0.5 * p.own * (dot(v_0, v_0) + dot(v_1, v_1)) + p.cross * dot(v_0, v_1)
+    e[1] = -0.5 * p.mass * dot(g, add(vec(q, 0), vec(q, 3)))
+
+
+def line_record(d, nodes, context):
+    """Values of ``LINE_RECORD``; the natural length is the initial distance unless given."""
+    natural = distance(nodes) if d["natural_length"] is None else d["natural_length"]
+    mass, area = d["mass_per_length"] * curve_at(natural, 0.0)[0], d["area"]
+    own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
+    return {
+        "EA": d["young_modulus"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
+        "inverse_area": 0.0 if area is None else 1.0 / area,
+        "damping": d["damping"],
+        "law": context.laws.add(natural),
+        "mass": mass, "own": own, "cross": cross, "gravity": context.gravity,
+    }  # fmt: skip
+
+
+def distance(nodes):
+    """Of two nodes (x, R) at the start [m]."""
+    return float(np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])))

@@ -1,0 +1,180 @@
+r"""Latches and stops of a joint coordinate c: constraints that begin to hold at a located event, with a shock.
+
+A latch is met by c on its way to a value, from where it was at the start, and holds it for good. A stop is met at the
+``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient
+of ``restitution``, and lets go where its reaction falls to zero.
+
+What is held, :math:`c_0`, is the value at the end of the last step before it was met, the memory of the part: so
+several that are met together hold what fits together, to the last bit. Docs: docs/shocks.md.
+"""
+
+from math import inf
+
+from numba import njit
+
+from mecano.constraints.augmented import let_go
+from mecano.constraints.stop_modes import FAR
+from mecano.contract import CONTACT, LOCK, Event, Kind, Output, Part, Row
+from mecano.schema import NUMBER, Field, mapping, share
+
+LATCH_RECORD = {"value": (), "direction": ()}
+STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
+FREE, LOCKED = 0, 1
+BETWEEN, LOWER, UPPER = 0, 1, 2
+LATCH_MODES = ("free", "locked")
+STOP_MODES = ("between", "lower stop", "upper stop")
+LATCH_EVENTS = (Event("locks", "free", "locked", "the latch is met; a shock", LOCK),)
+STOP_EVENTS = (
+    Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
+          "restitution"),
+    Event("leaves lower stop", "lower stop", "between", "the reaction of the stop falls to zero"),
+    Event("meets upper stop", "between", "upper stop", "it rests on the stop or rebounds; a shock", CONTACT,
+          "restitution"),
+    Event("leaves upper stop", "upper stop", "between", "the reaction of the stop falls to zero"),
+)  # fmt: skip
+
+
+def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample):
+    """The Kind of a latch.
+
+    Compiled functions: ``coordinate(p, m, q, v, R)`` -> c; ``hold(p, sign, wanted, k, penalty, q, R, f, K)`` adds the
+    constraint sign (c - wanted) = 0, ``levels_of(p, sign, wanted, q, v, a, R, g)`` writes its levels. ``row`` is the
+    place of the multiplier in q; ``sample(rng)`` gives values of the record, without latch and stops.
+    """
+
+    @njit
+    def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+        if mode == LOCKED:
+            hold(p, 1.0, m[0], k, penalty, q, R, f, K)
+        else:
+            let_go(f, K, row, k, q[row])
+
+    @njit
+    def levels(p, m, mode, t, laws, q, v, a, R, g):
+        g[:] = 0.0
+        if mode == LOCKED:
+            levels_of(p, 1.0, m[0], q, v, a, R, g)
+
+    @njit
+    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+        y[0], y[1] = q[row], float(mode)
+
+    @njit
+    def event_values(p, m, mode, t, laws, q, v, a, R, g):
+        g[0] = p.direction * (coordinate(p, m, q, v, R) - p.value)
+
+    @njit
+    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+        m_out[0] = m[0] if mode == LOCKED else coordinate(p, m, q, v, R)
+
+    what, unit, of = _words(layout)
+    return Kind(
+        name=name, section="", doc=doc, dtype=dtype, layout=layout,
+        outputs=(
+            Output(f"latch_{what}", unit, f"{what} of the latch on b, along growing {of}"),
+            Output("latched", "-", "1 from the locking on, 0 before"),
+        ),
+        multipliers=(Row(f"{what} of the latch", unit, _unit(layout)),),
+        modes=LATCH_MODES, events=LATCH_EVENTS, memory=("held",), sample=_samples(sample, LATCH_MODES),
+        force=force, levels=levels, observe=observe, event_values=event_values, commit=commit,
+    )  # fmt: skip
+
+
+def stop_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample):
+    """The Kind of a pair of stops; arguments as those of ``latch_kind``."""
+
+    @njit
+    def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+        if mode == BETWEEN:
+            let_go(f, K, row, k, q[row])
+        else:
+            hold(p, 1.0 if mode == LOWER else -1.0, m[0], k, penalty, q, R, f, K)
+
+    @njit
+    def levels(p, m, mode, t, laws, q, v, a, R, g):
+        g[:] = 0.0
+        if mode != BETWEEN:
+            levels_of(p, 1.0 if mode == LOWER else -1.0, m[0], q, v, a, R, g)
+
+    @njit
+    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+        side = 0.0 if mode == BETWEEN else 1.0 if mode == UPPER else -1.0
+        y[0], y[1] = -side * q[row], side
+
+    @njit
+    def event_values(p, m, mode, t, laws, q, v, a, R, g):
+        c = coordinate(p, m, q, v, R)
+        g[0], g[1] = p.lower - c, -q[row]
+        g[2], g[3] = c - p.upper, -q[row]
+
+    @njit
+    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+        m_out[0] = coordinate(p, m, q, v, R) if mode == BETWEEN else m[0]
+
+    what, unit, of = _words(layout)
+    return Kind(
+        name=name, section="", doc=doc, dtype=dtype, layout=layout,
+        outputs=(
+            Output(f"stop_{what}", unit, f"{what} of the stop on b, along growing {of}"),
+            Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
+        ),
+        multipliers=(Row(f"{what} of the stop", unit, _unit(layout), unilateral=True),),
+        modes=STOP_MODES, events=STOP_EVENTS, memory=("held",), sample=_samples(sample, STOP_MODES),
+        force=force, levels=levels, observe=observe, event_values=event_values, commit=commit,
+    )  # fmt: skip
+
+
+def _unit(layout):
+    return "m" if layout[0][0] == "x" else "rad"
+
+
+def _words(layout):
+    return ("force", "N", "displacement") if layout[0][0] == "x" else ("moment", "N m", "angle")
+
+
+def _samples(sample, modes):
+    """One in each mode."""
+    values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
+    names = LATCH_RECORD if modes is LATCH_MODES else STOP_RECORD
+    ends = {name: values[name] for name in names}
+    return lambda rng: [({**sample(rng), **ends}, 2, mode) for mode in modes]
+
+
+def end_fields(quantity, unit):
+    """The fields ``latch`` and ``stops`` of a joint for its ``quantity``: angle or displacement."""
+    latch = Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero)
+    stops = (
+        Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
+        Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
+        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
+    )
+    return (
+        Field("latch", mapping(latch), "-", "locks for good when it is met, with a shock (docs/shocks.md)", None),
+        Field("stops", mapping(*stops), "-", "rigid stops, met with a shock (docs/shocks.md)", None),
+    )
+
+
+def _not_zero(value):
+    return None if value else "must not be zero: a joint that is locked from the start on is another joint"
+
+
+def _below(value):
+    return None if value <= 0.0 else "must not be greater than zero, where the joint starts"
+
+
+def _above(value):
+    return None if value >= 0.0 else "must not be less than zero, where the joint starts"
+
+
+def end_parts(d, quantity, axes, start, latch, stop):
+    """[Part] of the fields ``end_fields`` of a joint: Kinds ``latch`` and ``stop``, their ``axes``, c at the start."""
+    parts = []
+    if d["latch"]:
+        value = d["latch"][quantity]
+        ends = {"value": start + value, "direction": 1.0 if value > 0.0 else -1.0}
+        parts.append(Part(latch, (0, 1), {**axes, **ends}))
+    if d["stops"]:
+        lower, upper = max(d["stops"]["lower"], -FAR), min(d["stops"]["upper"], FAR)
+        ends = {"lower": start + lower, "upper": start + upper, "restitution": d["stops"]["restitution"]}
+        parts.append(Part(stop, (0, 1), {**axes, **ends}))
+    return parts

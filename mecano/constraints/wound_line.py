@@ -1,0 +1,174 @@
+r"""Wound line: a cable that a winder pays out, or that is caught with a shock at its full length, or both.
+
+Its natural length L is the length paid out, at most the full one, :math:`L_f(t)`. It is
+
+- slack: shorter than L;
+- taut: elastic, :math:`N = EA (\varepsilon + \tau \dot\varepsilon) > 0`;
+- paying out, when the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
+  :math:`L = \ell/(1 + T(0)/EA)`, until the nodes stop moving apart or :math:`L = L_f`;
+- held: inextensible, :math:`\Phi = L_f - \ell + c = 0`, until its tension, the multiplier, falls to zero. c is what
+  it was longer or shorter than :math:`L_f` at the end of the step in which it was caught.
+
+At the full length it goes over to an elastic line without a shock (``stretch``), or exchanges momentum as if it were
+held and is elastic (``shock``) or held (``hold``) from then on. The winder dissipates :math:`T \dot\ell - \dot V`.
+"""
+
+from numba import njit
+
+from mecano.constraints.augmented import let_go, put_levels
+from mecano.constraints.elastic_line import LINE_RECORD, add_line_inertia, put_line, put_line_energy, strained
+from mecano.constraints.line import add_line_force, line
+from mecano.constraints.stop_modes import FAR
+from mecano.contract import CONTACT, Event, Row, record
+from mecano.laws.table import evaluate_curve
+from mecano.maths.vec import add_col, add_row, dot, scale, sub, vec
+
+RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
+STRETCH, SHOCK, HOLD = 0, 1, 2
+CATCHES = ("stretch", "shock", "hold")
+SLACK, TAUT, PAYING, HELD = range(4)
+MODES = ("slack", "taut", "paying out", "held")
+FULLY = "is fully uncoiled"
+EVENTS = (
+    Event("goes taut", "slack", "taut", "the distance rises to the natural length"),
+    Event("goes slack", "taut", "slack", "the tension falls to zero"),
+    Event("pays out", "taut", "paying out", "the tension rises to that of the winder"),
+    Event("stops paying out", "paying out", "taut", "the distance stops growing"),
+    Event(FULLY, "paying out", "taut", "the natural length rises to the full one"),
+    Event(FULLY, "paying out", "taut", "the same, with a shock", CONTACT, through="held"),
+    Event(FULLY, "paying out", "held", "the same, with a shock", CONTACT),
+    Event("is pulled straight", "slack", "taut", "the distance rises to the full length; a shock", CONTACT,
+          through="held"),
+    Event("is pulled straight", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
+    Event("goes slack", "held", "slack", "the tension falls to zero"),
+)  # fmt: skip
+MEMORY = ("paid_out", "excess")  # [m] natural length; distance less full length, of the last step that did not hold
+NEARLY = 1.0 - 1e-8  # of the full length: what is left does not count
+MULTIPLIER = 6
+ROW = Row("tension of the cable at its full length", "N", "m", unilateral=True)
+
+
+@njit
+def _full(p, laws, t):
+    """Full length and its two rates."""
+    return evaluate_curve(laws, p.law, t)
+
+
+@njit
+def _paid_out(p, m, laws, t):
+    """Natural length and its rate, and whether it is the full one; not while paying out."""
+    full, rate, _ = _full(p, laws, t)
+    if p.wound == 0.0 or m[0] >= NEARLY * full:
+        return full, rate, True
+    return max(m[0], p.start), 0.0, False
+
+
+@njit
+def _tension(p, laws, rate):
+    """Tension of the winder, its derivative, and the strain of the line that it leaves behind."""
+    T, T_rate, _ = evaluate_curve(laws, p.payout, rate)
+    return T, T_rate, evaluate_curve(laws, p.payout, 0.0)[0] / p.EA
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Tension, inertia and weight."""
+    add_line_inertia(p, a, f, M)
+    length, rate, geometry = line(q, v)
+    if mode == HELD:
+        _hold(p, m, t, k, penalty, laws, q, length, geometry, f, K, C)
+        return
+    let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+    if mode == PAYING:
+        N, N_rate, _ = _tension(p, laws, rate)
+        add_line_force(f, K, C, rate, geometry, N, 0.0, N_rate)
+    elif mode == TAUT:
+        L, L_rate, _ = _paid_out(p, m, laws, t)
+        strain, strain_rate = strained(length, rate, L, L_rate)
+        N = p.EA * (strain + p.damping * strain_rate)
+        N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
+        add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
+
+
+@njit
+def _hold(p, m, t, k, penalty, laws, q, length, geometry, f, K, C):
+    """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
+    Phi = _full(p, laws, t)[0] + m[1] - length
+    u = geometry[1]
+    add_line_force(f, K, C, 0.0, geometry, q[MULTIPLIER] - penalty * Phi, penalty, 0.0)
+    f[MULTIPLIER] -= k * Phi
+    for i, b in ((0, u), (3, scale(-1.0, u))):
+        add_col(K, i, MULTIPLIER, -k, b)
+        add_row(K, MULTIPLIER, i, -k, b)
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Value and rates, those of the full length included."""
+    g[:] = 0.0
+    if mode == HELD:
+        length, rate, geometry = line(q, v)
+        full, full_rate, full_second = _full(p, laws, t)
+        inverse, u, velocity = geometry
+        pulled = dot(u, sub(vec(a, 3), vec(a, 0))) + inverse * (dot(velocity, velocity) - rate * rate)
+        put_levels(g, 0, full + m[1] - length, full_rate - rate, full_second - pulled)
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Length, natural length, strain, tension, stress, state; energies."""
+    length, rate, _ = line(q, v)
+    put_line_energy(p, q, v, e)
+    L, L_rate, _ = _paid_out(p, m, laws, t)
+    elastic, N = 0.0, 0.0
+    if mode == PAYING:
+        N, _, strain = _tension(p, laws, rate)
+        L, L_rate, strain_rate = length / (1.0 + strain), rate / (1.0 + strain), 0.0
+        stored = 0.5 * p.EA * strain * strain
+        e[1] += stored * L
+        e[2] = N * rate - stored * L_rate
+    else:
+        strain, strain_rate = strained(length, rate, L, L_rate)
+        if mode == HELD:
+            N = q[MULTIPLIER]
+            e[3] = -N * L_rate
+        else:
+            elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
+            N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
+            viscous = N - elastic
+            e[1] += 0.5 * elastic * strain * L
+            e[2] = viscous * L * strain_rate
+            e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+    put_line(p, y, length, L, strain, strain_rate, N)
+    y[6] = 2.0 if mode == PAYING else 0.0 if mode == SLACK else 1.0
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Strains, tensions over EA, rates and lengths, each where it counts."""
+    g[:] = -FAR
+    length, rate, _ = line(q, v)
+    L, L_rate, full = _paid_out(p, m, laws, t)
+    strain, strain_rate = strained(length, rate, L, L_rate)
+    tautness = min(strain, strain + p.damping * strain_rate)
+    if mode == SLACK:
+        g[0 if not full or p.catch == STRETCH else 7 if p.catch == SHOCK else 8] = length - L
+    elif mode == TAUT:
+        g[1] = -tautness
+        if not full:
+            g[2] = strain + p.damping * strain_rate - _tension(p, laws, 0.0)[2]
+    elif mode == PAYING:
+        g[3] = -rate
+        g[4 + p.catch] = length / (1.0 + _tension(p, laws, 0.0)[2]) - _full(p, laws, t)[0]
+    else:
+        g[9] = -q[MULTIPLIER]
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """The length paid out, and what the line is longer than its full length."""
+    length = line(q, v)[0]
+    full = _full(p, laws, t)[0]
+    paid = max(m[0], p.start)
+    m_out[0] = min(length / (1.0 + _tension(p, laws, 0.0)[2]), full) if mode == PAYING else paid
+    m_out[1] = m[1] if mode == HELD else length - full

@@ -1,0 +1,127 @@
+r"""Contact of a node with the plane of a ground, rigid and without friction.
+
+With the unit normal n and a point P of the plane, and the radius r of a ball around the node (zero: the node itself):
+
+.. math::  \Phi = n \cdot (x - P) - r \ge 0, \qquad N \ge 0
+
+N, the multiplier, is the force along n. The node meets the plane with a shock (docs/shocks.md), rebounds with the
+coefficient of ``restitution``, and leaves it where N falls to zero. It is held where it has met the plane.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.augmented import add_constraint, let_go, put_levels
+from mecano.contract import CONTACT, Event, Kind, Output, Row, record
+from mecano.maths.vec import dot, sub, vec
+from mecano.schema import GROUND, NODE, NUMBER, Field, not_negative, share
+
+RECORD = record(point=3, normal=3, radius=(), restitution=())
+AIR, CLOSED = 0, 1
+MULTIPLIER = 3
+
+
+@njit
+def _gap(p, q):
+    return dot(vec(p.normal, 0), sub(vec(q, 0), vec(p.point, 0))) - p.radius
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Force along the normal."""
+    if mode == AIR:
+        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+    else:
+        blocks = ((0, vec(p.normal, 0)),)
+        add_constraint(f, K, MULTIPLIER, k, penalty, _gap(p, q) - m[0], q[MULTIPLIER], blocks)
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Gap beyond the one held, and its rates."""
+    n = vec(p.normal, 0)
+    g[:] = 0.0
+    if mode == CLOSED:
+        put_levels(g, 0, _gap(p, q) - m[0], dot(n, vec(v, 0)), dot(n, vec(a, 0)))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Gap, force, state."""
+    y[0], y[1], y[2] = _gap(p, q), q[MULTIPLIER], float(mode)
+
+
+@njit
+def event_values(p, m, mode, t, laws, q, v, a, R, g):
+    """Depth below the plane [m], -N [N]."""
+    g[0], g[1] = -_gap(p, q), -q[MULTIPLIER]
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """The gap of the last step before the contact."""
+    m_out[0] = m[0] if mode == CLOSED else _gap(p, q)
+
+
+def prepare(d, nodes, context):
+    """Unit normal and point of the plane."""
+    plane = d["ground"]["plane"]
+    normal = np.array(plane["normal"], float)
+    return {
+        "point": plane["point"], "normal": normal / np.linalg.norm(normal), "radius": d["radius"],
+        "restitution": d["restitution"],
+    }  # fmt: skip
+
+
+def check(d, nodes):
+    """The ground is a plane, and the node not below it."""
+    if d["ground"].get("profile"):
+        return ["'ground' must be a plane, without a profile"]
+    p = prepare(d, nodes, None)
+    gap = p["normal"] @ np.subtract(nodes[0][0], p["point"]) - p["radius"]
+    return [f"the node starts {-gap:.6g} m below the plane"] if gap < -1e-9 else []
+
+
+def sample(rng):
+    """Above a slope, and on it."""
+    ground = {"plane": {"point": rng.normal(size=3), "normal": rng.normal(size=3)}, "profile": None}
+    normal = ground["plane"]["normal"] / np.linalg.norm(ground["plane"]["normal"])
+    x = ground["plane"]["point"] + np.cross(normal, rng.normal(size=3)) + 0.5 * normal
+    values = {"ground": ground, "radius": 0.2, "restitution": 0.6}
+    return [(values, [(x, np.eye(3))], "air"), (values, [(x - 0.3 * normal, np.eye(3))], "contact")]
+
+
+PLANE_CONTACT = Kind(
+    name="plane_contact",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0",),
+    fields=(
+        Field("node", NODE, "-", "the node, which may have mass of its own or move with others"),
+        Field("ground", GROUND, "-", "the ground, a plane"),
+        Field("radius", NUMBER, "m", "of the ball around the node that touches", 0.0, not_negative),
+        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
+    ),
+    outputs=(
+        Output("gap", "m", "distance from the plane"),
+        Output("normal_force", "N", "force of the plane on the node; impulses are with the events"),
+        Output("closed", "-", "1 while it touches, 0 else"),
+    ),
+    multipliers=(Row("normal force of the plane", "N", "m", unilateral=True),),
+    modes=("air", "contact"),
+    events=(
+        Event("touches", "air", "contact", "the ball reaches the plane: it stays or rebounds; a shock", CONTACT,
+              "restitution"),
+        Event("lifts off", "contact", "air", "the normal force falls to zero"),
+    ),
+    memory=("held",),
+    prepare=prepare,
+    check=check,
+    force=force,
+    levels=levels,
+    observe=observe,
+    event_values=event_values,
+    commit=commit,
+    sample=sample,
+)  # fmt: skip
