@@ -152,7 +152,10 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     strain, strain_rate = strained(length, rate, L, L_rate)
     tautness = min(strain, strain + p.damping * strain_rate)
     if mode == SLACK:
-        g[0 if not full or p.catch == STRETCH else 7 if p.catch == SHOCK else 8] = length - L
+        if full and p.catch != STRETCH:
+            g[7 if p.catch == SHOCK else 8] = length - L
+        else:
+            g[0] = tautness
     elif mode == TAUT:
         g[1] = -tautness
         if not full:
