@@ -66,9 +66,9 @@ class Struck:
         n_q = self.system.n_q
         s = prepared.state.copy()
         s.memory = self.system.commit(s)
-        closed = [c for c in self.shocks.catches if c.back >= 0 and c.through == c.after and rng.uniform() < 0.2]
-        closed = list({c.mode: c for c in closed}.values())
-        s = self.shocks._in(s, closed, "after")
+        contacts = [c for c in self.shocks.catches if c.opened == c.before and c.through == c.after]
+        closed = list({c.mode: c for c in contacts if rng.uniform() < 0.2}.values())
+        s = self.shocks.moded(s, closed, "after")
         s.v[:n_q] = rng.normal(size=n_q)
         self.before, _ = method.start(s, 1e-3)
         hit = np.zeros(len(self.system.event_values(s)), bool)
@@ -119,7 +119,7 @@ class Struck:
         here = [c for c in pushed if c.before == self.before.modes[c.mode] or c.after == self.before.modes[c.mode]]
         named = {(h.element, h.name) for h in self.shock.happenings}
         met = [c for c in here if (c.element, c.names[0]) in named or c.after == self.before.modes[c.mode]]
-        return self.shocks._in(self.before, met, "through").modes
+        return self.shocks.moded(self.before, met, "through").modes
 
 
 @pytest.fixture(scope="module")
@@ -137,8 +137,7 @@ def test_momentum_is_conserved_but_for_the_impulses_of_the_ground(case, struck):
     (before, size), (after, _) = one.momenta(one.before), one.momenta(one.after)
     assert np.abs(r[: of.n_q]).max() <= 1e-12 * size
     given = np.zeros(6)
-    fixed = {int(i): n for n, i in enumerate(of.x) if i >= of.n}
-    for place, node in fixed.items():
+    for place in {int(i) for i in of.x if i >= of.n}:
         x = one.before.z[place : place + 3]
         given += np.concatenate([r[place : place + 3], np.cross(x, r[place : place + 3])])
     for place, rotation in {int(i): int(k) for i, k in zip(of.r, of.rotation, strict=True) if i >= of.n}.items():
@@ -172,7 +171,7 @@ def test_constraints_hold_and_contacts_neither_pull_nor_enter(case, struck):
     assert min(one.shock.impulses[c.lead] for c in contacts) >= 0.0
     for c in contacts:
         if (c.element, c.names[0]) in {(h.element, h.name) for h in one.shock.happenings}:
-            rates = [one.system.levels(one.shocks._in(s, [c], "through"))[c.lead, 1] for s in (one.before, one.after)]
+            rates = [one.system.levels(one.shocks.moded(s, [c], "through"))[c.lead, 1] for s in (one.before, one.after)]
             assert rates[0] <= 1e-11 * size and rates[1] >= -1e-11 * size
 
 

@@ -66,7 +66,7 @@ def analyse(system, s, length):
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q), sparse, columns of rotations over the length scale, rows scaled to one; their lengths; which hold.
+    """B = dPhi/dq (n_l, n_q), sparse; columns of rotations over the length scale, rows of length 1; sizes; what holds.
 
     A constraint that is let go in the present modes has a diagonal entry, and no gradient.
     """

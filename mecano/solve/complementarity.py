@@ -8,12 +8,12 @@ ROUNDING = 1e-13  # of the diagonal of W: makes it definite where contacts repea
 NEGLIGIBLE = 1e-11  # of the largest: a reaction that is none
 
 
-def solve_complementarity(W, b):
+def solve_complementarity(W, b, unit=None):
     """Reactions (n,) of n unilateral constraints: W (n, n) symmetric, positive semidefinite, b (n,).
 
     Minimizes the convex energy of which these are the conditions, as a problem of nonnegative least squares (Lawson &
-    Hanson 1974) in a factor of W. Where contacts repeat one another the reactions are those of least norm among those
-    that push, so that equal contacts share equally.
+    Hanson 1974) in a factor of W. Where contacts repeat one another the reactions are those of least norm, counted in
+    ``unit`` (n,), among those that push, so that equal contacts share equally.
     """
     largest = np.abs(b).max(initial=0.0)
     if largest == 0.0:
@@ -26,7 +26,9 @@ def solve_complementarity(W, b):
     reactions, _ = nnls(root.T, -sl.solve_triangular(root, right, lower=True))
     push = np.flatnonzero(reactions > NEGLIGIBLE * reactions.max(initial=0.0))
     if len(push):
-        refined = np.linalg.lstsq(scaled[np.ix_(push, push)], -right[push], rcond=1e-10)[0]
+        share = (np.ones(len(b)) if unit is None else unit)[push] * size[push]
+        block = share[:, None] * scaled[np.ix_(push, push)] * share
+        refined = np.linalg.lstsq(block, -share * right[push], rcond=1e-10)[0] * share
         if refined.min() >= 0.0:
             reactions[:] = 0.0
             reactions[push] = refined

@@ -47,7 +47,6 @@ class Compliance:
         """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
         data[self.places] += -k * k * (self.matrix.data if values is None else values)
 
-
     def to_plain(self):
         """Dict of arrays that ``from_plain`` turns into the same compliances."""
         c = self.matrix

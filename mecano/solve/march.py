@@ -156,7 +156,7 @@ class March:
             self._guard(run, happenings)
             return run, s, happenings, None
         hit = self.shocks.together(s, hit, run.h)
-        shock = self.shocks.strike(s, hit, self.method.compliance, at_once)
+        shock = self.shocks.strike(s, hit, self.method.compliance, run.h, at_once)
         self._guard(run, shock.happenings)
         if shock.compliance is not self.method.compliance:
             self.method.use(shock.compliance)

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.contract import CONTACT
 from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.solve.catches import catches
 from mecano.solve.complementarity import solve_complementarity
 from mecano.solve.events import Happening
 from mecano.solve.redundancy import consistent_in
@@ -25,32 +25,6 @@ STILL = 1e-10  # of the largest approach: a rate that is none
 MASSLESS = 1e-14  # of the largest: a contact with less response moves nothing that has mass
 ADHESIVE = 1e-9  # of the largest: an impulse that pulls
 DEPARTING = -1e-300  # in the place of the event value of what stands at its contact and leaves
-
-
-@dataclass(frozen=True)
-class Catch:
-    """One event with a shock of one element."""
-
-    event: int  # place in the event values
-    back: int  # that of the event that opens it again, or -1
-    mode: int  # place in the modes
-    before: int
-    after: int
-    through: int
-    rows: np.ndarray  # numbers of the multipliers of the element and of the parts that follow its mode, the lead first
-    unit: str  # of the impulse of the lead
-    restitution: float  # negative for what never opens
-    element: str
-    names: tuple  # of the event, the modes before and after, the event back
-
-    @property
-    def lead(self):
-        """Number of the multiplier that pushes."""
-        return self.rows[0]
-
-    def rests(self, modes):
-        """True for a contact that is closed, with constraints that hold, and may open."""
-        return self.restitution >= 0.0 and self.back >= 0 and modes[self.mode] == self.after == self.through
 
 
 @dataclass(frozen=True)
@@ -75,7 +49,8 @@ class Shocks:
         of = system.numbering
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
-        self.catches = list(_catches(system))
+        self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
+        self.catches = list(catches(system))
         self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
         self.events = np.array([catch.event for catch in self.catches], np.int64)
 
@@ -85,11 +60,11 @@ class Shocks:
 
     def departing(self, s, g):
         """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
-        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].back >= 0]
+        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].opened >= 0]
         if not at:
             return g
         g, catches = g.copy(), [self.catches[i] for i in at]
-        levels = self.system.levels(self._in(s, catches, "through"))
+        levels = self.system.levels(self.moded(s, catches, "through"))
         for catch in catches:
             rate, second = levels[catch.lead, 1:]
             if rate > 0.0 or (rate >= -self.rest[catch.lead] and second > 0.0):
@@ -105,39 +80,40 @@ class Shocks:
         due = [c for c in self.catches if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         latest = list({c.mode: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
         if latest:
-            rates = self.system.levels(self._in(s, latest, "through"))[:, 1]
+            rates = self.system.levels(self.moded(s, latest, "through"))[:, 1]
             for c in latest:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
         return hit
 
-    def strike(self, s, hit, compliance=None, at_once=False):
+    def strike(self, s, hit, compliance=None, h=np.inf, at_once=False):
         """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
 
-        ``at_once``: time does not go on, so what does not move away fast enough to be seen has closed.
+        ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go
+        on, so what does not move away fast enough to be seen has closed.
         """
         plain = hit.copy()
         plain[self.events] = False
         s, others = self.watch.apply(s, plain)
         closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
         if not at_once:
-            rates = self.system.levels(self._in(s, closing, "through"))[:, 1]
+            rates = self.system.levels(self.moded(s, closing, "through"))[:, 1]
             closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
         resting = [c for c in self.catches if c.rests(s.modes)]
         lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
         tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
-        held = self._in(s, closing, "through")
-        all_held = self._in(held, lone, "through")
+        held = self.moded(s, closing, "through")
+        all_held = self.moded(held, lone, "through")
         w = self.system.levels(all_held)[:, 1]
         e = self._restitution(closing, w)
         while True:
-            solution = _Solution(self, self._in(held, lone, "before"), all_held, lone, e, compliance)
+            solution = _Solution(self, self.moded(held, lone, "opened"), all_held, lone, e, compliance)
             pulled = [c for c in tied if solution.pulls(c)]
             if not pulled:
                 break
             tied = [c for c in tied if c not in pulled]
-            held, all_held = self._in(held, pulled, "before"), self._in(all_held, pulled, "before")
-        return solution.shock(s, closing, resting, others)
+            held, all_held = self.moded(held, pulled, "before"), self.moded(all_held, pulled, "before")
+        return solution.shock(s, closing, resting, others, h)
 
     def consistent(self, s, compliance):
         """Consistent, Compliance and redundant Groups in the modes of ``s`` (redundancy.py)."""
@@ -148,7 +124,7 @@ class Shocks:
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         return max(min((c.restitution for c in fast), default=0.0), 0.0)
 
-    def _in(self, s, catches, which):
+    def moded(self, s, catches, which):
         """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
         modes, followers = s.modes.copy(), self.system.followers
         for catch in catches:
@@ -205,30 +181,34 @@ class _Solution:
         self.reactions = np.array([reaction for _, reaction in answers]).T
         self.W = gradient.T @ self.responses
 
-    def _solve(self, b):
-        """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass."""
-        weight = np.diag(self.W)
+    def _solve(self, b, at=None):
+        """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass.
+
+        ``at`` (n,) are the contacts that it is about; all of them when absent.
+        """
+        W = self.W if at is None else self.W[np.ix_(at, at)]
+        weight = np.diag(W)
         massive = np.flatnonzero(weight > MASSLESS * weight.max(initial=0.0))
         x = np.zeros(len(b))
-        x[massive] = solve_complementarity(self.W[np.ix_(massive, massive)], b[massive])
+        unit = self.shocks.unit[self.leads if at is None else self.leads[at]]
+        x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
         return x
 
     def pulls(self, catch):
         """True when a contact that holds more than its normal direction would need an adhesive impulse."""
         return self.impulses[catch.lead] < -ADHESIVE * np.abs(self.impulses).max()
 
-    def shock(self, s, closing, resting, happenings):
-        """The Shock from the state ``s`` before."""
+    def shock(self, s, closing, resting, happenings, h):
+        """The Shock from the state ``s`` before, for steps of h [s]."""
         lost = -0.5 * self.impulses * (self.before + self.after)
         still = self.system.levels(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         stay = [c for c in closing + resting if self._stays(c, c in closing)]
         gone = [c for c in resting if c not in stay]
-        end = self.shocks._in(replace(s, v=self.held.v), closing + resting, "before")
-        end = self.shocks._in(end, stay, "after")
+        end = self.shocks.moded(replace(s, v=self.held.v), stay, "after")
         happened = [*happenings, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
-        leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after])
+        leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after], h)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
-        end = self.shocks._in(end, leaving, "before")
+        end = self.shocks.moded(end, [*gone, *leaving], "opened")
         found = [self.consistent, self.compliance, self.redundant]
         if not np.array_equal(end.modes, self.held.modes):
             *found, redundant = self.shocks.consistent(end, self.compliance)
@@ -256,13 +236,13 @@ class _Solution:
         return catch in stay or self.impulses[catch.lead] != 0.0
 
     def _met(self, t, catch, stays, lost):
-        name, before, after, _ = catch.names
+        name, before, after = catch.names[:3]
         return Happening(
             t, catch.element, name, before, after if stays else before, float(self.impulses[catch.lead]),
             catch.unit, float(lost[catch.rows].sum()),
         )  # fmt: skip
 
-    def _leaving(self, stay):
+    def _leaving(self, stay, h):
         """Of the contacts that stay closed, those that the accelerations part at once."""
         if not stay:
             return []
@@ -270,52 +250,13 @@ class _Solution:
         self.consistent.accelerate(moving)
         second = self.system.levels(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
         at = [self.lone.index(c) for c in stay]
-        of_these, W = self.leads[at], self.W
-        self.W = W[np.ix_(at, at)]
-        forces = self._solve(second[of_these])
-        parting = second[of_these] + self.W @ forces
-        self.W = W
-        threshold = STILL * np.abs(second[of_these]).max()
-        return [c for c, force, rate in zip(stay, forces, parting, strict=True) if force == 0.0 and rate > threshold]
+        of_these = self.leads[at]
+        forces = self._solve(second[of_these], at)
+        parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
+        least = np.maximum(STILL * np.abs(second[of_these]).max(), STILL * self.shocks.rest[of_these] / h)
+        return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
 
 
 def _opened(t, catch):
-    _, before, after, back = catch.names
-    return Happening(t, catch.element, back, after, before)
-
-
-def _catches(system):
-    """All Catches, in the order of their event values."""
-    first, rows = 0, _rows_by_mode(system)
-    for batch in system.batches:
-        events = batch.kind.events
-        for e in range(len(batch.p)):
-            for number, event in enumerate(events):
-                if event.shock:
-                    yield _catch(batch, e, event, first + e * len(events), number, rows)
-        first += len(batch.p) * len(events)
-
-
-def _catch(batch, e, event, first, number, rows):
-    kind, place = batch.kind, batch.first_mode + e
-    back = [i for i, other in enumerate(kind.events) if (other.before, other.after) == (event.after, event.before)]
-    restitution = float(batch.p[event.restitution][e]) if event.restitution else 0.0
-    leads = sorted(rows[place], key=lambda row: not row[1].unilateral)
-    return Catch(
-        first + number, first + back[0] if back else -1, place,
-        *(kind.modes.index(mode) for mode in (event.before, event.after, event.through or event.after)),
-        np.array([number for number, _ in leads], np.int64), f"{leads[0][1].unit} s",
-        restitution if event.shock == CONTACT else -1.0, batch.names[e],
-        (event.name, event.before, event.after, kind.events[back[0]].name if back else ""),
-    )  # fmt: skip
-
-
-def _rows_by_mode(system):
-    """Place in the modes -> [(number of a multiplier, its Row)] of the element and of the parts that follow it."""
-    own, owner = {}, dict(system.followers.tolist())
-    for batch in system.batches:
-        for e, numbers in enumerate(batch.multipliers):
-            place = batch.first_mode + e
-            of = own.setdefault(owner.get(place, place), [])
-            of += zip(numbers.tolist(), batch.kind.multipliers, strict=True)
-    return own
+    _, _, after, back, opened = catch.names
+    return Happening(t, catch.element, back, after, opened)

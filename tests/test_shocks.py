@@ -1,0 +1,408 @@
+"""Shocks with known answers: latches, stops, cables, contacts, wheels. Rigid ones to 1e-9, times by their order.
+
+Closed forms, and shared/reference/e3_latch_cable.json: momentum-conserving latching and cable snap.
+"""
+
+import math
+
+import h5py
+import numpy as np
+import pytest
+from marching import March, deck, input_deck
+
+from mecano.prepare import march_of, prepare
+from mecano.results.reader import open_results
+from mecano.results.state import load_state, save_state
+from mecano.run import run
+from mecano.solve.complementarity import solve_complementarity
+from mecano.solve.run_state import from_plain, to_plain
+
+g = 9.81
+RODS = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [1, 0, 0]}}, c: {{position: [1, 0, 0]}}}}
+    elements:
+      inner: {{type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0],
+              inertia: [1.0e-4, 0.08333333333333333, 0.08333333333333333], attached: [b]}}
+      outer: {{type: rigid_body, node: c, mass: 1, center_of_mass: [0.5, 0, 0],
+              inertia: [1.0e-4, 0.08333333333333333, 0.08333333333333333]}}
+    joints:
+      root: {{type: hinge, nodes: [ground, a], axis: [0, 0, 1]}}
+      elbow: {{type: hinge, nodes: [b, c], axis: [0, 0, 1], {ends}}}
+    time: {{end: 1, step: 1.0e-3}}
+"""
+
+
+def struck(checked, rates):
+    """(march, state before, Shock) of all events with shocks at once, at the start of a deck, at rates of joints."""
+    prepared = prepare(checked)
+    march, s = march_of(prepared), prepared.state
+    s.memory = march.system.commit(s)
+    of, names = march.system.numbering, [node.name for node in march.system.nodes]
+    for name, (velocity, rate) in rates.items():
+        i = names.index(name)
+        s.v[of.x[i] : of.x[i] + 3], s.v[of.r[i] + 2] = velocity, rate
+    s, _ = march.method.start(s, 1e-3)
+    hit = np.zeros(len(march.watch.values(s)), bool)
+    hit[[c.event for c in march.shocks.catches if "upper" not in c.names[0]]] = True
+    return march, s, march.shocks.strike(s, hit)
+
+
+def test_two_rods_lock_straight():
+    """e3, two_rods_ground_hinge: rates 1 and 4 rad/s become 1.9375; -0.21875 N m s; 0.328125 J."""
+    march, _, shock = struck(
+        deck(RODS.format(ends="latch: {angle: 1}")), {"a": ((0, 0, 0), 1.0), "c": ((0, 1, 0), 4.0)}
+    )
+    of = march.system.numbering
+    after = [shock.state.v[of.r[i] + 2] for i in (0, 2)]
+    assert after == pytest.approx([1.9375, 1.9375], abs=1e-12)
+    (locked,) = shock.happenings
+    assert (locked.name, locked.before, locked.after, locked.unit) == ("locks", "free", "locked", "N m s")
+    assert locked.impulse == pytest.approx(-0.21874999999999994, abs=1e-12)
+    assert locked.lost == pytest.approx(0.3281249999999999, abs=1e-12)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+def test_two_rods_meet_a_stop(e):
+    """The same with restitution: 1 + e times the impulse, 1 - e^2 of the loss."""
+    stops = f"stops: {{lower: -1, restitution: {e}}}"
+    march, _, shock = struck(deck(RODS.format(ends=stops)), {"a": ((0, 0, 0), 4.0), "c": ((0, 4, 0), 1.0)})
+    of = march.system.numbering
+    rates = [shock.state.v[of.r[i] + 2] for i in (0, 2)]
+    assert rates[1] - rates[0] == pytest.approx(3.0 * e, abs=1e-12)
+    (met,) = shock.happenings
+    assert met.impulse == pytest.approx((1 + e) * 0.21875, abs=1e-12)
+    assert met.lost == pytest.approx((1 - e * e) * 0.328125, abs=1e-12)
+    assert met.after == ("between" if e else "lower stop")
+
+
+LOCK_TIME, STATE = 1.0951727303795789, (-2.3137370578593996, 5.090221527290709)
+STORED = 1.9985948912205949
+
+
+def test_spring_driven_elbow_locks():
+    """e3, two_rod_spring_elbow_lock: time and rates before converge with h^2; what is locked stands still."""
+    errors = []
+    for step in (4e-3, 2e-3, 1e-3):
+        march = March(input_deck("deployment_lock", "time.adaptive=null", f"time.step={step}", "time.end=1.2"))
+        (locked,) = march.happenings
+        i = int(np.argmax(march.time >= locked.t))
+        inner, outer = march["joints/root/rate"][i], march["joints/elbow/rate"][i]
+        errors.append(np.abs([locked.t - LOCK_TIME, inner - STATE[0], inner + outer - STATE[1]]))
+        assert np.abs(march["joints/elbow/rate"][i + 1 :]).max() < 1e-9
+        assert np.abs(march["joints/root/rate"][-1]) < 50 * step**2
+        assert locked.lost == pytest.approx(STORED, abs=50 * step**2)
+        assert march.run.dissipated == pytest.approx(locked.lost, abs=1e-12)
+    assert errors[0][0] < 1e-4
+    for coarse, fine in zip(errors[:-1], errors[1:], strict=True):
+        assert coarse / fine == pytest.approx(4.0, abs=0.5)
+
+
+def test_panel_locks_to_the_ground_and_the_file_tells(tmp_path):
+    """e3, spring_deploy_lock: time, impulse and energy; the file has them, and the step goes on as before."""
+    checked = input_deck("panel_lock", "output.every=step")
+    run(checked, tmp_path / "panel.h5")
+    with open_results(tmp_path / "panel.h5") as results:
+        (locked,) = results.events
+        assert locked.time == pytest.approx(0.641274915080932, abs=1e-6)
+        assert abs(locked.impulse) == pytest.approx(1.2825498301618639, rel=1e-5)
+        assert locked.impulse_unit == "N m s" and locked.element == "hinge 'hinge'"
+        assert locked.energy_lost == pytest.approx(2.4674011002723395, rel=1e-5)
+        assert results["energy.dissipated"].values[-1] == pytest.approx(locked.energy_lost, rel=1e-12)
+        assert np.ptp(results["energy.balance"].values) < 1e-5 * 2.4674
+        assert results["hinge.latched"].values[-1] == 1.0
+        after = results.time > locked.time
+        assert np.abs(results["hinge.rate"].values[after]).max() < 1e-9
+        i = int(np.searchsorted(results.steps["time"], locked.time))
+        steps = results.steps["step_size"]
+        assert steps[i + 1] >= 0.999 * steps[i - 1]
+
+
+@pytest.mark.parametrize("choice", ["hold", "shock"])
+def test_two_masses_caught_by_a_cable(choice):
+    """e3, cable_snap inextensible: 1.7142857142857142 N s, 1.0285714285714285 J, then together."""
+    march = March(input_deck("cable_catch", f"elements.cable.at_full_length={choice}"))
+    (caught,) = march.happenings
+    assert caught.t == pytest.approx(0.5 / 1.2, abs=1e-12)
+    assert caught.impulse == pytest.approx(1.7142857142857142, abs=1e-11)
+    assert caught.lost == pytest.approx(1.0285714285714285, abs=1e-11)
+    for name in ("first", "second"):
+        assert march[f"nodes/{name}/velocity"][-1] == pytest.approx([-2.4 / 7, 0.0, 0.0], abs=1e-10)
+    assert march["energy/balance"] == pytest.approx(1.44, abs=1e-12)
+
+
+def test_an_elastic_cable_gives_back_what_it_takes():
+    """e3, cable_snap two_mass: taut for pi sqrt(m/k), at most 438.178 N, the relative velocity turned round."""
+    march = March(input_deck("cable_catch", "elements.cable.at_full_length=stretch", "time.step=1e-4", "time.end=0.5"))
+    taut, slack = march.happenings
+    assert slack.t - taut.t == pytest.approx(0.012290865449026021, rel=1e-3)
+    assert march["elements/cable/tension"].max() == pytest.approx(438.1780460041329, rel=1e-3)
+    velocities = [march[f"nodes/{name}/velocity"][-1, 0] for name in ("first", "second")]
+    assert velocities == pytest.approx([-1.2 + 2 * 5 / 7 * 1.2, -2 * 2 / 7 * 1.2], rel=1e-3)
+    assert all(math.isnan(h.impulse) and h.lost == 0.0 for h in march.happenings)
+
+
+def test_a_winder_pays_out_and_is_fully_uncoiled():
+    """Closed form in the deck, less what the cable stretches."""
+    march = March(input_deck("winder"))
+    assert [h.name for h in march.happenings] == ["goes taut", "pays out", "is fully uncoiled"]
+    end = march.happenings[-1]
+    assert end.t == pytest.approx(2 - math.sqrt(2), abs=1e-7)
+    assert end.impulse == pytest.approx(4 * math.sqrt(2), rel=1e-7) and end.lost == pytest.approx(4.0, rel=1e-7)
+    assert march.run.dissipated == pytest.approx(10.0, rel=1e-6)
+    assert march["elements/cable/tension"][-1] == pytest.approx(2.0, rel=1e-6)
+    assert march["elements/cable/state"][-1] == 1.0
+    assert march["nodes/mass/velocity"][-1] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+    assert march["nodes/mass/position"][-1, 0] == pytest.approx(2.0, abs=1e-7)
+
+
+def test_a_winder_that_is_too_strong_holds():
+    """A pull of 2 N does not move a brake of 6 N: the cable stretches, and the mass swings on it."""
+    march = March(input_deck("winder", "initial.velocities=[]", "elements.cable.axial_stiffness=1e3", "time.end=2"))
+    assert {h.name for h in march.happenings} <= {"goes taut", "goes slack"}
+    assert march["nodes/mass/position"][:, 0].max() == pytest.approx(1.0 + 2 * 2.0 / 1e3, abs=2e-5)
+
+
+def test_a_bouncing_ball_comes_to_rest():
+    """Flights of 2 v e^n/g end at sqrt(2 h/g) (1 + e)/(1 - e); what the rest speed leaves out is 2 v/g."""
+    march = March(input_deck("bouncing_ball"))
+    e, v = 0.8, math.sqrt(2 * g)
+    touches = np.array([h.t for h in march.happenings])
+    n = np.arange(20)
+    exact = v / g + 2 * v * e / g * (1 - e**n) / (1 - e)
+    assert touches[:20] == pytest.approx(exact, abs=1e-9)
+    assert {h.name for h in march.happenings} == {"touches"}
+    assert [h.after for h in march.happenings] == ["air"] * (len(touches) - 1) + ["contact"]
+    assert 0.0 < math.sqrt(2 / g) * (1 + e) / (1 - e) - touches[-1] < 2e-4 / (g * (1 - e))
+    assert march["nodes/ball/position"][-1, 2] == pytest.approx(0.0, abs=1e-8)
+    assert march["elements/contact/normal_force"][-1] == pytest.approx(2 * g, rel=1e-9)
+    assert march.run.dissipated == pytest.approx(2 * g, rel=1e-9)
+    assert np.abs(march["energy/balance"] / (2 * g) - 1).max() < 1e-9
+
+
+def test_a_pendulum_rebounds_from_a_stop():
+    """Closed form in the deck; it rises to the angle with a quarter of the height."""
+    march = March(input_deck("pendulum_stop", "time.step=5e-4"))
+    met = march.happenings[0]
+    assert met.t == pytest.approx(0.59196049, abs=1e-6)
+    assert met.impulse == pytest.approx(1.5 * 0.75 * math.sqrt(3 * g / 1.5), rel=1e-6)
+    assert met.lost == pytest.approx(0.75 * g * 0.75, rel=1e-6)
+    after = march.time > met.t
+    assert march["joints/hinge/angle"][after].min() == pytest.approx(math.pi / 2 - math.acos(0.75), abs=1e-5)
+
+
+LETTING_GO = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {ball: {position: [0, 0, 0.0]}}
+    elements:
+      ball: {type: point_mass, node: ball, mass: 2}
+      contact: {type: plane_contact, node: ball, ground: floor}
+    grounds: {floor: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    loads: {lift: {type: force, node: ball, direction: [0, 0, 1], value: {linear: {slope: 40, offset: 0}}}}
+    time: {end: 1, step: 1.0e-2}
+"""
+
+
+def test_a_contact_lets_go_where_its_force_falls_to_zero():
+    """A pull of 40 N/s lifts 20 N after 0.5 s; z = (40/2) (t - 0.5)^3/6 from then on."""
+    march = March(deck(LETTING_GO))
+    assert [h.name for h in march.happenings] == ["touches", "lifts off"]
+    assert march.happenings[1].t == pytest.approx(0.5, abs=1e-9)
+    closed = march.time < 0.499
+    assert march["elements/contact/normal_force"][closed][1:] == pytest.approx(20 - 40 * march.time[closed][1:])
+    assert march["nodes/ball/position"][-1, 2] == pytest.approx(20 * 0.5**3 / 6, rel=2e-3)
+
+
+BEAM_ON_TWO = """
+    mecano: 1
+    nodes: {{m: {{position: [0, 0, 1]}}, l: {{position: [-0.5, 0, 1]}}, r: {{position: [0.5, 0, 1]}}{more}}}
+    elements:
+      bar: {{type: rigid_body, node: m, mass: 2, inertia: [{J}, {J}, {J}], attached: [{feet}]}}
+      left: {{type: plane_contact, node: l, ground: floor, restitution: {e}}}
+      right: {{type: plane_contact, node: r, ground: floor, restitution: {e}}}
+      {contacts}
+    grounds: {{floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    time: {{end: {end}, step: 1.0e-2}}
+"""
+
+
+def bar(J=0.1, e=0.5, end=1.5, four=False):
+    more = ", f: {position: [0, 0.4, 1]}, b: {position: [0, -0.4, 1]}" if four else ""
+    contact = "{}: {{type: plane_contact, node: {}, ground: floor, restitution: {}}}"
+    contacts = [contact.format(name, name[0], e) for name in ("front", "back")]
+    return deck(BEAM_ON_TWO.format(
+        more=more, J=J, e=e, end=end, feet="l, r, f, b" if four else "l, r",
+        contacts="\n      ".join(contacts) if four else "",
+    ))  # fmt: skip
+
+
+@pytest.mark.parametrize("four", [False, True], ids=["two feet", "four feet"])
+def test_equal_feet_meet_together_and_push_equally(four):
+    """Two feet, or four, of which one is too many: always together, equal impulses, no turning."""
+    march = March(bar(four=four))
+    n = 4 if four else 2
+    assert len(march.happenings) % n == 0 and len(march.happenings) >= 10 * n
+    for i in range(0, len(march.happenings), n):
+        group = march.happenings[i : i + n]
+        assert len({h.t for h in group}) == 1 and len({h.element for h in group}) == n
+        assert [h.impulse for h in group] == pytest.approx([group[0].impulse] * n, rel=1e-9)
+    assert np.abs(march["nodes/m/angular_velocity"]).max() < 1e-9
+    assert march.run.dissipated == pytest.approx(2 * g, rel=1e-6)
+    assert len(march.march.remarks) == (1 if four else 0)
+    feet = [march[f"elements/{name}/normal_force"][-1] for name in ("left", "right", "front", "back")[:n]]
+    assert feet == pytest.approx([2 * g / n] * n, rel=1e-4)
+
+
+def test_a_rocking_bar_lifts_its_other_foot():
+    """One foot rests, the other comes down: with J > m a^2 the resting one would have to be pulled, so it lifts.
+
+    An impulse under the right foot, a = 0.5 m from the middle, moves the left one by 1/m - a^2/J times it.
+    """
+    for J, lifts in ((0.8, True), (0.3, False)):
+        prepared = prepare(bar(J=J, e=0.0))
+        march, s = march_of(prepared), prepared.state
+        s.memory = march.system.commit(s)
+        left, right = march.shocks.catches
+        s = march.shocks.moded(s, [left], "after")
+        of = march.system.numbering
+        s.v[of.x[0] + 2], s.v[of.r[0] + 1] = -0.5, 1.0  # about y: the left foot at rest, the right one at -1 m/s
+        s, _ = march.method.start(s, 1e-3)
+        hit = np.zeros(4, bool)
+        hit[right.event] = True
+        shock = march.shocks.strike(s, hit)
+        names = [(h.name, h.element.split("'")[1]) for h in shock.happenings]
+        assert names == [("touches", "right")] + ([("lifts off", "left")] if lifts else [])
+        alone = 1.0 / (1 / 2 + 0.25 / J)  # impulse that stops the right foot alone, from -1 m/s
+        expected = [0.0, alone] if lifts else None
+        impulses = shock.impulses[[left.lead, right.lead]]
+        if lifts:
+            assert impulses == pytest.approx(expected, abs=1e-12)
+        else:
+            assert impulses.min() > 0.0
+            assert np.abs(shock.state.v[of.x[0] + 2]) < 1e-14 and abs(shock.state.v[of.r[0] + 1]) < 1e-14
+
+
+WHEEL = """
+    mecano: 1
+    nodes: {hub: {position: [0, 0, 0.3]}}
+    elements:
+      disc: {type: rigid_body, node: hub, mass: 10, inertia: [0.3, 0.5, 0.3]}
+      wheel: {type: rigid_wheel, node: hub, axis: [0, 1, 0], radius: 0.3, ground: road, unilateral: true}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    time: {end: 0.3, step: 1.0e-3}
+"""
+
+
+def test_a_rigid_wheel_that_touches_down():
+    """A disc that does not turn, at 10 m/s and 2 m/s down: v keeps m/(m + J/r^2), by the friction that turns it."""
+    prepared = prepare(deck(WHEEL))
+    march, s = march_of(prepared), prepared.state
+    (catch,) = march.shocks.catches
+    s = march.shocks.moded(s, [catch], "before")
+    s.v[:3] = 10.0, 0.0, -2.0
+    s, _ = march.method.start(s, 1e-3)
+    shock = march.shocks.strike(s, np.array([True, False]))
+    (down,) = shock.happenings
+    v = 10 * 10 / (10 + 0.5 / 0.09)
+    assert shock.state.v[:6] == pytest.approx([v, 0.0, 0.0, 0.0, v / 0.3, 0.0], abs=1e-12)
+    assert (down.name, down.after, down.unit) == ("touch_down", "contact", "N s")
+    assert down.impulse == pytest.approx(20.0, abs=1e-12)
+    assert down.lost == pytest.approx(0.5 * 10 * 104 - 0.5 * (10 + 0.5 / 0.09) * v * v, abs=1e-10)
+
+
+def test_a_rigid_wheel_over_a_bump_keeps_the_balance():
+    """It leaves the ground and comes down again: what the shocks take is in the balance."""
+    bump = "profile: {direction: [1, 0, 0], height: {bump: {start: 0.5, length: 2.0, height: 0.2}}}"
+    rolling = "{nodes: [hub], velocity: [4, 0, 0], angular_velocity: [0, 13.333333333333334, 0]}"
+    text = WHEEL.replace("normal: [0, 0, 1]}}", f"normal: [0, 0, 1]}}, {bump}}}").replace("end: 0.3", "end: 0.7")
+    march = March(deck(f"{text}    initial: {{velocities: [{rolling}]}}\n"))
+    assert [h.name for h in march.happenings][:2] == ["lift_off", "touch_down"]
+    lost = sum(h.lost for h in march.happenings)
+    assert lost > 0.05
+    assert march.run.dissipated == pytest.approx(lost, rel=1e-12)
+    assert np.ptp(march["energy/balance"]) < 0.05 * lost
+
+
+DRIVEN = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {arm: {position: [0, 0, 0]}, tip: {position: [1, 0, 0]}, load: {position: [3, 0, 0]}}
+    elements:
+      arm: {type: rigid_body, node: arm, mass: 1, inertia: [1, 1, 1], attached: [tip]}
+      load: {type: point_mass, node: load, mass: 2}
+      rope: {type: cable, nodes: [tip, load], axial_stiffness: 1, natural_length: 2.5, at_full_length: hold}
+    joints:
+      hinge: {type: hinge, nodes: [ground, arm], axis: [0, 0, 1]}
+      motor: {type: prescribed_angle, nodes: [ground, arm], axis: [0, 0, 1], value: {linear: {slope: 3, offset: 0}}}
+    time: {end: 0.35, step: 1.0e-3}
+"""
+
+
+def test_prescribed_motion_gives_work_in_a_shock():
+    """The motor turns on at 3 rad/s whatever the rope that is pulled straight takes: that is given."""
+    march = March(deck(DRIVEN))
+    (caught,) = march.happenings
+    assert caught.impulse > 0.0
+    i = int(np.argmax(march.time >= caught.t))
+    assert march["joints/hinge/rate"] == pytest.approx(3.0, abs=1e-8)
+    given, lost = np.diff(march["energy/given"][i : i + 2])[0], caught.lost
+    assert given == pytest.approx(2 * lost, rel=0.01)  # from rest to w by an e = 0 shock: half of the work is lost
+    assert np.ptp(march["energy/balance"]) < 1e-3 * lost
+
+
+def test_redundant_locks_are_solved_and_told():
+    """A door on two hinges, each with a latch: one is too many; each takes half; I w = 4.5 2."""
+    text = """
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes: {low: {position: [0, 0, 0]}, top: {position: [0, 0, 2]}}
+        elements:
+          door: {type: rigid_body, node: low, mass: 10, center_of_mass: [0.5, 0, 1], inertia: [1, 1, 2],
+                 attached: [top]}
+        joints:
+          a: {type: hinge, nodes: [ground, low], axis: [0, 0, 1], latch: {angle: 1.2}}
+          b: {type: hinge, nodes: [ground, top], axis: [0, 0, 1], latch: {angle: 1.2}}
+        initial: {velocities: [{nodes: all, about: [0, 0, 0], angular_velocity: [0, 0, 2]}]}
+        time: {end: 1, step: 1.0e-2}
+    """
+    march = March(deck(text))
+    assert [h.impulse for h in march.happenings] == pytest.approx([-4.5, -4.5], rel=1e-4)
+    assert march.run.dissipated == pytest.approx(9.0, rel=1e-9)
+    assert np.abs(march["nodes/low/angular_velocity"][-1]).max() < 1e-9
+    (remark,) = march.march.remarks
+    assert "1 constraint(s) are redundant among: hinge 'a': moment of the latch; hinge 'b'" in remark
+
+
+@pytest.mark.parametrize("name, times", [("bouncing_ball", (0.4, 1.0, 4.06)), ("deployment_lock", (1.09, 1.1))])
+def test_a_run_goes_on_across_shocks_with_the_same_bits(name, times, tmp_path):
+    """Saved before, between and after shocks."""
+    checked = input_deck(name, "time.end=4.2" if name == "bouncing_ball" else "time.end=1.2")
+    end = checked.values["time"]["end"]
+    for t in times:
+        prepared = prepare(checked)
+        march = march_of(prepared)
+        middle = march.to(t, march.begin(prepared.state, checked.values["time"]["step"]))
+        whole = march.to(end, middle)
+        with h5py.File(tmp_path / f"{t}.h5", "w") as file:
+            save_state(file, "middle", to_plain(middle))
+            loaded = from_plain(load_state(file["middle"]))
+        other = march_of(prepare(checked)).to(end, loaded)
+        assert np.array_equal(other.motion.v, whole.motion.v) and other.dissipated == whole.dissipated
+
+
+def test_complementarity():
+    """Random problems, some with contacts that repeat one another: conditions to rounding; equals push equally."""
+    rng = np.random.default_rng(3)
+    for n in (1, 2, 5, 20):
+        for rank in (n, max(1, n // 2)):
+            B = rng.normal(size=(n, rank)) * np.exp(rng.normal(size=(n, 1)))
+            W, b = B @ B.T, B @ rng.normal(size=rank)
+            x = solve_complementarity(W, b)
+            z = W @ x + b
+            scale = np.abs(b).max()
+            assert x.min() >= 0.0 and z.min() >= -1e-9 * scale
+            assert abs(x @ z) <= 1e-9 * scale * max(x.max(), 1e-300)
+    assert solve_complementarity(np.ones((3, 3)), -np.ones(3)) == pytest.approx([1 / 3] * 3, rel=1e-9)
+    assert not solve_complementarity(np.eye(2), np.ones(2)).any()
