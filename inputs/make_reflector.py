@@ -21,7 +21,7 @@ import sys
 DIRECTIONS = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1))  # to the neighbours on the triangular lattice
 LEVELS = ("low", "high")
 MOTOR = (  # angle that is left to the motor [rad], torque [N m]
-    (0.0, 0.0), (0.05, 0.2), (0.12, 0.26), (0.25, 0.13), (0.5, 0.05), (1.0, 0.04), (3.2, 0.05),
+    (0.0, 0.0), (0.05, 0.3), (0.12, 0.4), (0.25, 0.25), (0.5, 0.15), (1.0, 0.12), (3.2, 0.15),
 )  # fmt: skip
 
 
@@ -94,7 +94,7 @@ def middles(count):
 
 def text(numbers):
     """A list in YAML."""
-    return "[" + ", ".join(f"{x + 0.0:.10g}" for x in numbers) + "]"
+    return "[" + ", ".join(f"{x + 0.0:.15g}" for x in numbers) + "]"
 
 
 def nodes(of):
@@ -126,18 +126,21 @@ def elements(of):
     """Lines of the section elements."""
     for number in range(len(of.points)):
         yield f"  post{number}: {{type: beam, nodes: [post{number}_low, post{number}_high], section: post, mesh: 4}}"
+        for name in LEVELS:
+            yield f"  fitting{number}_{name}: {{type: point_mass, node: post{number}_{name}, mass: $fitting}}"
     for a, b, _ in of.faces:
         for name in LEVELS:
             batten = f"{face(a, b)}_{name}"
             for half, ends in (("first", "a m"), ("second", "n b")):
                 first, second = ends.split()
                 yield f"  {batten}_{half}: {{type: beam, nodes: [{batten}_{first}, {batten}_{second}], section: batten}}"
+            yield f"  {batten}_knee: {{type: point_mass, node: {batten}_m, mass: $knee}}"
     for a, b, _ in of.faces:
         for at_a, at_b, length in of.diagonals(a, b):
             sign = "rising" if at_a == "low" else "falling"
             yield (
                 f"  {face(a, b)}_{sign}: {{type: cable, nodes: [post{a}_{at_a}, post{b}_{at_b}], young_modulus: $cable_modulus, "
-                f"area: $cable_area, natural_length: {length:.10g}, damping: $cable_damping, payout_tension: winder, at_full_length: shock}}"
+                f"area: $cable_area, natural_length: {length:.15g}, damping: $cable_damping, payout_tension: winder, at_full_length: shock}}"
             )
 
 
@@ -151,8 +154,8 @@ def joints(of):
             axis = text((sign * (yb - ya), sign * (xa - xb), 0.0))
             batten = f"{face(a, b)}_{name}"
             yield f"  {batten}_at_{a}: {{type: hinge, nodes: [post{a}_{name}, {batten}_a], axis: {axis}}}"
-            motor = f", turning_law: motor, natural_angle: {2 * tilt:.10g}" if spoke else ""
-            yield f"  {batten}: {{type: hinge, nodes: [{batten}_m, {batten}_n], axis: {axis}{motor}, latch: {{angle: {2 * tilt:.10g}}}}}"
+            motor = f", turning_law: motor, natural_angle: {2 * tilt:.15g}" if spoke else ""
+            yield f"  {batten}: {{type: hinge, nodes: [{batten}_m, {batten}_n], axis: {axis}{motor}, latch: {{angle: {2 * tilt:.15g}}}}}"
             yield f"  {batten}_at_{b}: {{type: hinge, nodes: [post{b}_{name}, {batten}_b], axis: {axis}}}"
 
 
@@ -167,20 +170,22 @@ def deck(given):
         "gravity: [0, 0, 0]",
         "",
         "parameters:",
-        "  cable_modulus: 6.0e+10",
+        "  cable_modulus: 1.0e+10",
         "  cable_area: 1.0e-6",
-        "  cable_damping: 1.0e-3",
+        "  cable_damping: 0.0",
+        "  fitting: 0.1",
+        "  knee: 0.05",
         "",
         "laws:",
         "  motor: {table: {points: [" + ", ".join(f"[{x:.10g}, {y:.10g}]" for x, y in points) + "]}}",
-        "  winder: {linear: {slope: 0.1, offset: 0.05}}",
+        "  winder: {linear: {slope: 1.0, offset: 0.1}}",
         "",
         "sections:",
-        "  post: {type: tube, diameter: 0.04, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-3}",
-        "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-3}",
+        "  post: {type: tube, diameter: 0.04, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-4}",
+        "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-4}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
-        f"time: {{end: {given.end:g}, step: 1.0e-3, rho_inf: 0.6, adaptive: {{tolerance: {given.tolerance:g}}}}}",
+        f"time: {{end: {given.end:g}, step: 5.0e-3, rho_inf: 0.5}}",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
