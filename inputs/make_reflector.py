@@ -34,6 +34,7 @@ def options(arguments=None):
     add("--batten", type=float, default=1.0, help="distance of the longerons, deployed [%(default)s m]")
     add("--curvature", type=float, default=10.0, help="radius R of the reflector [%(default)s m]")
     add("--fold", type=float, default=80.0, help="tilt of the halves of a folded batten [%(default)s degrees]")
+    add("--pretension", type=float, default=5e-4, help="strain of the diagonals, deployed [%(default)s]")
     add("--torque", type=float, default=1.0, help="factor of the torque of the motors [%(default)s]")
     add("--end", type=float, default=4.0, help="end of the run [%(default)s s]")
     add("--tolerance", type=float, default=1e-3, help="of the step size control [%(default)s]")
@@ -71,16 +72,20 @@ class Reflector:
         x, y = self.place(number)
         return (x * x + y * y) / (2.0 * self.given.curvature)
 
-    def batten(self, a, b):
-        """Length of the battens of a face [m], and tilt of their halves, folded [rad]."""
-        length = math.hypot(self.given.batten, self.rise(b) - self.rise(a))
-        return length, math.acos(self.folded * self.given.batten / length)
+    def knee(self, a, b, z, side):
+        """Place of the knee of a folded batten at the height z, above (side 1) or below (-1) the line of its ends [m]."""
+        (xa, ya), (xb, yb) = self.place(a), self.place(b)
+        raised, height = self.rise(b) - self.rise(a), 0.5 * math.sin(math.radians(self.given.fold)) * side
+        along = [0.5 * self.folded * (first + second) for first, second in ((xa, xb), (ya, yb))]
+        out = [-height * raised * (second - first) / self.given.batten for first, second in ((xa, xb), (ya, yb))]
+        middle = z + 0.5 * self.folded * (self.rise(a) + self.rise(b)) + height * self.given.batten
+        return along[0] + out[0], along[1] + out[1], middle
 
     def diagonals(self, a, b):
         """(level at a, level at b, full length [m]) of the two diagonals of a face."""
         raised = self.rise(b) - self.rise(a)
         for at_a, at_b, height in (("low", "high", self.given.height), ("high", "low", -self.given.height)):
-            yield at_a, at_b, math.hypot(self.given.batten, height + raised)
+            yield at_a, at_b, math.hypot(self.given.batten, height + raised) / (1.0 + self.given.pretension)
 
 
 def middles(count):
@@ -102,17 +107,16 @@ def nodes(of):
     scale, height = of.folded, of.given.height
     level = dict(zip(LEVELS, (0.0, height), strict=True))
     for number in range(len(of.points)):
-        x, y = (scale * c for c in of.place(number))
+        x, y, rise = (scale * c for c in (*of.place(number), of.rise(number)))
         for name in LEVELS:
             held = ", fixed: true" if (number, name) == (0, "low") and not of.given.free else ""
-            yield f"  post{number}_{name}: {{position: {text((x, y, level[name]))}{held}}}"
+            yield f"  post{number}_{name}: {{position: {text((x, y, rise + level[name]))}{held}}}"
     for a, b, _ in of.faces:
-        (xa, ya), (xb, yb) = ([scale * c for c in of.place(n)] for n in (a, b))
-        length, tilt = of.batten(a, b)
+        (xa, ya, za), (xb, yb, zb) = ([scale * c for c in (*of.place(n), of.rise(n))] for n in (a, b))
         for name in LEVELS:
             z = level[name]
-            middle = z + (1 if name == "low" else -1) * 0.5 * length * math.sin(tilt)
-            ends = ("a", xa, ya, z), ("m", 0.5 * (xa + xb), 0.5 * (ya + yb), middle), ("n", 0.5 * (xa + xb), 0.5 * (ya + yb), middle), ("b", xb, yb, z)
+            middle = of.knee(a, b, z, 1.0 if name == "low" else -1.0)
+            ends = ("a", xa, ya, z + za), ("m", *middle), ("n", *middle), ("b", xb, yb, z + zb)
             for end, *position in ends:
                 yield f"  {face(a, b)}_{name}_{end}: {{position: {text(position)}}}"
 
@@ -148,14 +152,14 @@ def joints(of):
     """Lines of the section joints."""
     for a, b, spoke in of.faces:
         (xa, ya), (xb, yb) = of.place(a), of.place(b)
-        _, tilt = of.batten(a, b)
+        opened = 2.0 * math.radians(of.given.fold)
         for name in LEVELS:
             sign = (1.0 if name == "low" else -1.0) / of.given.batten
             axis = text((sign * (yb - ya), sign * (xa - xb), 0.0))
             batten = f"{face(a, b)}_{name}"
             yield f"  {batten}_at_{a}: {{type: hinge, nodes: [post{a}_{name}, {batten}_a], axis: {axis}}}"
-            motor = f", turning_law: motor, natural_angle: {2 * tilt:.15g}" if spoke else ""
-            yield f"  {batten}: {{type: hinge, nodes: [{batten}_m, {batten}_n], axis: {axis}{motor}, latch: {{angle: {2 * tilt:.15g}}}}}"
+            motor = f", turning_law: motor, natural_angle: {opened:.15g}" if spoke else ""
+            yield f"  {batten}: {{type: hinge, nodes: [{batten}_m, {batten}_n], axis: {axis}{motor}, latch: {{angle: {opened:.15g}}}}}"
             yield f"  {batten}_at_{b}: {{type: hinge, nodes: [post{b}_{name}, {batten}_b], axis: {axis}}}"
 
 
@@ -181,8 +185,8 @@ def deck(given):
         "  winder: {linear: {slope: 1.0, offset: 0.1}}",
         "",
         "sections:",
-        "  post: {type: tube, diameter: 0.04, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-4}",
-        "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 1.0e-4}",
+        "  post: {type: tube, diameter: 0.04, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
+        "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
         f"time: {{end: {given.end:g}, step: 5.0e-3, rho_inf: 0.5}}",
