@@ -144,7 +144,7 @@ def elements(of):
             sign = "rising" if at_a == "low" else "falling"
             yield (
                 f"  {face(a, b)}_{sign}: {{type: cable, nodes: [post{a}_{at_a}, post{b}_{at_b}], young_modulus: $cable_modulus, "
-                f"area: $cable_area, natural_length: {length:.15g}, damping: $cable_damping, payout_tension: winder, at_full_length: shock}}"
+                f"area: $cable_area, natural_length: {length:.15g}, damping: $cable_damping, payout_tension: $payout_tension, at_full_length: shock}}"
             )
 
 
@@ -177,19 +177,19 @@ def deck(given):
         "  cable_modulus: 1.0e+10",
         "  cable_area: 1.0e-6",
         "  cable_damping: 0.0",
+        "  payout_tension: 0.02",
         "  fitting: 0.1",
         "  knee: 0.05",
         "",
         "laws:",
         "  motor: {table: {points: [" + ", ".join(f"[{x:.10g}, {y:.10g}]" for x, y in points) + "]}}",
-        "  winder: {linear: {slope: 1.0, offset: 0.1}}",
         "",
         "sections:",
         "  post: {type: tube, diameter: 0.04, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
-        f"time: {{end: {given.end:g}, step: 5.0e-3, rho_inf: 0.5}}",
+        f"time: {{end: {given.end:g}, step: 2.0e-2, rho_inf: 0.5}}",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
