@@ -21,7 +21,7 @@ import sys
 DIRECTIONS = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1))  # to the neighbours on the triangular lattice
 LEVELS = ("low", "high")
 MOTOR = (  # angle that is left to the motor [rad], torque [N m]
-    (0.0, 0.0), (0.05, 0.3), (0.12, 0.4), (0.25, 0.25), (0.5, 0.15), (1.0, 0.12), (3.2, 0.15),
+    (0.0, 0.0), (0.05, 0.068), (0.12, 0.09), (0.25, 0.057), (0.5, 0.034), (1.0, 0.027), (3.2, 0.034),
 )  # fmt: skip
 
 
@@ -189,7 +189,7 @@ def deck(given):
         "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
-        f"time: {{end: {given.end:g}, step: 2.0e-2, rho_inf: 0.5}}",
+        f"time: {{end: {given.end:g}, step: 1.0e-2, rho_inf: 0.0}}",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
