@@ -117,5 +117,7 @@ def locate(watch, step, s0, g0, trial, h):
             lo, G_lo = middle, g
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
-    hit = crossed & (watch.values(best[0]) >= -TOGETHER * (g1 - np.maximum(g0, -abs(g1))))
+    hit = crossed.copy()
+    rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
+    hit[crossed] = watch.values(best[0])[crossed] >= -TOGETHER * rise
     return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)
