@@ -24,8 +24,8 @@ class Happening:
     name: str
     before: str
     after: str
-    impulse: float = np.nan  # [N s, N m s] along growing Phi; nan for an event without shock
-    unit: str = ""  # of the impulse
+    impulse: float = 0.0  # [N s, N m s] along growing Phi, of a shock
+    unit: str = ""  # of the impulse; "" for an event without shock
     lost: float = 0.0  # energy [J]
 
 
@@ -65,6 +65,17 @@ class Watch:
             first += n
         modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
         return replace(s, modes=modes), happenings
+
+    def entered(self, s, event):
+        """The state after an ``event`` with an element, a name and two modes, if that element is in the first."""
+        modes = s.modes.copy()
+        for batch in self.system.batches:
+            names = [(of.name, of.before, of.after) for of in batch.kind.events]
+            if event.element in batch.names and (event.name, event.before, event.after) in names:
+                own, before, after = modes[batch.modes], *map(batch.kind.modes.index, (event.before, event.after))
+                own[(np.array(batch.names) == event.element) & (own == before)] = after
+        modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
+        return replace(s, modes=modes)
 
     def settle(self, s):
         """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
