@@ -4,14 +4,15 @@
     python inputs/make_reflector.py --modules 7 --height 1.5 --batten 0.8 --curvature 20 > seven.yaml
 
 After section 4.1 of Cardona, Geradin & Doan, Comput. Methods Appl. Mech. Engrg. 89 (1991) 395-418. A module is a
-hexagon of six triangular cells; modules lie side by side, from the middle outwards, and share longerons and faces where
-they meet. All longerons stand on a triangular lattice and stay parallel to z. A face between two longerons has a batten
-below and one above, each of two halves with a hinge in the middle, and two diagonals with a winder each. The hinge axes
-are normal to the face. The spokes of the modules have motors in the middle of their battens; the other battens follow. All
-lock when they are straight.
+hexagon of six triangular cells; modules lie side by side, from the middle outwards, and share longerons and faces
+where they meet. All longerons stand on a triangular lattice and stay parallel to z. A face between two longerons has
+a batten below and one above, each of two halves with a hinge in the middle, and two diagonals with a winder each. The
+hinge axes are normal to the face. The spokes of the modules have motors in the middle of their battens; the other
+battens follow. All lock when they are straight.
 
-Deployed, each longeron is raised by r^2/(2 R), r its distance from the axis, which makes the faces parallelograms; the
-full lengths of their diagonals, which differ, hold them so. Folded, all is nearer to the axis and lower by the same factor.
+Deployed, each longeron is raised by r^2/(2 R), r its distance from the axis, which makes the faces parallelograms;
+the full lengths of their diagonals, which differ, hold them so. Folded, all is nearer to the axis and lower by the
+same factor.
 """
 
 import argparse

@@ -33,9 +33,9 @@ def test_the_deck_is_what_its_writer_writes():
     assert module.deck(module.options([])) == (INPUTS / "reflector.yaml").read_text()
 
 
-@pytest.mark.parametrize("modules, longerons, faces", [(1, 7, 12), (2, 12, 23), (7, 31, 72), (19, 73, 180)])
+@pytest.mark.parametrize("modules, longerons, faces", [(1, 7, 12), (2, 12, 23), (7, 31, 72), (19, 73, 186)])
 def test_modules_share_longerons_and_faces(modules, longerons, faces):
-    """A hexagon of n rings of modules: 6 + 12 (...) counted on the triangular lattice by Euler's formula."""
+    """Counted on the triangular lattice, and by Euler's formula."""
     module = writer()
     of = module.Reflector(module.options(["--modules", str(modules)]))
     assert (len(of.points), len(of.faces)) == (longerons, faces)
@@ -61,20 +61,20 @@ def test_curved_shape_is_reached(deployment):
     """The corners stand at 1 m and 1/(2 R) = 0.05 m above the middle; diagonals of 5e-4 strain press the battens."""
     for i in range(1, 7):
         for level, height in (("low", 0.0), ("high", 1.2)):
-            x = deployment["nodes", f"post{i}_{level}", "position"][-1]
+            x = deployment[f"nodes/post{i}_{level}/position"][-1]
             assert np.hypot(x[0], x[1]) == pytest.approx(1.0, abs=2e-3)
             assert x[2] - height == pytest.approx(0.05, abs=2e-3)
 
 
 def test_energy_only_falls_and_is_balanced_to_the_first_shock(deployment):
-    balance, times = deployment["energy", "", "balance"], deployment.times
-    first = min(h.t for h in deployment.happenings if np.isfinite(h.impulse))
-    kinetic = deployment["energy", "", "kinetic"].max()
+    balance, times = deployment["energy/balance"], deployment.time
+    first = min(h.t for h in deployment.happenings if h.impulse != 0.0)
+    kinetic = deployment["energy/kinetic"].max()
     before = balance[(times > 0.1) & (times < first)]
     assert np.ptp(before) < 0.01 * kinetic
     assert np.diff(balance[times > first]).max() < 0.01 * kinetic
 
 
 def test_steps(deployment):
-    """Two of 10 ms each, to t = 4 s, and one for each of at most 20 events."""
-    assert len(deployment.times) - 1 <= 420
+    """400 of 10 ms, and one for each of at most 20 times at which events happen."""
+    assert len(deployment.time) - 1 <= 420
