@@ -198,12 +198,13 @@ def check(deck, overrides):
     metavar="Y[,Y2][:X]",
     help="Plot outputs over another one, or over time; may be repeated.",
 )
+@click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at these times [s], in one picture.")
 @click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
-def post(results, plots, output, kind, columns, title, page):
+def post(results, plots, at, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
@@ -222,7 +223,7 @@ def post(results, plots, output, kind, columns, title, page):
         return
     from mecano.post.pictures import post as draw
 
-    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title):
+    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title, at=at):
         click.echo(path)
 
 

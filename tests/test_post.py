@@ -193,6 +193,23 @@ def test_events_are_lines_named_where_there_is_room(tmp_path):
     assert texts == [["touch down + 1", "touch down"]] * 2 + [[]] * 4
 
 
+def test_many_events_are_lines_without_names(tmp_path):
+    events = tuple((0.1 * i, "touch_down") for i in range(1, 10))
+    runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    assert len(upright) == 9 and not any(t.get_rotation() for ax in drawn.axes for t in ax.texts)
+
+
+def test_a_moment_that_is_nothing_beside_the_forces_is_not_shown(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    panels = [Panel("force", (Curve(force, force, 0, "a"),))]
+    for size, shown in ((1e-13, 1), (1e-3, 2)):
+        moment = replace(force, unit="N m", values=size * force.values)
+        assert len(worth_showing([*panels, Panel("moment", (Curve(force, moment, 0, "a"),))], runs)) == shown
+
+
 def test_panels_show_the_events_of_their_own_elements(tmp_path):
     events = ((0.5, "touch_down"), (1.5, "lift_off"))
     runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])

@@ -43,6 +43,9 @@ def worth_showing(panels, runs):
         scale[unit] = max(scale.get(unit, 0.0), value)
     for curve in (curve for panel in panels for curve in panel.curves):
         scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), _size(curve.y.values))
+    if "m" in scale:  # a moment is nothing beside the forces at the size of the mechanism, and the reverse
+        size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
+        scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
     kept = []
     for panel in panels:
         curves = tuple(c for c in panel.curves if _size(c.y.values) > NOTHING * scale[c.y.unit])
