@@ -112,7 +112,8 @@ def test_cornering_tyre():
     """At the slip angle alpha: F = K y = psi/C but for the drag; the rest creeps, V sin(alpha - atan psi) = u eps."""
     base = about(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",
                             "initial={steady: {velocity: [10, 0, 0]}}"))  # fmt: skip
-    y, psi = np.abs(base.state.z[base.prepared.system.n_q - 2 : base.prepared.system.n_q])
+    names = base.prepared.system.numbering.name
+    y, psi = (abs(base.state.z[names.index(f"flexible_wheel 'tire': {name}")]) for name in ("y", "psi"))
     assert 2e5 * y == pytest.approx(6e4 * psi, rel=1e-3) and psi == pytest.approx(0.02, rel=5e-3)
     u = 10.0 * np.sin(0.02 - np.arctan(psi)) / 0.01
     assert 2e5 * y == pytest.approx(0.8 * 1e4 * u * (2.0 - u), rel=1e-3)
