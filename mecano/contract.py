@@ -21,7 +21,8 @@ order:
 (internal minus external forces, inertia included) to ``f`` (n_local,) and its exact derivatives K = df/dq,
 C = df/dv, M = df/da to (n_local, n_local) arrays that arrive zeroed. Rotations are varied in the material frame,
 dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi adds
-B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T.
+B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T. A kind with multipliers
+has no other stiffness or damping: those of its owner are another part.
 
 A part of a joint may *borrow* the multipliers of other parts of it (friction that the reactions drive): they stand at
 the end of q, in the order of ``Part.borrows``. It adds nothing to their rows; their columns in K are, as those of all
