@@ -73,7 +73,9 @@ def filled(node, field, fields, scope, given=None):
             values[inner.name] = default(inner, scope)
     if field.name:
         scope.path.pop()
-    return values if len(scope.problems) == before else INVALID
+    # a parameter that was refused elsewhere makes a value invalid without another problem
+    refused = len(scope.problems) > before or any(value is INVALID for value in values.values())
+    return INVALID if refused else values
 
 
 def _left_out(node, field):
