@@ -21,7 +21,8 @@ order:
 (internal minus external forces, inertia included) to ``f`` (n_local,) and its exact derivatives K = df/dq,
 C = df/dv, M = df/da to (n_local, n_local) arrays that arrive zeroed. Rotations are varied in the material frame,
 dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi adds
-B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T.
+B^T (penalty Phi - k_lambda) and the rows -k Phi; its multiplier columns in K are -k B^T. A kind with multipliers
+has no other stiffness or damping: those of its owner are another part.
 
 A part of a joint may *borrow* the multipliers of other parts of it (friction that the reactions drive): they stand at
 the end of q, in the order of ``Part.borrows``. It adds nothing to their rows; their columns in K are, as those of all
@@ -140,6 +141,8 @@ class Kind:
     memory: tuple = ()  # names of the numbers kept from step to step
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    start: Callable | None = None
+    """record -> values (n_scalars,) of its own scalars at the start; zeros without it"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
@@ -154,6 +157,8 @@ class Kind:
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
+    ends: Callable = nothing
+    """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None

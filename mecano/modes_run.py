@@ -14,7 +14,9 @@ from mecano.solve.increments import displaced
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
-from mecano.statics import equilibrium, follow
+from mecano.start import bring_to_start
+from mecano.start import words as start_in_words
+from mecano.statics import follow
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
@@ -43,10 +45,9 @@ def about(deck, at=None):
         result = follow(prepared)
         text = f"static equilibrium at {result.where}"
         return About(prepared, result.point.state, result.assemble, text, (*remarks(prepared), *result.remarks))
-    told = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    told = bring_to_start(prepared, disturbed=False)
     run = march_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    text = "static equilibrium at the start" if deck.values["initial"]["static"] else "initial state"
-    return About(prepared, run.motion, None, text, (*remarks(prepared, run), *told))
+    return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
 
 
 def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic", force=False):
@@ -60,7 +61,7 @@ def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = solve(lin, number, method)
-    told = [*base.remarks, *_sticking(deck, system, base.state), *_doubts(found, lin)]
+    told = [*base.remarks, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
                         remarks=told)  # fmt: skip
@@ -115,13 +116,14 @@ def _sliding(system, s, pair, friction):
     return max(float(v), radius * float(omega))
 
 
-def _doubts(found, lin):
-    if lin.variation > CONSTANT:
+def doubts(variation, residuals):
+    """Texts on matrices that are not constant, and on modes that do not fulfil the equations."""
+    if variation > CONSTANT:
         yield (
-            f"the equations of small motions are not constant in these axes (they change by {lin.variation:.2g} when "
+            f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
             "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
         )
-    worst = float(found.residuals.max(initial=0.0))
+    worst = float(np.max(residuals, initial=0.0))
     if worst > DOUBTFUL:
         yield f"the modes are inaccurate: what they leave of the equations is up to {worst:.2g} of their terms"
 

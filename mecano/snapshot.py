@@ -57,13 +57,16 @@ def _placed(prepared, results, row):
     scalars = list(_scalars(system, results))
     traces = {name: [results.find(f"nodes/{name}/{c}").values for c in columns] for _, name in nodes}
     watch, state = Watch(system), prepared.state.copy()
+    events = [event for event in results.events if event.time <= results.time[row]]
     for r in range(first, row + 1):
         for i, name in nodes:
             _place_node(system, state, i, *(values[r] for values in traces[name]))
         for place, value, rate in scalars:
             state.z[place], state.v[place] = value[r], rate[r]
-        state = watch.settle(state)
         state.memory = system.commit(state)
+        state = watch.settle(state)
+        while events and events[0].time <= results.time[r]:  # which closed and which opened positions cannot tell
+            state = watch.entered(state, events.pop(0))
     return state
 
 

@@ -66,6 +66,11 @@ class Struck:
         n_q = self.system.n_q
         s = prepared.state.copy()
         s.memory = self.system.commit(s)
+        s.modes = s.modes.copy()
+        for b in self.system.batches:
+            if b.kind.name == "wound_cable":  # slack, taut or paying out
+                s.modes[b.modes] = rng.integers(0, 3, len(b.p))
+        s.modes[self.system.followers[:, 0]] = s.modes[self.system.followers[:, 1]]
         contacts = [c for c in self.shocks.catches if c.opened == c.before and c.through == c.after]
         closed = list({c.mode: c for c in contacts if rng.uniform() < 0.2}.values())
         s = self.shocks.moded(s, closed, "after")
@@ -74,6 +79,7 @@ class Struck:
         hit = np.zeros(len(self.system.event_values(s)), bool)
         for mode in {c.mode for c in self.shocks.catches}:
             ready = [c for c in self.shocks.catches if c.mode == mode and c.before == self.before.modes[mode]]
+            ready = [c for c in ready if seed % 2 or c.restitution > 0.0]  # in half of them all may rebound
             if ready and rng.uniform() < share:
                 hit[rng.choice(ready).event] = True
         self.shock = self.shocks.strike(self.before, hit)

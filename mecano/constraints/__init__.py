@@ -13,11 +13,12 @@ from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.constraints.slide_stops import SLIDE_LATCH, SLIDE_STOP
 from mecano.constraints.upright_rolling import UPRIGHT_ROLLING
+from mecano.constraints.wound_line import CATCH
 
 CONSTRAINTS = {
     kind.name: kind
     for kind in (
         DISTANCE, HELD_COORDINATE, IN_PLANE, LEVEL_AXIS, ORTHOGONAL, RELATIVE_ANGLE, RIGID_OFFSET,
-        BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING, ANGLE_LATCH, ANGLE_STOP, SLIDE_LATCH, SLIDE_STOP,
+        BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING, ANGLE_LATCH, ANGLE_STOP, SLIDE_LATCH, SLIDE_STOP, CATCH,
     )
 }  # fmt: skip

@@ -150,12 +150,16 @@ def end_fields(quantity, unit):
     )
     return (
         Field("latch", mapping(latch), "-", "locks for good when it is met, with a shock (docs/shocks.md)", None),
-        Field("stops", mapping(*stops), "-", "rigid stops, met with a shock (docs/shocks.md)", None),
+        Field("stops", mapping(*stops), "-", "rigid stops, met with a shock (docs/shocks.md)", None, _some),
     )
 
 
 def _not_zero(value):
     return None if value else "must not be zero: a joint that is locked from the start on is another joint"
+
+
+def _some(stops):
+    return "'lower' or 'upper' must be given" if stops["lower"] == -inf and stops["upper"] == inf else None
 
 
 def _below(value):

@@ -19,7 +19,7 @@ from mecano.constraints.augmented import let_go, put_levels
 from mecano.constraints.elastic_line import LINE_RECORD, add_line_inertia, put_line, put_line_energy, strained
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_modes import FAR
-from mecano.contract import CONTACT, Event, Row, record
+from mecano.contract import CONTACT, Event, Kind, Part, Row, record
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vec import add_col, add_row, dot, scale, sub, vec
 
@@ -44,8 +44,8 @@ EVENTS = (
 )  # fmt: skip
 MEMORY = ("paid_out", "excess")  # [m] natural length; distance less full length, of the last step that did not hold
 NEARLY = 1.0 - 1e-8  # of the full length: what is left does not count
+MORE = 1.0 + 1e-6  # than the tension of the winder draws line out: where it has just stopped, rounding does not
 MULTIPLIER = 6
-ROW = Row("tension of the cable at its full length", "N", "m", unilateral=True)
 
 
 @njit
@@ -71,14 +71,10 @@ def _tension(p, laws, rate):
 
 
 @njit
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
-    """Tension, inertia and weight."""
+def elastic_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Tension but that of a held line, inertia and weight."""
     add_line_inertia(p, a, f, M)
     length, rate, geometry = line(q, v)
-    if mode == HELD:
-        _hold(p, m, t, k, penalty, laws, q, length, geometry, f, K, C)
-        return
-    let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
     if mode == PAYING:
         N, N_rate, _ = _tension(p, laws, rate)
         add_line_force(f, K, C, rate, geometry, N, 0.0, N_rate)
@@ -91,8 +87,12 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @njit
-def _hold(p, m, t, k, penalty, laws, q, length, geometry, f, K, C):
+def catch_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
+    if mode != HELD:
+        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+        return
+    length, _, geometry = line(q, v)
     Phi = _full(p, laws, t)[0] + m[1] - length
     u = geometry[1]
     add_line_force(f, K, C, 0.0, geometry, q[MULTIPLIER] - penalty * Phi, penalty, 0.0)
@@ -103,7 +103,7 @@ def _hold(p, m, t, k, penalty, laws, q, length, geometry, f, K, C):
 
 
 @njit
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def catch_levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of the full length included."""
     g[:] = 0.0
     if mode == HELD:
@@ -152,11 +152,14 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     strain, strain_rate = strained(length, rate, L, L_rate)
     tautness = min(strain, strain + p.damping * strain_rate)
     if mode == SLACK:
-        g[0 if not full or p.catch == STRETCH else 7 if p.catch == SHOCK else 8] = length - L
+        if full and p.catch != STRETCH:
+            g[7 if p.catch == SHOCK else 8] = length - L
+        else:
+            g[0] = tautness
     elif mode == TAUT:
         g[1] = -tautness
         if not full:
-            g[2] = strain + p.damping * strain_rate - _tension(p, laws, 0.0)[2]
+            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, laws, 0.0)[2]
     elif mode == PAYING:
         g[3] = -rate
         g[4 + p.catch] = length / (1.0 + _tension(p, laws, 0.0)[2]) - _full(p, laws, t)[0]
@@ -172,3 +175,34 @@ def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     paid = max(m[0], p.start)
     m_out[0] = min(length / (1.0 + _tension(p, laws, 0.0)[2]), full) if mode == PAYING else paid
     m_out[1] = m[1] if mode == HELD else length - full
+
+
+def wound_parts(values):
+    """[Part] of a wound line with these values of ``RECORD``: the elastic line, and what holds it."""
+    return [Part(ELASTIC, (0, 1), values), Part(CATCH, (0, 1), values)]
+
+
+def sample(rng):
+    """The constraint held, and let go."""
+    values = {"EA": 80.0, "start": 1.5, "catch": HOLD, "wound": 1.0}
+    return [(values, 2, mode) for mode in MODES]
+
+
+CATCH = Kind(
+    name="line_catch",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "x1"),
+    multipliers=(Row("tension of the cable at its full length", "N", "m", unilateral=True),),
+    modes=MODES,
+    memory=MEMORY,
+    force=catch_force,
+    levels=catch_levels,
+    commit=commit,
+    sample=sample,
+)
+ELASTIC = Kind(
+    name="wound_line", section="", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), modes=MODES, memory=MEMORY,
+    force=elastic_force, commit=commit,
+)  # fmt: skip

@@ -85,7 +85,7 @@ EVENT_TEXTS = {
 """What is kept of an event in words."""
 
 EVENT_NUMBERS = {
-    "impulse": ("", "impulse of a shock, in impulse_unit, along the growing constraint; nan for an event without one"),
+    "impulse": ("", "impulse of a shock, in impulse_unit, along the growing constraint"),
     "energy_lost": ("J", "energy lost in a shock"),
 }
 """What is kept of an event in numbers besides its time: units and meanings."""

@@ -48,7 +48,7 @@ class Trace:
 class Event:
     """Something that happened at a time [s] to an element, joint or load, which mode it left and which it entered.
 
-    A shock has an impulse, with its unit, and the energy lost in it [J]; other events have nan, "" and 0.
+    A shock has an impulse, with its unit, and the energy lost in it [J]; other events have 0, "" and 0.
     """
 
     time: float
@@ -57,7 +57,7 @@ class Event:
     before: str
     after: str
     impulse_unit: str = ""
-    impulse: float = np.nan
+    impulse: float = 0.0
     energy_lost: float = 0.0
 
 

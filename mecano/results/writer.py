@@ -164,7 +164,7 @@ class Writer:
         if self._steps.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_event(self, time, element, name, before="", after="", impulse=np.nan, unit="", lost=0.0):
+    def append_event(self, time, element, name, before="", after="", impulse=0.0, unit="", lost=0.0):
         """Record an event: when [s], to which element, joint or load, which, and the modes before and after.
 
         Of a shock also its impulse, with the unit of that, and the energy lost [J].

@@ -11,6 +11,7 @@ from numba import njit
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
+TOGETHER = 1e-6  # of its change in the step: an event that lacks no more happens with the one that is located
 MAX_RESTEPS = 60
 
 
@@ -23,8 +24,8 @@ class Happening:
     name: str
     before: str
     after: str
-    impulse: float = np.nan  # [N s, N m s] along growing Phi; nan for an event without shock
-    unit: str = ""  # of the impulse
+    impulse: float = 0.0  # [N s, N m s] along growing Phi, of a shock
+    unit: str = ""  # of the impulse; "" for an event without shock
     lost: float = 0.0  # energy [J]
 
 
@@ -64,6 +65,17 @@ class Watch:
             first += n
         modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
         return replace(s, modes=modes), happenings
+
+    def entered(self, s, event):
+        """The state after an ``event`` with an element, a name and two modes, if that element is in the first."""
+        modes = s.modes.copy()
+        for batch in self.system.batches:
+            names = [(of.name, of.before, of.after) for of in batch.kind.events]
+            if event.element in batch.names and (event.name, event.before, event.after) in names:
+                own, before, after = modes[batch.modes], *map(batch.kind.modes.index, (event.before, event.after))
+                own[(np.array(batch.names) == event.element) & (own == before)] = after
+        modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
+        return replace(s, modes=modes)
 
     def settle(self, s):
         """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
@@ -116,5 +128,7 @@ def locate(watch, step, s0, g0, trial, h):
             lo, G_lo = middle, g
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
-    hit = crossed & (watch.values(best[0]) >= 0)
+    hit = crossed.copy()
+    rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
+    hit[crossed] = watch.values(best[0])[crossed] >= -TOGETHER * rise
     return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)

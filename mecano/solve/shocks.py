@@ -60,6 +60,8 @@ class Shocks:
 
     def departing(self, s, g):
         """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
+        if not self.catches or not (g[self.events] >= 0.0).any():
+            return g
         at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].opened >= 0]
         if not at:
             return g
