@@ -72,7 +72,7 @@ def test_steps_stop_at_a_limit_point():
     text = str(caught.value)
     factor = float(text.split("at load factor ")[2].split(":")[0])
     assert 0 < LIMIT / 30.0 - factor < 1e-4
-    assert "method: arc_length" in text and caught.value.exit_code == 3
+    assert "method: arc_length" in text and "the units of loads and stiffness" in text and caught.value.exit_code == 3
 
 
 def test_pendulum_falls_into_place():

@@ -126,7 +126,10 @@ class Steps:
     count: int
     minimum: float
     grow: bool = False
-    hint: str = "method: arc_length past a limit point; method: relaxation, which lets a mechanism fall into place"
+    hint: str = (
+        "the units of loads and stiffness (N, N/m, Pa); method: arc_length past a limit point; "
+        "method: relaxation, which lets a mechanism fall into place"
+    )
 
     def follow(self, follower, point):
         """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
