@@ -1,6 +1,6 @@
 """`python -m mecano`: the command line."""
 
-from mecano.cli import main
+from mecano.cli import program
 
 if __name__ == "__main__":
-    main()
+    program()

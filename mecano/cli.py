@@ -1,5 +1,8 @@
 """The command line: arguments, exit codes, progress. Nothing else; heavy modules are imported by the commands."""
 
+import atexit
+import contextlib
+import gc
 import os
 import signal
 import sys
@@ -75,34 +78,69 @@ def run(deck, output, force, quiet, overrides):
 @commands.command()
 @click.argument("deck", type=click.Path())
 @click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
-@click.option("--number", type=click.IntRange(1), default=10, show_default=True, help="Modes of lowest frequency.")
+@click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
+@click.option(
+    "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
+    help="Over a parameter of the deck, or any number (as --set); or NAME=A,B,C. Twice: a map of stability.",
+)  # fmt: skip
 @click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
     help="Axes in which the motions are seen: that turn with a node, or with an angular velocity [rad/s].",
 )  # fmt: skip
 @click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
-@click.option("-o", "--output", type=click.Path(), help="File of modes; default: the deck's name with _modes.h5, here.")
-@click.option("--plot", is_flag=True, help="Draw the shapes into a picture beside the file.")
-@click.option("--force", is_flag=True, help="Replace an existing file of modes.")
+@click.option(
+    "-o", "--output", type=click.Path(), help="File; default: the deck's name with _modes.h5, or _sweep.h5, here."
+)
+@click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Write the numbers of a sweep beside the file, too.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
-def modes(deck, at, number, frame, solver, output, plot, force, overrides):
+def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
     """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
 
-    With 'static' or 'initial: static' in the deck: about the static equilibrium. Complex eigenvalues with constraints,
-    damping, gyroscopic and follower terms; a table here, shapes in the file and, with --plot, in a picture.
+    With 'static' or 'initial: static' in the deck: about the static equilibrium, with 'initial: {steady: ...}' about
+    straight steady running. Complex eigenvalues with constraints, damping, gyroscopic and follower terms; a table here,
+    shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
     """
+    if sweeps:
+        if at is not None:
+            raise click.BadParameter("is about one state, and --sweep about many", param_hint="--at")
+        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
+    if columns:
+        raise click.BadParameter("belongs to --sweep", param_hint="--csv")
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
     from mecano.modes_run import modes as find
 
-    text, _, _ = find(checked, path, at=at, number=number, frame=frame, method=solver, force=force)
+    text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
     _show(text)
     if plot:
         from mecano.post.mode_shapes import draw_modes
 
         _show(str(draw_modes(path)))
+
+
+def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
+    from mecano.progress import SweepProgress
+    from mecano.sweep_run import sweep_into
+
+    path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
+    progress = SweepProgress(quiet, path)
+    for name in STOPPED:
+        signal.signal(name, _stop)
+    text, total = sweep_into(
+        path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
+        progress=progress,
+    )  # fmt: skip
+    progress.done(total)
+    _show(text)
+    if plot:
+        from mecano.post.loci import draw_sweep
+
+        _show(str(draw_sweep(path)))
 
 
 @commands.command(name="reduce")
@@ -165,13 +203,24 @@ def check(deck, overrides):
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
-def post(results, plots, at, output, kind, columns, title):
+@click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
+def post(results, plots, at, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
     those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
     --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
+
+    --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
+    colours by stress or force, and beside it the plots asked for, or the first of the overview.
     """
+    if page:
+        if len(results) > 1:
+            raise click.UsageError("--animate plays one results file")
+        from mecano.post.animation import animate
+
+        click.echo(animate(results[0], page, plots, title))
+        return
     from mecano.post.pictures import post as draw
 
     for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title, at=at):
@@ -234,6 +283,24 @@ def main():
         _end(7, "out of memory")
     except Exception as error:
         _report(error)
+
+
+def program():
+    """``main`` as a process of its own: the objects of numba and of the model all live to its end.
+
+    To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
+    """
+    gc.set_threshold(50_000, 20, 20)
+    try:
+        main()
+        code = 0
+    except SystemExit as ended:
+        code = ended.code or 0
+    atexit._run_exitfuncs()  # os._exit leaves them out
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError):
+            stream.flush()
+    os._exit(code)
 
 
 def _report(error):

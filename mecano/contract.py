@@ -141,6 +141,8 @@ class Kind:
     memory: tuple = ()  # names of the numbers kept from step to step
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    start: Callable | None = None
+    """record -> values (n_scalars,) of its own scalars at the start; zeros without it"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
@@ -155,6 +157,8 @@ class Kind:
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
+    ends: Callable = nothing
+    """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None

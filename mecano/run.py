@@ -3,13 +3,14 @@
 import numpy as np
 
 from mecano.elements import KINDS
+from mecano.errors import ConvergenceError
 from mecano.model.sampler import Sampler
 from mecano.prepare import chosen, march_of, prepare, remarks
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
-from mecano.statics import equilibrium
+from mecano.start import bring_to_start
 
 
 class Recorder:
@@ -21,6 +22,7 @@ class Recorder:
         every = values["output"]["every"]
         self.every = None if every == "step" else every
         self.start, self.end, self.saved = values["time"]["start"], values["time"]["end"], 0
+        self.ends = watched(prepared.deck, sampler, "ends")
 
     def first(self, run):
         """Write the start itself."""
@@ -38,11 +40,18 @@ class Recorder:
             numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
+            self._refuse(run.motion.t, row)
         for happening in accepted.happenings:
             self.writer.append_event(
                 happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
                 happening.unit, happening.lost,
             )  # fmt: skip
+
+    def _refuse(self, t, row):
+        """Raise ConvergenceError where an element can go no further; what was written stays."""
+        for name, d, _, i, size, text in self.ends:
+            if abs(row[i]) > size:
+                raise ConvergenceError(f"no way on from t = {t:.9g} s: {d['type']} '{name}' {text}")
 
     def _save(self, accepted, row):
         """Save the step, or the motion at every multiple of the interval in it: interpolated, no step is shortened."""
@@ -75,7 +84,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     """
     refuse_existing(path, force)
     values, prepared = deck.values["time"], prepare(deck)
-    found = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
     notes = [*remarks(prepared, start), *found]
@@ -91,22 +100,43 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)
-        warnings = [*march.remarks, *exceeded(deck, sampler, writer.extremes)]
+        warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
         for text in warnings:
             announce(text)
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
 
 
+NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
+
+
+def cut_short(values, cuts, final):
+    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
+    if values["adaptive"] or len(cuts) <= NOTED * final.steps:
+        return
+    since, smallest = cuts[0][0], min(h for _, h in cuts)
+    yield (
+        f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
+        f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
+        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
+    )
+
+
 def exceeded(deck, sampler, extremes):
     """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
-    texts, columns = [], {column.path: column.start for column in sampler.columns}
-    for name, d in deck.values["elements"].items():
-        for output, limit, text in KINDS[d["type"]].limits(d):
-            i = columns[f"elements/{name}/{output}"]
-            if extremes.high[i] > limit:
-                texts.append(
-                    f"{d['type']} '{name}': {output} reached {extremes.high[i]:.4g} at t = "
-                    f"{extremes.high_time[i]:.4g} s, but {text}"
-                )
-    return texts
+    high, when = extremes.high, extremes.high_time
+    return [
+        f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
+        for name, d, output, i, limit, text in watched(deck, sampler, "limits")
+        if high[i] > limit
+    ]
+
+
+def watched(deck, sampler, what):
+    """What the kinds of the elements watch, "limits" or "ends": [(name, values, output, its column, value, text)]."""
+    columns = {column.path: column.start for column in sampler.columns}
+    return [
+        (name, d, output, columns[f"elements/{name}/{output}"], value, text)
+        for name, d in deck.values["elements"].items()
+        for output, value, text in getattr(KINDS[d["type"]], what)(d)
+    ]

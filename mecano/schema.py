@@ -36,6 +36,7 @@ LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
 GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
+WHEEL = Type("wheel", "the name of a wheel")  # of the elements; its checked values take the place of the name
 
 SECTION = Type("section", "the name of a cross section")
 REDUCED = Type("reduced", "a .yaml, .npz or .h5 file of reduced matrices, or a mapping as in such a file")

@@ -14,10 +14,11 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
+BEYOND = 30  # places behind the outputs that must stay empty
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
 
@@ -111,10 +112,12 @@ class Instance:
 
     def observe(self, t, state, F):
         """Outputs (n_outputs,) and energies (4,)."""
-        y, e = np.zeros(sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)), np.zeros(4)
+        n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
+        y, e = np.zeros(n + BEYOND), np.zeros(4)
         if self.kind.observe is not None:
             self.run("observe", t, self.laws, *state, F, y, e)
-        return y, e
+        assert not y[n:].any(), "more outputs are written than declared"
+        return y[:n].copy(), e
 
     def written(self, name, size, t, state):
         """What ``event_values`` or ``commit`` writes, (size,)."""
@@ -207,6 +210,9 @@ def turned_values(kind, values, Q, shift):
             out[field.name] = Q @ np.asarray(value, float) + shift
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
+        if value is not None and field.type == WHEEL:
+            ground = _turned_ground(value["ground"], Q, shift)
+            out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}
     return out
 
 

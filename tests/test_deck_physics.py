@@ -48,6 +48,25 @@ def test_what_cannot_be(old, new, caret, words):
     assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
 
 
+def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
+    text = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0]}}
+elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
+joints:
+  pin: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+  motor: {type: prescribed_angle, nodes: [a, ground], axis: [0, -2, 0], value: 1.0}
+time: {end: 1, step: 0.1}
+"""
+    assert problems(text) == []
+    (problem,) = problems(text.replace("[0, -2, 0]", "[0, 1, 1]"))
+    assert problem.message == (
+        "prescribed_angle 'motor': 'axis' is not that of hinge 'pin' between the same nodes, [0, 1, 0], about which "
+        "alone they can turn"
+    )
+    assert problem.mark.text[problem.mark.column - 1 :].startswith("[0, 1, 1]")
+
+
 BAR = """
 mecano: 1
 nodes: {a: {position: [0, 0, 0], orientation: [0, 0.5, 0]}, b: {position: [1, 0, 0], orientation: [0, 0.5, 0]}}

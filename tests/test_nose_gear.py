@@ -1,12 +1,9 @@
 """inputs/nose_gear_rigid.yaml against a planar model in minimal coordinates, and the facts told in docs/examples."""
 
-import math
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from marching import March, input_deck
-from scipy.integrate import solve_ivp
+from planar_gear import PlanarGear
 
 from mecano.prepare import prepare
 
@@ -28,94 +25,17 @@ def flights(march):
     return [(up, down) for (_, up), (_, down) in zip(times[1::2], times[2::2], strict=True)]
 
 
-class PlanarGear:
-    """The gear in its plane, points as complex numbers x + iz: load (X, Z), angle of the arm, spin of the wheel.
-
-    The minimal coordinates of what the deck builds from five bodies and 28 constraints: leg and brace move with the
-    load, the arm turns about the elbow by theta (e^{-i theta} raises the wheel), the wheel about the axle.
-    """
-
-    def __init__(self, deck):
-        node = {name: d["position"][0] + 1j * d["position"][2] for name, d in deck.values["nodes"].items()}
-        body = deck.values["elements"]
-        self.elbow = elbow = node["arm_elbow"]
-        self.axle, self.lug = node["axle"] - elbow, node["arm_absorber_lug"] - elbow
-        self.mount = node["leg_absorber_lug"] - elbow
-        self.arm, self.wheel = body["arm"]["mass"], body["rim"]["mass"]
-        self.load = sum(body[name]["mass"] for name in ("aircraft", "leg", "brace"))
-        c = body["arm"]["center_of_mass"]
-        self.centre = c[0] + 1j * c[2]
-        self.J, self.I = body["arm"]["inertia"][1], body["rim"]["inertia"][1]
-        self.oleo = {name: SimpleNamespace(**values) for name, values in deck.values["laws"]["oleo"]}
-        self.tire = SimpleNamespace(**deck.values["tire_laws"]["nose_tire"])
-        terms = dict(self.tire.radial)
-        self.radial = np.polynomial.Polynomial(terms["polynomial"]["coefficients"])
-        ((_, friction),) = self.tire.friction
-        self.friction = SimpleNamespace(**friction)
-
-    def absorber(self, s, v):
-        """Force that pulls its ends together [N]."""
-        gas, oil, dry, stop = (self.oleo[n] for n in ("gas_spring", "oil_damper", "dry_friction", "stop"))
-        F = -gas.force * (gas.length / (gas.length + s)) ** gas.exponent
-        F += (oil.compression if v < 0 else oil.rebound) * v * abs(v)
-        u = min(abs(v) / dry.regularization, 1.0)
-        F += dry.force * u * (2 - u) * math.copysign(1.0, v)
-        return F + (stop.stiffness * (s - stop.upper) * max(0.0, 1 + stop.damping * v) if s > stop.upper else 0.0)
-
-    def deformation(self, y):
-        """Deformation of the tyre [m], positive or not, and extension of the absorber [m]."""
-        turned = np.exp(-1j * y[2])
-        height = y[1] + (self.elbow + self.axle * turned).imag
-        return self.tire.radius - height, abs(self.mount - self.lug * turned) - abs(self.mount - self.lug)
-
-    def contact(self, w, w1, u, spin):
-        """Force of the ground, drag + i lift [N]."""
-        if w <= 0:
-            return 0j
-        N = self.radial(w) * max(0.0, 1 + self.tire.radial_damping * w1)
-        slip = u - spin * (self.tire.radius - w)
-        f = self.friction
-        mu = f.limit + (f.start - f.limit) * math.exp(-f.rate * abs(slip))
-        p = min(abs(slip) / self.tire.slip_regularization, 1.0)
-        return N * (1j - mu * p * (2 - p) * math.copysign(1.0, slip))
-
-    def rates(self, t, y):
-        """d/dt of (X, Z, theta, spin angle, and their rates); X, Z displacements of the load."""
-        X1, Z1, theta1, spin = y[4:]
-        turned = np.exp(-1j * y[2])
-        a, c, lug = self.axle * turned, self.centre * turned, self.lug * turned
-        w, s = self.deformation(y)
-        d = self.mount - lug
-        s_theta = -(d.conjugate() * -1j * lug).real / abs(d)
-        hub = X1 + 1j * Z1 - 1j * a * theta1
-        ground = self.contact(w, -hub.imag, hub.real, spin)
-        total, first = self.load + self.arm + self.wheel, self.wheel * a + self.arm * c
-        S = -1j * first  # momentum by theta'
-        M = np.array([
-            [total, 0, S.real],
-            [0, total, S.imag],
-            [S.real, S.imag, self.J + self.wheel * abs(a) ** 2 + self.arm * abs(c) ** 2],
-        ])  # fmt: skip
-        F = ground - 9.81j * total + first * theta1**2
-        lever = (np.conj(-1j * a) * ground).real - 9.81 * S.imag - self.absorber(s, s_theta * theta1) * s_theta
-        acceleration = np.linalg.solve(M, [F.real, F.imag, lever])
-        return [*y[4:], *acceleration, -ground.real * (self.tire.radius - w) / self.I]
-
-    def run(self, end, sink, speed):
-        """Times at which the tyre meets or leaves the ground, states (n, 8)."""
-
-        def gap(t, y):
-            return self.deformation(y)[0]
-
-        start = [0.0, 0.0, 0.0, 0.0, speed, sink, 0.0, 0.0]
-        out = solve_ivp(self.rates, (0.0, end), start, "LSODA", events=gap, rtol=1e-9, atol=1e-10, max_step=2e-3)
-        assert out.success
-        return out.t_events[0], out.y.T
+def planar_gear(deck):
+    """The PlanarGear of the deck's rigid bodies."""
+    body = deck.values["elements"]
+    centre = body["arm"]["center_of_mass"]
+    load = sum(body[name]["mass"] for name in ("aircraft", "leg", "brace"))
+    return PlanarGear(deck, load, (body["arm"]["mass"], centre[0] + 1j * centre[2], body["arm"]["inertia"][1]))
 
 
 def test_against_a_planar_model(flat):
     """Times of contact within 20 us, extremes and final motion within 1e-5: the tolerance of the deck is enough."""
-    planar = PlanarGear(input_deck("nose_gear_rigid"))
+    planar = planar_gear(input_deck("nose_gear_rigid"))
     times, states = planar.run(4.0, -3.05, 60.0)
     w, s = np.array([planar.deformation(y) for y in states]).T
     assert times[1:] == pytest.approx(np.array(flights(flat)).ravel(), abs=2e-5)

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from mecano.constraints.ground import prepare_ground
+from mecano.constraints.ground import LEAN, prepare_ground
 from mecano.contract import Output
 from mecano.maths.vec import add, add_vec, norm, put, scale, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
@@ -24,6 +24,7 @@ OUTPUTS = (
     Output("friction_needed", "-", "tangential over normal force: the least friction with which it does not slip"),
     Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
     Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
+    LEAN,
 )
 
 
@@ -39,8 +40,8 @@ def disc_record(d, nodes, context):
 
 
 @njit
-def put_outputs(y, q, N, driving, lateral, frame, height, arm, spin):
-    """Write OUTPUTS: forces [N] along the ``frame`` (n, t, l), height [m], arm of the contact (3,), spin rate."""
+def put_outputs(y, q, N, driving, lateral, frame, height, arm, spin, lean):
+    """Write OUTPUTS: forces [N] along the ``frame`` (n, t, l), height [m], arm of the contact (3,), spin rate, lean."""
     n, t, l = frame
     y[0] = height
     y[1] = norm(arm)
@@ -52,3 +53,4 @@ def put_outputs(y, q, N, driving, lateral, frame, height, arm, spin):
     y[9] = spin
     put(y, 10, vec(q, 0))
     add_vec(y, 10, 1.0, arm)
+    y[13] = lean

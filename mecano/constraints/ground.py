@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
+from mecano.contract import Output
 from mecano.laws.probe import curve_at
 from mecano.laws.table import breakpoints, evaluate_curve
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
@@ -17,6 +18,8 @@ from mecano.maths.vec import ZERO, dot, sub, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
+LEAST_Q = 0.1  # of |n x a|: a wheel with less lies flat; its contact runs round the rim
+LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a hollow that is narrower than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 
@@ -61,12 +64,22 @@ def _is_corner(law, s):
 def check_axle(ground, x, axis):
     """Texts on what is wrong with a wheel's start: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
     normal = _unit(ground["plane"]["normal"])
-    if np.linalg.norm(np.cross(normal, _unit(axis))) < 0.1:
+    if np.linalg.norm(np.cross(normal, _unit(axis))) < LEAST_Q:
         return ["the wheel lies flat: its axis is along the normal of the ground"]
-    height = normal @ (np.asarray(x, float) - ground["plane"]["point"])
-    if not ground.get("profile") and height <= 0.0:
+    arm = np.asarray(x, float) - ground["plane"]["point"]
+    height, profile = normal @ arm, ground.get("profile")
+    if profile:
+        direction = _in_plane(profile["direction"], normal)
+        size = np.linalg.norm(direction)
+        height -= curve_at(profile["height"], direction @ arm / size)[0] if size > 0.0 else 0.0
+    if height <= 0.0:
         return [f"the wheel's centre is {-height:g} m below the ground"]
     return []
+
+
+def ends(d):
+    """A run ends where the wheel comes to lie flat: its contact is undefined there."""
+    return [("lean", math.acos(LEAST_Q), "lies flat: its axis has come along the normal of the ground")]
 
 
 def _unit(a):
@@ -77,6 +90,12 @@ def _unit(a):
 def _in_plane(direction, normal):
     direction = _unit(direction)
     return direction - (direction @ normal) * normal
+
+
+@njit
+def lean_of(g):
+    """LEAN [rad] of a disc in the Contact ``g``."""
+    return math.asin(max(-1.0, min(1.0, g.s)))
 
 
 @njit

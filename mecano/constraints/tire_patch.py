@@ -12,8 +12,8 @@ A force of the patch on the ground, F in the ground and -N n along its normal, w
 .. math::
     x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G, \quad \psi: -y\, (n \times a) \cdot F
 
-Derivatives come in blocks of three variables: X (dx), T (inertial dtheta), S (dy, dpsi, unused), each 3x3 or 3; those
-by the velocities likewise.
+Derivatives come in blocks of three variables: X (dx), T (inertial dtheta), S (dy, dpsi and a third own unknown, on
+which nothing here depends), each 3x3 or 3; those by the velocities likewise.
 """
 
 from typing import NamedTuple
@@ -26,6 +26,8 @@ from mecano.maths.vec import (
     EYE,
     ZERO,
     add,
+    add_mat,
+    add_row,
     add_vec,
     cross,
     dot,
@@ -43,7 +45,7 @@ from mecano.maths.vec import (
     vec,
 )  # fmt: skip
 
-Y, PSI = 6, 7  # local unknowns
+Y, PSI, BOW = 6, 7, 8  # local unknowns
 NO_MATRIX = (ZERO, ZERO, ZERO)
 OF_Y, OF_PSI = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # derivatives of y and psi in the block S
 
@@ -175,8 +177,8 @@ def patch_column(k, F):
 
 
 @njit
-def add_patch_tangent(A, j, n_columns, Rn, frame, k, F, N, G, dF, dN, d, moment):
-    """Add the derivatives of ``add_patch_force`` by three variables, to the ``n_columns`` of A from j on.
+def add_patch_tangent(A, j, Rn, frame, k, F, N, G, dF, dN, d, moment):
+    """Add the derivatives of ``add_patch_force`` by three variables, to the columns of A from j on.
 
     ``dF`` 3x3 and ``dN`` (3,) are those of F and N, ``d`` the Variation, ``frame`` turns the variables; ``moment``
     3x3 is what the turning of the node itself adds.
@@ -188,15 +190,7 @@ def add_patch_tangent(A, j, n_columns, Rn, frame, k, F, N, G, dF, dN, d, moment)
     turn = madd(madd(matmul(skew(k.rho), dG), mscale(-1.0, matmul(skew(G), d.rho))), moment)
     side = add(tmul(d.a, G), tmul(dG, k.a))
     yaw = add(scale(k.y, add(tmul(d.across, F), tmul(dF, k.across))), scale(dot(k.across, F), d.y))
-    _add(A, 0, j, 3, n_columns, matmul(dP, frame))
-    _add(A, 3, j, 3, n_columns, matmul(transpose(Rn), matmul(turn, frame)))
-    _add(A, Y, j, 2, n_columns, mscale(-1.0, matmul((side, yaw, ZERO), frame)))
-
-
-@njit
-def _add(A, i, j, n_rows, n_columns, B):
-    """A[i:i+n_rows, j:j+n_columns] += the first rows and columns of B."""
-    for r in range(n_rows):
-        row = B[r]
-        for c in range(n_columns):
-            A[i + r, j + c] += row[c]
+    add_mat(A, 0, j, 1.0, matmul(dP, frame))
+    add_mat(A, 3, j, 1.0, matmul(transpose(Rn), matmul(turn, frame)))
+    add_row(A, Y, j, -1.0, tmul(frame, side))
+    add_row(A, PSI, j, -1.0, tmul(frame, yaw))

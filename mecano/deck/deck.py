@@ -52,7 +52,7 @@ class Deck:
         gives the same values. What is absent (None, or an infinite bound) is left out.
         """
         names = {}
-        for section in ("laws", "grounds", "tire_laws", "sections"):
+        for section in ("laws", "grounds", "tire_laws", "sections", "elements"):
             names |= {id(value): name for name, value in self.values[section].items()}
         return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 

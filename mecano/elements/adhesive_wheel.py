@@ -12,7 +12,7 @@ energy, that do not slip, and the energy of this shock is lost. Sideways there i
 
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD
+from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.constraints.tire_patch import (
     PSI,
     Y,
@@ -24,8 +24,20 @@ from mecano.constraints.tire_patch import (
     patch_column,
 )
 from mecano.contract import Event, Kind, Row, record
-from mecano.elements.lateral_law import LATERAL_RECORD, lateral_law, relax
-from mecano.elements.patch_wheel import FIELDS, OUTPUTS, check, event_values, limits, prepare, put_patch, sample
+from mecano.elements.lateral_force import lateral_law, law_rows, relax
+from mecano.elements.lateral_law import LATERAL_RECORD
+from mecano.elements.patch_wheel import (
+    FIELDS,
+    OUTPUTS,
+    SCALARS,
+    check,
+    event_values,
+    limits,
+    prepare,
+    put_patch,
+    sample,
+    start,
+)
 from mecano.elements.tire_law import TIRE_RECORD, radial_force, speed_over_ground
 from mecano.maths.surface import Block as OfContact
 from mecano.maths.surface import directions, directions_variation
@@ -34,11 +46,14 @@ from mecano.maths.vec import (
     ZERO,
     add,
     add_col,
+    add_mat,
+    add_row,
     add_vec,
     cross,
     dot,
     madd,
     mat,
+    matmul,
     mscale,
     mul,
     norm,
@@ -51,7 +66,7 @@ from mecano.maths.vec import (
 )  # fmt: skip
 
 AIR, CONTACT = 0, 1
-MULTIPLIERS = 8  # driving, lateral
+MULTIPLIERS = 9  # driving, lateral
 NO_MATRIX = (ZERO, ZERO, ZERO)
 
 
@@ -61,12 +76,16 @@ def _forces(p, laws, k, q, v):
     radial, F_w, F_w1 = radial_force(p, laws, p.radius - k.g.r, k.w1)
     N = radial / k.g.q
     axle, ahead = speed_over_ground(k.g.n, vec(v, 0))
-    return radial, F_w, F_w1, N, ahead, lateral_law(p, laws, (q[Y], q[PSI]), (v[Y], v[PSI]), N, axle)
+    law = lateral_law(p, laws, vec(q, Y), vec(v, Y), N, axle, dot(k.g.n, k.omega))
+    return radial, F_w, F_w1, N, ahead, law
 
 
 @njit
-def _add_block(A, j, n_columns, Rn, frame, k, forces, F, G, de, sizes, penalty, k_scale, d, d_speed, by_law, moment):
-    """Add the derivatives by one block of variables; ``de`` those of t and l, ``sizes`` the forces along them."""
+def _add_block(A, j, Rn, frame, k, forces, F, G, de, sizes, penalty, k_scale, d, paces, by_law, moment):
+    """Add the derivatives by one block of variables.
+
+    ``de`` are those of t and l, ``sizes`` the forces along them, ``paces`` the derivatives of speed and turning rate.
+    """
     radial, F_w, F_w1, N, ahead, law = forces
     t, l = directions(k.a, k.g)
     by_t = add(tmul(de[0], k.v_C), tmul(d.v_C, t))
@@ -74,16 +93,12 @@ def _add_block(A, j, n_columns, Rn, frame, k, forces, F, G, de, sizes, penalty, 
     dF = madd(mscale(sizes[0], de[0]), outer(scale(penalty, t), by_t))
     dF = madd(dF, madd(mscale(sizes[1], de[1]), outer(scale(penalty, l), by_l)))
     dN = add(scale(1.0 / k.g.q, add(scale(F_w, d.w), scale(F_w1, d.w1))), scale(N * k.g.s / k.g.q**2, d.s))
-    aligned = madd(outer(scale(-1.0, k.g.n), by_law[2]), mscale(-law.turn, d.n))
-    add_patch_tangent(A, j, n_columns, Rn, frame, k, F, N, G, dF, dN, d, madd(moment, aligned))
-    rows = (
-        tmul(frame, add(by_law[0], add(scale(law.F_N, dN), scale(law.F_u, d_speed)))),
-        tmul(frame, add(by_law[1], add(scale(law.M_N, dN), scale(law.M_u, d_speed)))),
-        scale(-k_scale, tmul(frame, by_t)), scale(-k_scale, tmul(frame, by_l)),
-    )  # fmt: skip
-    for c in range(n_columns):
-        for r in range(4):
-            A[Y + r, j + c] += rows[r][c]
+    rows, turn = law_rows(law, by_law, dN, paces[0], paces[1])
+    aligned = madd(outer(scale(-1.0, k.g.n), turn), mscale(-law.turn, d.n))
+    add_patch_tangent(A, j, Rn, frame, k, F, N, G, dF, dN, d, madd(moment, aligned))
+    add_mat(A, Y, j, 1.0, matmul(rows, frame))
+    add_row(A, MULTIPLIERS, j, -k_scale, tmul(frame, by_t))
+    add_row(A, MULTIPLIERS + 1, j, -k_scale, tmul(frame, by_l))
 
 
 @njit
@@ -109,7 +124,7 @@ def _turning(k, d, da):
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces of ground and tyre law, constraints, and their derivatives; see the contract."""
     if mode == AIR:
-        relax(p, q, v, f, K, C, Y)
+        relax(p, q, v, f, K, C)
         for row in range(MULTIPLIERS, MULTIPLIERS + 2):
             f[row] -= q[row]
             K[row, row] -= k
@@ -123,30 +138,30 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     F, law = add(scale(sizes[0], along), scale(sizes[1], across)), forces[5]
     G = add_patch_force(f, Rn, at, F, forces[3])
     add_vec(f, 3, -law.turn, tmul(Rn, at.g.n))
-    f[Y] += law.F
-    f[PSI] += law.M
+    add_vec(f, Y, 1.0, law.f)
     f[MULTIPLIERS] -= k * Phi[0]
     f[MULTIPLIERS + 1] -= k * Phi[1]
     _add_multipliers(K, Rn, at, k)
 
-    none, b, still = (ZERO, ZERO, ZERO), p.aligning, (NO_MATRIX, NO_MATRIX)
-    by_q = ((law.F_q[0], law.F_q[1], 0.0), (law.M_q[0], law.M_q[1], 0.0), (b[0], b[1], 0.0))
-    by_v = ((law.F_v[0], law.F_v[1], 0.0), (law.M_v[0], law.M_v[1], 0.0), (b[2], b[3], 0.0))
+    none, still, nothing = (ZERO, ZERO, ZERO), (NO_MATRIX, NO_MATRIX), (NO_MATRIX, ZERO)
+    by_q, by_v = (law.f_q, law.turn_q), (law.f_v, law.turn_v)
     turning = skew(sub(cross(at.rho, G), scale(law.turn, at.g.n)))
     rise, frames = -dot(at.g.n, vec(v, 0)), (EYE, Rn, EYE)
     by_place, by_motion = by_positions(p, at, v[Y]), by_velocities(at)
-    laws_of_place, laws_of_motion = (none, none, by_q), (none, none, by_v)
-    moments, ahead = (none, turning, none), (forces[4], ZERO, ZERO)
+    laws_of_place, laws_of_motion = (nothing, nothing, by_q), (nothing, nothing, by_v)
+    moments, ahead = (none, turning, none), ((forces[4], ZERO), (ZERO, at.g.n), (ZERO, ZERO))
+    swings = (ZERO, cross(at.omega, at.g.n), ZERO)
     for i in range(3):
-        n_columns, d = 3 if i < 2 else 2, by_place[i]
-        climb, de = scale(rise, tmul(d.n, forces[4])), _turning(at, d, d.a)
+        d = by_place[i]
+        paces = (scale(rise, tmul(d.n, forces[4])), add(tmul(d.n, at.omega), swings[i]))
+        de = _turning(at, d, d.a)
         _add_block(
-            K, 3 * i, n_columns, Rn, frames[i], at, forces, F, G, de, sizes, penalty, k, d, climb, laws_of_place[i],
+            K, 3 * i, Rn, frames[i], at, forces, F, G, de, sizes, penalty, k, d, paces, laws_of_place[i],
             moments[i],
         )  # fmt: skip
         d = by_motion[i]
         _add_block(
-            C, 3 * i, n_columns, Rn, frames[i], at, forces, F, G, still, sizes, penalty, k, d, ahead[i],
+            C, 3 * i, Rn, frames[i], at, forces, F, G, still, sizes, penalty, k, d, ahead[i],
             laws_of_motion[i], none,
         )  # fmt: skip
 
@@ -188,10 +203,10 @@ ADHESIVE_WHEEL = Kind(
     name="adhesive_wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(**LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
     layout=("x0", "R0"),
-    scalars=("lateral displacement", "torsion"),
-    relaxing=("torsion",),
+    scalars=SCALARS,
+    relaxing=("psi", "bow"),
     multipliers=(Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s")),
     fields=FIELDS,
     outputs=OUTPUTS,
@@ -201,8 +216,10 @@ ADHESIVE_WHEEL = Kind(
         Event("lift_off", "contact", "air", "the deformation returns to zero"),
     ),
     prepare=prepare,
+    start=start,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     levels=levels,
     observe=observe,

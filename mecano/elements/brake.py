@@ -1,22 +1,39 @@
 r"""Brake: a torque about the axle of a wheel against a reference node, the leg or arm that carries it.
 
-With the axis a carried by the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u = |v| of
-the wheel's node, the torque that opposes W is
+With the axis a carried by the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
+wheel's node, the torque that opposes W is
 
-    tau = min(T(t), T_max(u)) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
+    tau = min(T(t), B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
 
-The bound T_max(u) keeps the wheel from skidding: for friction mu_0 exp(-kappa u) under the force F_ref at the radius r,
-with a margin sigma <= 1, it is sigma mu_0 F_ref r exp(-kappa u), ``bound: {exponential: {start: ..., rate: kappa}}``.
-The smaller of both is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with
-s = 0.02. A stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
+A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of which sigma <= 1 is used, it is
+
+    B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
+    B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
+
+and ``anti_skid`` lets the brake go while the slip ratio of the ``wheel`` is large (brake_bound.py). The smaller of T
+and B is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A
+stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 """
 
 import math
 
+import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import GROUND_RECORD, normal_and_level, prepare_ground
 from mecano.contract import Kind, Output, record
+from mecano.elements.brake_bound import (
+    BY_ADHESION,
+    BY_SPEED,
+    PLACE,
+    SPIN,
+    UNBOUNDED,
+    bound_of,
+    scaled,
+    summed,
+)
+from mecano.elements.tire_law import TIRE_RECORD, prepare_tire_law
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vec import (
     add_mat,
@@ -26,18 +43,21 @@ from mecano.maths.vec import (
     matmul,
     mscale,
     mul,
-    norm,
     outer,
     scale,
     skew,
+    tmul,
     transpose,
     vec,
 )  # fmt: skip
-from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, Field, positive
+from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
 
-RECORD = record(axis=3, torque="i", bound="i", bounded=(), rate_regularization=())
+RECORD = record(
+    axis=3, torque="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
+    least_speed=(), **GROUND_RECORD, **TIRE_RECORD,
+)  # fmt: skip
 SMOOTH = 0.02  # s of the smaller of both
-REFERENCE, PLACE, WHEEL = 0, 3, 6  # local unknowns: rotation, position, rotation
+REFERENCE = 0  # local unknowns: rotation of the reference node; then place and rotation of the wheel's
 
 
 @njit
@@ -50,15 +70,14 @@ def _least(T, B):
 
 
 @njit
-def _torque(p, laws, t, u):
-    """Torque [N m] at full rate, its derivative by the speed u [m/s], and the bound."""
+def _torque(p, laws, t, q, v, R):
+    """Torque [N m] at full rate, its Gradient by the motion of the wheel, and the Bound."""
     T, _, _ = evaluate_curve(laws, p.torque, t)
-    T = max(T, 0.0)
-    if p.bounded == 0.0:
-        return T, 0.0, 0.0
-    B, B_u, _ = evaluate_curve(laws, p.bound, u)
-    least, by_B = _least(T, B)
-    return least, by_B * B_u, B
+    least, by_B, bound = max(T, 0.0), 0.0, bound_of(p, laws, q, v, R)
+    if p.bounded != UNBOUNDED:
+        least, by_B = _least(least, bound.B)
+    by = summed(scaled(by_B * bound.factor, bound.B_by), scaled(least, bound.factor_by))
+    return least * bound.factor, by, bound
 
 
 @njit
@@ -75,68 +94,139 @@ def _rate(p, v, R):
     """Relative rate W, axis in the axes of the reference node, relative rotation."""
     A = matmul(transpose(mat(R[0])), mat(R[1]))
     b = mul(A, vec(p.axis, 0))
-    return dot(vec(p.axis, 0), vec(v, WHEEL)) - dot(b, vec(v, REFERENCE)), b, A
+    return dot(vec(p.axis, 0), vec(v, SPIN)) - dot(b, vec(v, REFERENCE)), b, A
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moments on both nodes and their derivatives."""
-    axis, Omega = vec(p.axis, 0), vec(v, REFERENCE)
+    axis, Omega, Rn = vec(p.axis, 0), vec(v, REFERENCE), mat(R[1])
     rate, b, A = _rate(p, v, R)
-    u = norm(vec(v, PLACE))
-    T, T_u, _ = _torque(p, laws, t, u)
+    T, by, _ = _torque(p, laws, t, q, v, R)
     g, g_rate = _sign(rate, p.rate_regularization)
-    tau, tau_rate = T * g, T * g_rate
-    add_vec(f, WHEEL, tau, axis)
+    tau, tau_rate, by = T * g, T * g_rate, scaled(g, by)
+    add_vec(f, SPIN, tau, axis)
     add_vec(f, REFERENCE, -tau, b)
     # b = A xi turns with both nodes: db = hat(b) dTheta_reference - A hat(xi) dTheta_wheel
     b_r, b_w = skew(b), mscale(-1.0, matmul(A, skew(axis)))
-    for place, moment in ((WHEEL, axis), (REFERENCE, scale(-1.0, b))):
-        add_mat(C, place, WHEEL, tau_rate, outer(moment, axis))
+    for place, moment in ((SPIN, axis), (REFERENCE, scale(-1.0, b))):
+        add_mat(C, place, SPIN, 1.0, outer(moment, _sum(tau_rate, axis, tmul(Rn, by.w))))
         add_mat(C, place, REFERENCE, -tau_rate, outer(moment, b))
-        if u > 0.0:
-            add_mat(C, place, PLACE, T_u * g / u, outer(moment, vec(v, PLACE)))
+        add_mat(C, place, PLACE, 1.0, outer(moment, by.v))
+        add_mat(K, place, PLACE, 1.0, outer(moment, by.x))
         add_mat(K, place, REFERENCE, -tau_rate, outer(moment, mul(transpose(b_r), Omega)))
-        add_mat(K, place, WHEEL, -tau_rate, outer(moment, mul(transpose(b_w), Omega)))
+        turned = _sum(-tau_rate, mul(transpose(b_w), Omega), tmul(Rn, by.t))
+        add_mat(K, place, SPIN, 1.0, outer(moment, turned))
     add_mat(K, REFERENCE, REFERENCE, -tau, b_r)
-    add_mat(K, REFERENCE, WHEEL, -tau, b_w)
+    add_mat(K, REFERENCE, SPIN, -tau, b_w)
+
+
+@njit
+def _sum(s, a, b):
+    """s a + b"""
+    return (s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2])
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Torque, bound, relative rate, power."""
+    """Torque, bound, relative rate, power, slip ratio."""
     rate, _, _ = _rate(p, v, R)
-    T, _, bound = _torque(p, laws, t, norm(vec(v, PLACE)))
+    T, _, bound = _torque(p, laws, t, q, v, R)
     tau = T * _sign(rate, p.rate_regularization)[0]
     y[0] = tau
-    y[1] = bound
+    y[1] = bound.B
     y[2] = rate
     y[3] = tau * rate
+    y[4] = bound.slip
     e[2] = tau * rate
 
 
 def prepare(d, nodes, context):
-    """Record: axis in the wheel's frame, laws."""
-    bounded = d["bound"] is not None
-    return {
+    """Record: axis in the wheel's frame, laws; ground and tyre of the wheel that it watches."""
+    bounded = BY_SPEED if d["bound"] is not None else BY_ADHESION if d["adhesion"] is not None else UNBOUNDED
+    law = d["bound"] if d["bound"] is not None else d["adhesion"]
+    values = {
         "axis": carried_axis(d, nodes[1:]),
         "torque": int(context.laws.add(d["torque"])),
-        "bound": int(context.laws.add(d["bound"])) if bounded else 0,
-        "bounded": float(bounded),
+        "bound": int(context.laws.add(law)) if bounded else 0,
+        "bounded": bounded,
         "rate_regularization": d["rate_regularization"],
+        "watches": float(d["wheel"] is not None),
     }
+    if d["wheel"] is not None:
+        values |= prepare_ground(d["wheel"]["ground"], context) | prepare_tire_law(d["wheel"]["tire_law"], context)
+    if d["anti_skid"] is not None:
+        given = d["anti_skid"]
+        values |= {"slip_start": given["slip"], "slip_width": given["width"], "least_speed": given["least_speed"]}
+    return {"least_speed": LEAST_SPEED, **values}
+
+
+def check(d, nodes):
+    """Texts on a bound that needs a wheel, on what is no wheel with a tyre, or not the wheel that is braked."""
+    wheel, wanted = d["wheel"], [name for name in ("adhesion", "anti_skid") if d[name] is not None]
+    if wheel is None:
+        return [f"'{name}' needs 'wheel', the name of the wheel whose tyre is meant" for name in wanted]
+    if "tire_law" not in wheel:
+        return [f"'wheel' must be a wheel with a tire law, got a {wheel['type']}"]
+    texts = []
+    if not wanted:
+        texts.append("'wheel' is of no use without 'adhesion' or 'anti_skid'")
+    if d["bound"] is not None and d["adhesion"] is not None:
+        texts.append("'bound' and 'adhesion' exclude one another")
+    if wheel["node"] != d["nodes"][1]:
+        texts.append(f"'nodes' must end with '{wheel['node']}', the node of the wheel")
+    a, b = (np.array(axis, float) / np.linalg.norm(axis) for axis in (d["axis"], wheel["axis"]))
+    if np.linalg.norm(np.cross(a, b)) > PARALLEL:
+        texts.append("'axis' is not that of the wheel")
+    return texts
+
+
+def _wheel(rng, wave):
+    """Values of a large wheel that touches the ground from near the origin."""
+    normal, level = normal_and_level(rng)
+    rising = (("polynomial", {"coefficients": [0.0, 2e3, 3e2]}),)
+    falling = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+    profile = {"direction": rng.normal(size=3), "height": wave} if wave else None
+    return {
+        "node": "hub", "axis": level + 0.3 * normal,
+        "ground": {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": profile},
+        "tire_law": {"radius": 12.0, "radial": rising, "radial_damping": 0.02, "friction": falling,
+                     "friction_by_speed": 1.0, "slip_regularization": 0.1},
+    }  # fmt: skip
 
 
 def sample(rng):
-    """Bounded by the speed and not, turning and nearly stopped."""
+    """Bounded by the speed and not, turning and nearly stopped; by the grip of a wheel, by its slip, by both."""
     falling = (("exponential", {"start": 3.0, "limit": 0.5, "rate": 0.3, "origin": 0.0}),)
     rising = (("linear", {"slope": 1.0, "offset": 1.5}),)
-    cases = ((falling, 0.1), (None, 0.1), (falling, 50.0))
-    return [
-        ({"axis": rng.normal(size=3), "torque": rising, "bound": bound, "rate_regularization": eps}, 2, "")
-        for bound, eps in cases
+    large = (("linear", {"slope": 1e4, "offset": 8e3}),)
+    wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    skid = {"slip": -6.0, "width": 20.0, "least_speed": 2.0}
+    nodes = {"nodes": ["leg", "hub"]}
+    cases = [
+        ({"axis": rng.normal(size=3), "torque": rising, "bound": bound, "rate_regularization": eps, **nodes}, 2, "")
+        for bound, eps in ((falling, 0.1), (None, 0.1), (falling, 50.0))
     ]
+    for height, bounds in ((wave, {"adhesion": falling}), (None, {"bound": falling, "anti_skid": skid}),
+                           (wave, {"adhesion": falling, "anti_skid": skid})):  # fmt: skip
+        wheel = _wheel(rng, height)
+        values = {"axis": wheel["axis"], "torque": large, "rate_regularization": 20.0, "wheel": wheel, **bounds}
+        cases.append((values | nodes, [(np.zeros(3), np.eye(3)), (np.zeros(3), np.eye(3))], ""))
+    return cases
 
+
+def slip_ratio(value):
+    """Check: between rolling and locked."""
+    return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
+
+
+LEAST_SPEED = 1.0  # m/s
+PARALLEL = 1e-6
+ANTI_SKID = mapping(
+    Field("slip", NUMBER, "-", "slip ratio from which on the torque is reduced", check=slip_ratio),
+    Field("width", NUMBER, "-", "further slip in which it falls to zero", 0.1, positive),
+    Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
+)
 
 BRAKE = Kind(
     name="brake",
@@ -149,15 +239,26 @@ BRAKE = Kind(
         Field("axis", DIRECTION, "-", "axle at the start, inertial"),
         Field("torque", CURVE, "N m", "torque, a curve of the time; nothing where negative"),
         Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
+        Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
+        Field(
+            "adhesion",
+            CURVE,
+            "-",
+            "never above this curve of the speed [m/s], times radial force and loaded radius of the wheel",
+            None,
+        ),
+        Field("anti_skid", ANTI_SKID, "-", "lets the brake go while the slip ratio of the wheel is large", None),
         Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
     ),
     outputs=(
         Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
-        Output("bound", "N m", "upper bound at the present speed; zero without one"),
+        Output("bound", "N m", "upper bound at present, without the anti-skid; zero without one"),
         Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
         Output("power", "W", "power taken from the wheel"),
+        Output("slip_ratio", "-", "slip ratio that the anti-skid counts; zero without 'wheel'"),
     ),
     prepare=prepare,
+    check=check,
     force=force,
     observe=observe,
     sample=sample,

@@ -1,6 +1,6 @@
 r"""Wheel that deforms radially, sideways and in torsion, and slips on the ground, at any lean and heading.
 
-Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Two unknowns of its own: the patch is
+Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Unknowns of its own: the patch is
 displaced by y against the wheel plane (contact at x + r c - y a, on the ground) and turned by psi; with Q = 1 + psi
 hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced by y:
 
@@ -10,6 +10,7 @@ hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced 
     friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|
     tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}            lateral_law.py
 
+A third one, the bow of the contact line, has an equation X = 0 of its own, trivial but for the tyre law of a string.
 v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling
 straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
 
@@ -26,9 +27,8 @@ from typing import NamedTuple
 
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD
+from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.constraints.tire_patch import (
-    PSI,
     Y,
     add_patch_force,
     add_patch_tangent,
@@ -37,8 +37,20 @@ from mecano.constraints.tire_patch import (
     patch,
 )
 from mecano.contract import Event, Kind, record
-from mecano.elements.lateral_law import LATERAL_RECORD, Lateral, lateral_law, relax
-from mecano.elements.patch_wheel import FIELDS, OUTPUTS, check, event_values, limits, prepare, put_patch, sample
+from mecano.elements.lateral_force import Lateral, lateral_law, law_rows, relax
+from mecano.elements.lateral_law import LATERAL_RECORD
+from mecano.elements.patch_wheel import (
+    FIELDS,
+    OUTPUTS,
+    SCALARS,
+    check,
+    event_values,
+    limits,
+    prepare,
+    put_patch,
+    sample,
+    start,
+)
 from mecano.elements.tire_law import (
     TIRE_RECORD,
     gripping,
@@ -49,10 +61,13 @@ from mecano.maths.vec import (
     EYE,
     ZERO,
     add,
+    add_mat,
     add_vec,
+    cross,
     dot,
     madd,
     mat,
+    matmul,
     mscale,
     mul,
     norm,
@@ -93,33 +108,34 @@ def load_of(p, laws, k, q, v):
     axle, ahead = speed_over_ground(k.g.n, vec(v, 0))
     grip, b, b1, b_u = gripping(p, laws, slip, axle)
     e = scale(1.0 / slip, k.v_C) if slip > 0.0 else ZERO
-    law = lateral_law(p, laws, (q[Y], q[PSI]), (v[Y], v[PSI]), N, axle)
+    law = lateral_law(p, laws, vec(q, Y), vec(v, Y), N, axle, dot(k.g.n, k.omega))
     return Load(radial, F_w, F_w1, N, scale(N * b, k.v_C), e, grip, b, b1, b_u, vec(v, 0), ahead, law)
 
 
 @njit
-def _add_block(A, j, n_columns, Rn, frame, k, load, G, d, d_speed, by_law, moment):
-    """Add the derivatives by one block of variables; ``by_law`` those of (F, M, turn) through y, psi or their rates."""
+def _add_block(A, j, Rn, frame, k, load, G, d, paces, by_law, moment):
+    """Add the derivatives by one block of variables.
+
+    ``paces`` are those of speed and turning rate, ``by_law`` those of the lateral law through its own unknowns.
+    """
+    d_speed, d_turning = paces
     n, law = k.g.n, load.law
     d_radial = add(scale(load.F_w, d.w), scale(load.F_w1, d.w1))
     dN = add(scale(1.0 / k.g.q, d_radial), scale(load.N * k.g.s / k.g.q**2, d.s))
     grown = add(scale(load.b, dN), scale(load.N * load.b_u, d_speed))
     slid = madd(mscale(load.b, d.v_C), outer(scale(load.b1, load.e), tmul(d.v_C, load.e)))
     dF = madd(outer(k.v_C, grown), mscale(load.N, slid))
-    aligned = madd(outer(scale(-1.0, n), by_law[2]), mscale(-law.turn, d.n))
-    add_patch_tangent(A, j, n_columns, Rn, frame, k, load.F, load.N, G, dF, dN, d, madd(moment, aligned))
-    side = tmul(frame, add(by_law[0], add(scale(law.F_N, dN), scale(law.F_u, d_speed))))
-    yaw = tmul(frame, add(by_law[1], add(scale(law.M_N, dN), scale(law.M_u, d_speed))))
-    for c in range(n_columns):
-        A[Y, j + c] += side[c]
-        A[PSI, j + c] += yaw[c]
+    rows, turn = law_rows(law, by_law, dN, d_speed, d_turning)
+    aligned = madd(outer(scale(-1.0, n), turn), mscale(-law.turn, d.n))
+    add_patch_tangent(A, j, Rn, frame, k, load.F, load.N, G, dF, dN, d, madd(moment, aligned))
+    add_mat(A, Y, j, 1.0, matmul(rows, frame))
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces of ground and tyre law, and their derivatives; see the contract."""
     if mode == AIR:
-        relax(p, q, v, f, K, C, Y)
+        relax(p, q, v, f, K, C)
         return
     Rn = mat(R[0])
     place = patch(p, laws, q, v, R)
@@ -127,23 +143,22 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     law = load.law
     G = add_patch_force(f, Rn, place, load.F, load.N)
     add_vec(f, 3, -law.turn, tmul(Rn, place.g.n))
-    f[Y] += law.F
-    f[PSI] += law.M
+    add_vec(f, Y, 1.0, law.f)
 
-    none, nothing, b = (ZERO, ZERO, ZERO), (ZERO, ZERO, ZERO), p.aligning
-    by_q = ((law.F_q[0], law.F_q[1], 0.0), (law.M_q[0], law.M_q[1], 0.0), (b[0], b[1], 0.0))
-    by_v = ((law.F_v[0], law.F_v[1], 0.0), (law.M_v[0], law.M_v[1], 0.0), (b[2], b[3], 0.0))
+    none, nothing = (ZERO, ZERO, ZERO), ((ZERO, ZERO, ZERO), ZERO)
+    by_q, by_v = (law.f_q, law.turn_q), (law.f_v, law.turn_v)
     turning = _turned(place, G, law.turn)
     rise, frames = -dot(place.g.n, load.v), (EYE, Rn, EYE)
     by_place, by_motion = by_positions(p, place, v[Y]), by_velocities(place)
     laws_of_place, laws_of_motion = (nothing, nothing, by_q), (nothing, nothing, by_v)
-    moments, ahead = (none, turning, none), (load.ahead, ZERO, ZERO)
+    moments, ahead = (none, turning, none), ((load.ahead, ZERO), (ZERO, place.g.n), (ZERO, ZERO))
+    swings = (ZERO, cross(place.omega, place.g.n), ZERO)
     for i in range(3):
-        n_columns, d = 3 if i < 2 else 2, by_place[i]
-        climb = scale(rise, tmul(d.n, load.ahead))
-        _add_block(K, 3 * i, n_columns, Rn, frames[i], place, load, G, d, climb, laws_of_place[i], moments[i])
+        d = by_place[i]
+        paces = (scale(rise, tmul(d.n, load.ahead)), add(tmul(d.n, place.omega), swings[i]))
+        _add_block(K, 3 * i, Rn, frames[i], place, load, G, d, paces, laws_of_place[i], moments[i])
         d = by_motion[i]
-        _add_block(C, 3 * i, n_columns, Rn, frames[i], place, load, G, d, ahead[i], laws_of_motion[i], none)
+        _add_block(C, 3 * i, Rn, frames[i], place, load, G, d, ahead[i], laws_of_motion[i], none)
 
 
 @njit
@@ -178,10 +193,10 @@ FLEXIBLE_WHEEL = Kind(
     name="flexible_wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(**LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
     layout=("x0", "R0"),
-    scalars=("lateral displacement", "torsion"),
-    relaxing=("lateral displacement", "torsion"),
+    scalars=SCALARS,
+    relaxing=SCALARS,
     fields=FIELDS,
     outputs=OUTPUTS,
     modes=("air", "contact"),
@@ -190,8 +205,10 @@ FLEXIBLE_WHEEL = Kind(
         Event("lift_off", "contact", "air", "the deformation returns to zero"),
     ),
     prepare=prepare,
+    start=start,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     observe=observe,
     event_values=event_values,

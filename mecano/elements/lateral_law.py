@@ -13,18 +13,23 @@ dy/dt, with
 for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. Under braking kap matters. The law with a
 relaxation length is Moreland's without D and C1.
 
+Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that depends on the speed u and on the
+turning rate omega_n of the wheel about n too, and an aligning moment of their own. The string has a third own unknown,
+the bow b of its contact line, with an equation X = 0 (string_law.py). In general, with q = (y, psi, b),
+
+    (F, M, X) = diag(1, g_0, g_0) A0 q + diag(1, g_1, g_1) (A1 dq/dt + A_n omega_n)
+
+where g_0 and g_1 depend on u and are 1 in laws without a contact length; their bow is zero.
+
 In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the time ``relaxation_in_air``, with A1 +
-T A0 in place of A1.
+T A0 in place of A1 (in laws with a contact length T A0).
 
 An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from numba import njit
 
-from mecano.laws.table import evaluate_curve
+from mecano.elements.string_law import STRING_TYPE, prepare_string
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
 SINGULAR = 1e-12  # of the sizes of its rows, below which a determinant counts as zero
@@ -62,6 +67,8 @@ LATERAL_FIELDS = (
     Field("matrices", MATRICES, "-", "A0 and A1 in full", None),
     Field("moreland", MORELAND, "-", "Moreland's constants", None),
     Field("relaxation", RELAXATION, "-", "cornering stiffness and relaxation length", None),
+    Field("string", STRING_TYPE, "-", "stretched string (von Schlippe, Dietrich), its contact line a parabola", None),
+    Field("straight_tangent", STRING_TYPE, "-", "stretched string, its contact line the tangent at the front", None),
     Field("stiffness_by_load", CURVE, "-", FACTOR.format("A0", "the normal force [N]"), 1.0),
     Field("stiffness_by_speed", CURVE, "-", FACTOR.format("A0", "the speed of the axle [m/s]"), 1.0),
     Field("damping_by_load", CURVE, "-", FACTOR.format("A1", "the normal force [N]"), 1.0),
@@ -74,29 +81,17 @@ LATERAL_FIELDS = (
 )  # fmt: skip
 LATERAL_TYPE = mapping(*LATERAL_FIELDS)
 CURVES = "stiffness_by_load", "stiffness_by_speed", "damping_by_load", "damping_by_speed"
-LATERAL_RECORD = {"A0": 4, "A1": 4, "A1_air": 4, "aligning": 4, **dict.fromkeys(CURVES, "i")}
-
-
-class Lateral(NamedTuple):
-    """F [N], M [N m] and the aligning moment, and their derivatives by y, psi, their rates, N and u."""
-
-    F: float
-    M: float
-    turn: float
-    F_q: tuple  # by y, psi
-    M_q: tuple
-    F_v: tuple  # by their rates
-    M_v: tuple
-    F_N: float
-    M_N: float
-    F_u: float
-    M_u: float
+LATERAL_RECORD = {
+    "A0": (3, 3), "A1": (3, 3), "A1_air": (3, 3), "aligning": 4, "turning": 3, "moment": 3, "pace": (),
+    "least_speed": (), **dict.fromkeys(CURVES, "i"),
+}  # fmt: skip
+FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
 
 
 def matrices(law):
-    """A0, A1, (2, 2)."""
+    """A0, A1 (2, 2) of a law without a contact length."""
     if law["matrices"]:
-        return (np.array(law["matrices"][name], float).reshape(2, 2) for name in ("stiffness", "damping"))
+        return tuple(np.array(law["matrices"][name], float).reshape(2, 2) for name in ("stiffness", "damping"))
     if law["relaxation"]:
         d = law["relaxation"]
         C, kap = 1.0 / d["cornering_stiffness"], d["torsional_stiffness"]
@@ -110,21 +105,35 @@ def matrices(law):
 
 def prepare_lateral(law, context):
     """Values of LATERAL_RECORD."""
+    values = prepare_string(law) or _prepare_matrices(law)
+    curves = {name: int(context.laws.add(law[name])) for name in CURVES}
+    return {"aligning": law["aligning_moment"], **values, **curves}
+
+
+def _prepare_matrices(law):
+    """A0, A1 and A1 of the air of a law without a contact length, whose bow is zero."""
     A0, A1 = matrices(law)
-    rows = np.abs(A1).sum(axis=1)
-    singular = abs(np.linalg.det(A1)) <= SINGULAR * rows.prod()
-    A1_air = A1 + law["relaxation_in_air"] * A0 if singular else A1
-    values = {"A0": A0.ravel(), "A1": A1.ravel(), "A1_air": A1_air.ravel(), "aligning": law["aligning_moment"]}
-    return values | {name: int(context.laws.add(law[name])) for name in CURVES}
+    singular = abs(np.linalg.det(A1)) <= SINGULAR * np.abs(A1).sum(axis=1).prod()
+    wait = law["relaxation_in_air"]
+    air, stiff = A1 + wait * A0 if singular else A1, abs(A0[0, 0])
+    return {"A0": _with(A0, stiff), "A1": _with(A1, 0.0), "A1_air": _with(air, wait * stiff)}
+
+
+def _with(A, own):
+    """The matrix (3, 3) of A (2, 2) and the diagonal entry ``own``."""
+    out = np.zeros((3, 3))
+    out[:2, :2], out[2, 2] = A, own
+    return out
 
 
 def check_lateral(law):
     """Texts on what is wrong with a lateral law, None where the tyre law has none."""
     if law is None:
         return ["the tire law has no 'lateral' law: how the patch gives way sideways"]
-    given = [name for name in ("matrices", "moreland", "relaxation") if law[name]]
-    if len(given) != 1:
-        return ["the lateral law must be one of 'matrices', 'moreland' and 'relaxation'"]
+    if sum(bool(law[name]) for name in FORMS) != 1:
+        return ["the lateral law must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
+    if law["string"] or law["straight_tangent"]:
+        return []
     A0, A1 = matrices(law)
     texts = []
     if abs(np.linalg.det(A0)) <= SINGULAR * np.abs(A0).sum(axis=1).prod():
@@ -132,48 +141,3 @@ def check_lateral(law):
     elif np.linalg.eigvals(np.linalg.solve(A0, A1)).real.min() < -1e-12 * np.abs(np.linalg.solve(A0, A1)).max():
         texts.append("y and psi of the lateral law grow in the air: A0 and A1 do not fit together")
     return texts
-
-
-@njit
-def lateral_law(p, laws, q, v, N, u):
-    """The Lateral for (y, psi) = ``q``, their rates ``v``, normal force [N] and speed of the axle [m/s]."""
-    kN, kN_1, _ = evaluate_curve(laws, p.stiffness_by_load, N)
-    ku, ku_1, _ = evaluate_curve(laws, p.stiffness_by_speed, u)
-    dN, dN_1, _ = evaluate_curve(laws, p.damping_by_load, N)
-    du, du_1, _ = evaluate_curve(laws, p.damping_by_speed, u)
-    A0, A1, b = p.A0, p.A1, p.aligning
-    k, d = kN * ku, dN * du
-    F0, M0 = A0[0] * q[0] + A0[1] * q[1], A0[2] * q[0] + A0[3] * q[1]
-    F1, M1 = A1[0] * v[0] + A1[1] * v[1], A1[2] * v[0] + A1[3] * v[1]
-    turn = b[0] * q[0] + b[1] * q[1] + b[2] * v[0] + b[3] * v[1]
-    return Lateral(
-        k * F0 + d * F1, k * M0 + d * M1, turn, (k * A0[0], k * A0[1]), (k * A0[2], k * A0[3]),
-        (d * A1[0], d * A1[1]), (d * A1[2], d * A1[3]),
-        kN_1 * ku * F0 + dN_1 * du * F1, kN_1 * ku * M0 + dN_1 * du * M1,
-        kN * ku_1 * F0 + dN * du_1 * F1, kN * ku_1 * M0 + dN * du_1 * M1,
-    )  # fmt: skip
-
-
-@njit
-def relax(p, q, v, f, K, C, i):
-    """Add F = M = 0 of the air to the rows and columns i, i + 1 of y and psi."""
-    for r in range(2):
-        f[i + r] += (
-            p.A0[2 * r] * q[i] + p.A0[2 * r + 1] * q[i + 1] + p.A1_air[2 * r] * v[i] + p.A1_air[2 * r + 1] * v[i + 1]
-        )
-        for c in range(2):
-            K[i + r, i + c] += p.A0[2 * r + c]
-            C[i + r, i + c] += p.A1_air[2 * r + c]
-
-
-@njit
-def lateral_energy(p, q):
-    """Energy of the symmetric part of A0 [J]: what the law may be said to store."""
-    return 0.5 * (p.A0[0] * q[0] * q[0] + (p.A0[1] + p.A0[2]) * q[0] * q[1] + p.A0[3] * q[1] * q[1])
-
-
-@njit
-def lateral_energy_rate(p, q, v):
-    """Rate of ``lateral_energy`` [W]."""
-    mixed = 0.5 * (p.A0[1] + p.A0[2])
-    return (p.A0[0] * q[0] + mixed * q[1]) * v[0] + (mixed * q[0] + p.A0[3] * q[1]) * v[1]

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
-from mecano.constraints.ground import check_axle, normal_and_level
+from mecano.constraints.ground import check_axle, ends, lean_of, normal_and_level
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -29,9 +29,10 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
     Rn, n = mat(R[0]), vec(p.normal, 0)
     axis = mul(Rn, vec(p.axis, 0))
-    along, across = directions(axis, disc_contact(n, ZERO, p.radius, axis))
+    g = disc_contact(n, ZERO, p.radius, axis)
+    frame, arm = (n, *directions(axis, g)), scale(-p.radius, n)
     spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[HEIGHT], q[DRIVING], q[LATERAL], (n, along, across), p.radius, scale(-p.radius, n), spin)
+    put_outputs(y, q, q[HEIGHT], q[DRIVING], q[LATERAL], frame, p.radius, arm, spin, lean_of(g))
 
 
 def prepare(d, nodes, context):
@@ -73,6 +74,7 @@ PAPER_WHEEL = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
+    ends=ends,
     observe=observe,
     sample=sample,
 )

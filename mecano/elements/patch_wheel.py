@@ -3,21 +3,28 @@
 from numba import njit
 
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import check_axle, check_ground, normal_and_level, prepare_ground, touch
-from mecano.constraints.tire_patch import PSI, Y
+from mecano.constraints.ground import LEAN, check_axle, check_ground, lean_of, normal_and_level, prepare_ground, touch
+from mecano.constraints.tire_patch import BOW, PSI, Y
 from mecano.contract import Output
-from mecano.elements.lateral_law import check_lateral, lateral_energy, lateral_energy_rate, prepare_lateral
+from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
+from mecano.elements.lateral_law import FORMS, check_lateral, prepare_lateral
 from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
 from mecano.maths.surface import directions
 from mecano.maths.vec import add, add_vec, dot, mat, mul, put, scale, sub, vec
-from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
+from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, TIRE_LAW, Field, mapping
 
+INITIAL = mapping(
+    Field("y", NUMBER, "m", "lateral displacement of the patch", 0.0),
+    Field("psi", NUMBER, "rad", "torsion of the patch, where the lateral law has a rate of psi", 0.0),
+)
 FIELDS = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
     Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
     Field("tire_law", TIRE_LAW, "-", "radius, radial force, friction and lateral law of the tyre"),
     Field("ground", GROUND, "-", "ground it rolls on"),
+    Field("initial", INITIAL, "-", "the patch at the start", {}),
 )
+SCALARS = ("y", "psi", "bow")
 OUTPUTS = (
     Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
     Output("loaded_radius", "m", "distance from the centre to the contact in the wheel plane; the radius in the air"),
@@ -34,10 +41,15 @@ OUTPUTS = (
     Output("friction_coefficient", "-", "tangential over normal force; zero in the air"),
     Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a"),
     Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n"),
+    Output("bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; else zero"),
     Output("tire_force", "N", "force F of the lateral law along y"),
     Output("tire_moment", "N m", "moment M of the lateral law along psi"),
     Output("aligning_moment", "N m", "aligning moment on the wheel about n"),
+    Output("y_rate", "m/s", "rate of y"),
+    Output("psi_rate", "rad/s", "rate of psi"),
+    Output("bow_rate", "m/s", "rate of bow"),
     Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
+    LEAN,
 )
 
 
@@ -62,7 +74,11 @@ def put_patch(p, laws, contact, k, q, v, radial, force, grip, slip_power, law, y
     add_vec(y, 13, 1.0, k.rho if contact else scale(p.radius, k.g.c))
     y[17] = q[Y]
     y[18] = q[PSI]
-    N, F, M = 0.0, 0.0, 0.0
+    y[19] = q[BOW]
+    y[27] = lean_of(k.g)
+    for i in range(3):
+        y[23 + i] = v[Y + i]
+    N, f = 0.0, add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))
     if touching:
         N = radial / k.g.q
         y[3] = radial
@@ -71,18 +87,15 @@ def put_patch(p, laws, contact, k, q, v, radial, force, grip, slip_power, law, y
         y[6] = dot(force, l)
         put(y, 7, add(force, scale(N, k.g.n)))
         y[16] = grip
-        y[22] = y[5] / p.A0[2] if p.A0[2] < 0.0 else 0.0
+        y[26] = y[5] / p.A0[1, 0] if p.A0[1, 0] < 0.0 else 0.0
     if contact:
-        F, M = law.F, law.M
-        put(y, 19, (F, M, law.turn))
+        f = law.f
+        put(y, 20, (f[0], f[1], law.turn))
         elastic, _ = elastic_force(p, laws, w)
         e[1] = elastic_energy(p, laws, w)
         e[2] = slip_power + (N * k.g.q - elastic) * k.w1
-    else:
-        F = p.A0[0] * q[Y] + p.A0[1] * q[PSI] + p.A1_air[0] * v[Y] + p.A1_air[1] * v[PSI]
-        M = p.A0[2] * q[Y] + p.A0[3] * q[PSI] + p.A1_air[2] * v[Y] + p.A1_air[3] * v[PSI]
-    e[1] += lateral_energy(p, (q[Y], q[PSI]))
-    lost = F * v[Y] + M * v[PSI] - lateral_energy_rate(p, (q[Y], q[PSI]), (v[Y], v[PSI]))
+    e[1] += lateral_energy(p, q[Y], q[PSI])
+    lost = dot(f, vec(v, Y)) - lateral_energy_rate(p, q[Y], q[PSI], v[Y], v[PSI])
     if contact:
         lost -= law.turn * dot(k.g.n, k.omega)
     e[2] += max(lost, 0.0)
@@ -105,7 +118,13 @@ def prepare(d, nodes, context):
         **prepare_ground(d["ground"], context),
         **prepare_tire_law(d["tire_law"], context),
         **prepare_lateral(d["tire_law"]["lateral"], context),
+        "start": [d["initial"].get("y", 0.0), d["initial"].get("psi", 0.0), 0.0],
     }
+
+
+def start(p):
+    """y, psi and bow at the start."""
+    return p["start"]
 
 
 def check(d, nodes):
@@ -128,8 +147,15 @@ DIVERGENT = (
 )
 
 
-def _sample(rng, profile, eps, mode):
-    """(values, nodes, mode) of a large wheel near the origin, on a plane or a profile."""
+STRING = {
+    "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,
+    "least_speed": 1.0,
+}  # fmt: skip
+MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
+
+
+def _sample(rng, profile, eps, mode, form):
+    """(values, nodes, mode) of a large wheel near the origin, on a plane or a profile, with one form of lateral law."""
     wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
@@ -138,8 +164,8 @@ def _sample(rng, profile, eps, mode):
     if profile:
         ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
     lateral = {
-        "matrices": {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]},
-        "moreland": None, "relaxation": None, "stiffness_by_load": growing, "stiffness_by_speed": falling,
+        **dict.fromkeys(FORMS), form: MATRICES if form == "matrices" else STRING,
+        "stiffness_by_load": growing, "stiffness_by_speed": falling,
         "damping_by_load": growing, "damping_by_speed": falling, "aligning_moment": [20.0, -30.0, 4.0, 5.0],
         "relaxation_in_air": 0.01,
     }  # fmt: skip
@@ -153,6 +179,9 @@ def _sample(rng, profile, eps, mode):
 
 
 def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, air."""
-    cases = (False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air")
+    """Large wheels that touch the ground from near the origin: plane, profile, air; with all forms of lateral law."""
+    cases = (
+        (False, 0.05, "contact", "matrices"), (True, 50.0, "contact", "matrices"), (True, 0.05, "air", "matrices"),
+        (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
+    )  # fmt: skip
     return [_sample(rng, *case) for case in cases]

@@ -21,7 +21,7 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, normal_and_level, touch
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, ends, lean_of, normal_and_level, touch
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
@@ -51,7 +51,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     along, across = directions(axis, g)
     arm = scale(p.radius if mode == AIR else g.r, g.c)
     spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin)
+    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin, lean_of(g))
 
 
 @njit
@@ -124,6 +124,7 @@ RIGID_WHEEL = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
+    ends=ends,
     observe=observe,
     event_values=event_values,
     sample=sample,

@@ -13,7 +13,7 @@ from numba import njit
 
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import check_axle, normal_and_level
+from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, normal_and_level
 from mecano.contract import Kind, Output, Part
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vec import ZERO, dot, mat, mul, put, scale, vec
@@ -26,10 +26,12 @@ LATERAL = 6  # multiplier of the part, behind the own unknowns
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reaction and speed."""
     axis = mul(mat(R[0]), vec(p.axis, 0))
-    along, across = directions(axis, disc_contact(vec(p.normal, 0), ZERO, 0.0, axis))
+    g = disc_contact(vec(p.normal, 0), ZERO, 0.0, axis)
+    along, across = directions(axis, g)
     y[0] = q[LATERAL]
     put(y, 1, scale(q[LATERAL], across))
     y[4] = dot(along, vec(v, 0))
+    y[5] = lean_of(g)
 
 
 def prepare(d, nodes, context):
@@ -73,10 +75,12 @@ SKATE = Kind(
         Output("lateral_force", "N", "force of the ground on the blade along l"),
         Output("contact_force", "N", "the same, inertial", (3,)),
         Output("speed", "m/s", "velocity of the node along the blade, t = a x n/|a x n|"),
+        LEAN,
     ),
     prepare=prepare,
     parts=parts,
     check=check,
+    ends=ends,
     observe=observe,
     sample=sample,
 )

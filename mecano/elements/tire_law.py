@@ -15,6 +15,7 @@ sigma is a factor, 1 unless given, of the speed u = |(I - n n^T) v| of the axle 
 exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1, rate: kappa}}``.
 """
 
+import numpy as np
 from numba import njit
 
 from mecano.elements.lateral_law import LATERAL_TYPE
@@ -46,6 +47,7 @@ TIRE_LAW_FIELDS = (
     Field("lateral", LATERAL_TYPE, "-", "how the patch gives way sideways: flexible wheels", None),
 )  # fmt: skip
 
+PROBES = 201  # deformations at which the radial force is looked at
 TIRE_RECORD = {
     "radius": (), "radial": "i", "radial_damping": (), "friction": "i", "friction_by_speed": "i",
     "slip_regularization": (),
@@ -73,9 +75,22 @@ def check_tire_law(law):
         texts.append(f"the radial force must be zero at zero deformation; it is {at_zero:g} N")
     if slope < 0.0:
         texts.append("the radial force must not fall from zero deformation on")
+    else:
+        texts += _softening(law)
     if curve_at(law["friction"], 0.0)[0] < 0.0:
         texts.append("the coefficient of friction must not be negative")
     return texts
+
+
+def _softening(law):
+    """Texts on a radial force that pulls at a deformation for which the law is meant."""
+    valid = law.get("valid_deformation")
+    for w in np.linspace(0.0, min(valid or law["radius"], law["radius"]), PROBES)[1:]:
+        force = curve_at(law["radial"], w)[0]
+        if force < 0.0:
+            hint = "" if valid else " or 'valid_deformation' says how far the law holds"
+            return [f"the radial force falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
+    return []
 
 
 @njit

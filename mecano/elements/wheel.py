@@ -34,8 +34,11 @@ from numba import njit
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import (
     GROUND_RECORD,
+    LEAN,
     check_axle,
     check_ground,
+    ends,
+    lean_of,
     normal_and_level,
     prepare_ground,
     touch,
@@ -98,6 +101,7 @@ OUTPUTS = (
     Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
     Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
     Output("friction_coefficient", "-", "friction over normal force, mu phi; zero in the air"),
+    LEAN,
 )
 
 
@@ -212,6 +216,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[11] = dot(slip.v_C, lateral)
     y[12] = dot(omega, axis)
     put(y, 13, add(vec(q, 0), arm))
+    y[17] = lean_of(g)
     elastic, _ = elastic_force(p, laws, w)
     e[1] = elastic_energy(p, laws, w)
     e[2] = N * slip.grip * norm(slip.v_C) + (F - elastic) * slip.w1
@@ -283,6 +288,7 @@ WHEEL = Kind(
     prepare=prepare,
     check=check,
     limits=limits,
+    ends=ends,
     force=force,
     observe=observe,
     event_values=event_values,

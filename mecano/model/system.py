@@ -163,7 +163,7 @@ class System:
         return self._conductor(conduct.commit, loops.commit, np.zeros(0))
 
     def initial_state(self, t=0.0):
-        """State at rest in the configuration of the deck; every element in the mode its event values tell."""
+        """State at rest in the configuration of the deck; every element in its first mode."""
         of = self.numbering
         n = of.n_all
         n_rotations = len(of.rotation_dof)
@@ -171,6 +171,11 @@ class System:
         for node, x, r in zip(self.nodes, of.x, of.rotation, strict=True):
             z[x : x + 3] = node.x
             R[r] = node.R
+        for b in self.batches:
+            if b.kind.start is not None:
+                first = 3 * len(b.kind.layout)
+                own = b.dofs[:, first : first + len(b.kind.scalars)]
+                z[own] = [b.kind.start(p) for p in b.p]
         modes = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
         return State(t, z, np.zeros(n), np.zeros(n), R, modes, memory)

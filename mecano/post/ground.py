@@ -1,9 +1,11 @@
-"""The line in which the ground of a wheel cuts the plane of a side view."""
+"""The ground of a wheel: the line in which it cuts the plane of a side view, and lines on it along the way."""
 
 import numpy as np
 
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
+POINTS_OF_WAY = 500
+BESIDE = 3.0  # radii beyond the way
 
 
 def ground_line(deck, ground, axes, centre, half_width):
@@ -20,12 +22,37 @@ def ground_line(deck, ground, axes, centre, half_width):
     points = np.tile(np.array(centre, float), (POINTS if profile else 2, 1))
     points[:, right] += np.linspace(-half_width, half_width, len(points))
     points[:, up] -= (points - point) @ normal / normal[up]
-    if profile:
-        direction = np.array(profile["direction"], float)
-        direction -= (direction @ normal) * normal
-        heights = _heights(deck, profile["height"], (points - point) @ (direction / np.linalg.norm(direction)))
-        points += heights[:, None] * normal
-    return points[:, axes]
+    return _raised(deck, profile, points, point, normal)[:, axes]
+
+
+def ground_path(deck, ground, centres, radius):
+    """Lines (k, 3) on the ground along the way of a wheel, whose ``centres`` (n, 3) and ``radius`` [m] are given."""
+    normal = np.array(ground["plane"]["normal"], float)
+    normal /= np.linalg.norm(normal)
+    profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
+    way = centres[-1] - centres[0]
+    way -= (way @ normal) * normal
+    if np.linalg.norm(way) < radius:
+        way = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    way /= np.linalg.norm(way)
+    across, middle = np.cross(normal, way), centres.mean(axis=0)
+    along, aside = (centres - middle) @ way, np.abs((centres - middle) @ across).max() + BESIDE * radius
+    ends = along.min() - BESIDE * radius, along.max() + BESIDE * radius
+    distances = np.linspace(*ends, POINTS_OF_WAY if profile else 2)[:, None]
+    for offset in (-aside, 0.0, aside):
+        points = middle + distances * way + offset * across
+        points -= ((points - point) @ normal)[:, None] * normal
+        yield _raised(deck, profile, points, point, normal)
+
+
+def _raised(deck, profile, points, point, normal):
+    """Points (n, 3) of a plane, lifted along its normal to the profile, if it has one."""
+    if not profile:
+        return points
+    direction = np.array(profile["direction"], float)
+    direction -= (direction @ normal) * normal
+    heights = _heights(deck, profile["height"], (points - point) @ (direction / np.linalg.norm(direction)))
+    return points + heights[:, None] * normal
 
 
 def _heights(deck, law, distances):

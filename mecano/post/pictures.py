@@ -7,17 +7,24 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import write_columns
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
+from mecano.post.loci import draw_sweep
+from mecano.post.mode_shapes import draw_modes
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.wire import times_of, wire_figure
+from mecano.results import modes_file, sweep_file
+from mecano.results.modes_file import format_of
 
 FORMATS = ("png", "svg")
+OF_MODES = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep}
 LONGEST_STEM = 60
 
 
 def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None, at=None):
     """Make pictures of results files, several of them in one; yields the path of each file written.
+
+    Files of modes and of sweeps are drawn one by one.
 
     Parameters
     ----------
@@ -43,6 +50,10 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
+    others = [path for path in paths if format_of(path) in OF_MODES]
+    if others:
+        yield from _of_modes(paths, others, plots, output, kind)
+        return
     requests = [Request.parse(text) for text in plots]
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
@@ -61,6 +72,18 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
         yield _save(draw(sheet, title), target)
         if columns and sheet.curves and draw is sheet_figure:
             yield _save_columns(sheet, target.with_suffix(".csv"))
+
+
+def _of_modes(paths, others, plots, output, kind):
+    """Pictures of files of modes and of sweeps, one each."""
+    if plots or len(others) < len(paths):
+        raise UsageError(f"{others[0]} is a file of modes: it is drawn alone, without --plot")
+    if len(paths) > 1 and output and not Path(output).is_dir():
+        raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
+    for path in paths:
+        name = f"{Path(path).stem}.{kind}"
+        target = Path(output) / name if output and Path(output).is_dir() else output
+        yield OF_MODES[format_of(path)](path, target, kind)
 
 
 def _default_pictures(runs):

@@ -7,6 +7,7 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
     <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
     <superelement>.<node>.position, displacement    of a node inside a superelement
     <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
+    <wheel>.drag_force      force of the ground on it, > 0 against its motion
     solver.<column>         solver history, a value for each accepted step
     time
 """
@@ -57,6 +58,8 @@ class Quantity:
         """The quantity in words: radial force, position z."""
         if self.path == "time":
             return self.axis[0]
+        if self.path.endswith(MAGNITUDE):
+            return f"|{self.whole}|"
         return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
 
     @property
@@ -85,6 +88,9 @@ DERIVED = {
     ),
     "compression_force": Derived(
         "N", "axial force, > 0 pushes the nodes apart", ("force",), lambda force: -force, factor=-1.0
+    ),
+    "drag_force": Derived(
+        "N", "force of the ground against the motion", ("longitudinal_force",), lambda force: -force, factor=-1.0
     ),
 }
 

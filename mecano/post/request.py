@@ -48,7 +48,14 @@ def requested_sheet(request, runs):
         panels.append(with_peaks(Panel(_label(of_unit, subjects), of_unit), runs))
     heading = f"{', '.join(request.ys)} over {request.x}"
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
-    return Sheet(request.name, heading, tuple(panels), event_marks(runs), labels)
+    return Sheet(request.name, heading, tuple(panels), _marks(runs, subjects), labels)
+
+
+def _marks(runs, subjects):
+    """Events of the subjects, and of what is on the nodes among them; all where these have none."""
+    marks = event_marks(runs)
+    owners = {path.partition("/")[2] for run in runs for path, d in run.things.items() if d.get("node") in subjects}
+    return tuple(mark for mark in marks if mark.element in owners.union(subjects)) or marks
 
 
 def _curves(request, run, number):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.post.drop_test import drop_sheet
 from mecano.post.members import member_sheets
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
@@ -27,7 +28,15 @@ def default_sheets(runs):
     """All sheets of these runs; the sketches of the mechanism first."""
     kinds = tuple(dict.fromkeys(d["type"] for run in runs for d in run.things.values()))
     planned = [_planned(plan, runs) for plan in plans(kinds)]
-    sheets = [_mechanism(runs), _path(runs), *member_sheets(runs), *planned, _energies(runs), _solver(runs)]
+    sheets = [
+        _mechanism(runs),
+        _path(runs),
+        *member_sheets(runs),
+        *planned,
+        drop_sheet(runs),
+        _energies(runs),
+        _solver(runs),
+    ]
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     marks = event_marks(runs)
     return [replace(sheet, events=marks, run_labels=labels) for sheet in sheets if sheet.panels]

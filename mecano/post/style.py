@@ -8,6 +8,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6
 DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
+BESIDE = 32  # characters of small print that have room beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
 SETTINGS = {
     "font.size": 9,
@@ -85,8 +86,10 @@ def legend_above(ax, handles, inches):
 
 
 def note_below(ax, text):
-    """Small print at the lower right of axes."""
-    ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, -18), textcoords="offset points",
+    """Small print at the lower right of axes; below their label where it is long."""
+    wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label stands in the middle
+    down = -18 if len(text) <= BESIDE - wider else -32
+    ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, down), textcoords="offset points",
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
 
 

@@ -91,7 +91,7 @@ def _in_loops(B, group):
     What hangs on a chain peels off from its end; only closed loops stay.
     """
     columns = sp.csc_matrix(B)
-    members = [np.flatnonzero(group == g) for g in np.unique(group)]
+    members = _members(group, np.flatnonzero(np.diff(columns.indptr)))
     alive = np.ones(B.shape[0], bool)
     touched = [np.unique(columns[:, m].indices) for m in members]
     nodes_of = [[] for _ in range(B.shape[0])]
@@ -109,6 +109,14 @@ def _in_loops(B, group):
             alive[rows] = False
             todo.update(other for row in rows for other in nodes_of[row])
     return np.flatnonzero(alive)
+
+
+def _members(group, tied):
+    """Unknowns (n,) of each group that has one of the unknowns ``tied`` (m,)."""
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+    touched = np.isin(group[order][starts], group[tied])
+    return [some for some, one in zip(np.split(order, starts[1:]), touched, strict=True) if one]
 
 
 def _left_null_projector(B):
@@ -138,6 +146,8 @@ def _directions(system, projector, loops, size):
     rows, cols, values = [], [], []
     for element in (rows for batch in system.batches for rows in batch.multipliers):
         members = [row for row in element if row in place]
+        if not members:
+            continue
         at = [place[row] for row in members]
         scale = 1.0 / size[members]
         block = scale[:, None] * projector[np.ix_(at, at)] * scale

@@ -19,7 +19,10 @@ DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
 RATE_ITERATIONS = 100
 FIRST_REACH = 1e-3  # m/s or rad/s
 RATE_TOLERANCE = 1e-12  # of the forces at work
+GROWTH = 1.5  # of the forces in one iteration, towards rest
 LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
+FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
+SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
@@ -45,8 +48,9 @@ class Consistent:
         self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
         self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
         if len(self.relaxing):
-            own = np.isin(system.rows, self.relaxing) | np.isin(system.cols, self.relaxing)
-            data[:-1][own] = 0.0
+            relaxing = np.zeros(system.n, bool)
+            relaxing[self.relaxing] = True
+            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -102,15 +106,61 @@ class Consistent:
             if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
                 return
             size = np.linalg.norm(r)
-            # friction that slips does not fall with the slip: a step that leaves the force as it is goes on, further
-            if best is None or size < 0.99 * best[0] or (size <= best[0] and r @ best[1] > 0.0):
+            # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
+            # keeps its direction the next step goes further
+            if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
                 best, reach = (size, r, s.v[own].copy()), 2.0 * reach
-                C = sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
+                C = self._block(own)
             else:
                 reach = 0.25 * reach
             change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
             s.v[own] = best[2] + change
         s.v[own] = best[2]
+
+    def settle(self, s, h):
+        """Values and rates of the scalars without inertia of ``s``, in place, that go with a step of size h.
+
+        Rates follow from their own equations; where these have none to speak of (directions whose time constants are
+        far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
+        keep them fulfilled while all velocities stay.
+        """
+        own, of = self.relaxing, self.system.numbering
+        for _ in range(SETTLING if len(own) else 0):
+            self.settle_rates(s)
+            fast = self._fast(s, FAST * h)
+            if fast is None:
+                return
+            s.v[own] -= fast @ self._own(s, 1.0, 0.0) @ s.v[own]
+            s.z[own] -= fast @ self._unbalanced(s)
+            dt, steady = DIFFERENCE * h, _with(s, s.v, np.zeros_like(s.a))
+            now, next_, last = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
+            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
+            s.z[own] -= fast @ self._unbalanced(s)
+
+    def _fast(self, s, limit):
+        """P K^-1 (n, n): P projects scalars without inertia on what settles within ``limit`` [s]; None without any."""
+        K, C = self._own(s, 1.0, 0.0), self._own(s, 0.0, 1.0)
+        if np.linalg.matrix_rank(K, LEAST_DAMPING) < len(K):
+            return None
+        times, X = np.linalg.eig(np.linalg.solve(K, C))
+        quick = np.abs(times) <= limit
+        if not quick.any() or np.linalg.matrix_rank(X, LEAST_DAMPING) < len(K):
+            return None
+        return (X * quick @ np.linalg.inv(X)).real @ np.linalg.inv(K)
+
+    def _own(self, s, cK, cC):
+        """cK K + cC C of the scalars without inertia, dense."""
+        self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
+        return self._block(self.relaxing)
+
+    def _block(self, own):
+        """Rows and columns ``own`` of the tangent that was assembled, dense."""
+        system = self.system
+        return sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
+
+    def _unbalanced(self, s):
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        return self.system.residual[self.relaxing].copy()
 
     def project_acceleration(self, s, a, target=0.0):
         """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""

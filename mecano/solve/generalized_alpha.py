@@ -138,10 +138,10 @@ class GeneralizedAlpha:
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
-        consistent.settle_rates(s)
+        consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
-            consistent.settle_rates(s)
+            consistent.settle(s, h)
             consistent.accelerate(s)
         if self.compliance is not None:
             s = consistent.give_way(s, self.compliance)

@@ -1,0 +1,180 @@
+"""The page of a drop test: a gear with a shock absorber from its touch-down until it leaves the ground again.
+
+The efficiency of an absorber is the work of its compression up to the largest stroke over the largest force times that
+stroke: 1 for a force that stays the same. Spin-up is the largest drag of the wheel on the gear, against the motion;
+spring-back the largest push forward after it, when the gear swings back.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mecano.constraints.joint_frame import triad
+from mecano.post.panels import with_peaks
+from mecano.post.quantity import SAVED, Quantity, find, time_of
+from mecano.post.runs import Run
+from mecano.post.shapes import Motion
+from mecano.post.sheet import QUOTED, Curve, Panel, Sheet
+
+WHEELS = ("wheel", "flexible_wheel", "adhesive_wheel")  # that deform
+ABSORBING = ("gas_spring", "oil_damper", "metering_pin")  # terms of the law of a shock absorber
+EXCHANGED = ("kinetic", "potential", "dissipated", "given")
+
+
+@dataclass(frozen=True)
+class Impact:
+    """The first impact of a wheel in run number ``number``: its saved times are those where ``during``."""
+
+    run: Run
+    number: int
+    wheel: str
+    absorbers: tuple
+    during: np.ndarray
+
+    def curve(self, name, x=None, *, sign=1.0):
+        """One quantity over the time or over another one."""
+        y = self._cut(find(self.run.results, name)[0])
+        y = replace(y, values=sign * y.values)
+        return Curve(time_of(y) if x is None else self._cut(find(self.run.results, x)[0]), y, self.number, y.subject)
+
+    def of(self, path, unit, doc, values):
+        """A curve over the time of values at all saved times."""
+        y = self._cut(Quantity(path, unit, doc, SAVED, self.run.results.time, values))
+        return Curve(time_of(y), y, self.number, y.subject)
+
+    def _cut(self, quantity):
+        return replace(quantity, time=quantity.time[self.during], values=quantity.values[self.during])
+
+
+def drop_sheet(runs):
+    """The sheet of the first impacts of the runs; without panels where nothing touches down on an absorber."""
+    impacts = [impact for number, run in enumerate(runs) for impact in _impacts(run, number)]
+    panels = [_load_stroke(impacts), _ground(impacts), _tyre(impacts), _axle(impacts), _travel(impacts)]
+    panels = [_within(with_peaks(panel, runs)) for panel in panels if panel.curves]
+    energies = _energies(impacts)
+    return Sheet("drop_test", "Drop test: the first impact", (*panels, *[energies] * bool(energies.curves)), lead=0)
+
+
+def _impacts(run, number):
+    """The Impact of each wheel that touches down."""
+    absorbers = tuple(name for name, d in run.deck.get("elements", {}).items() if _absorbs(run, d))
+    for name, d in run.deck.get("elements", {}).items():
+        if absorbers and d["type"] in WHEELS:
+            start, end = _contact(run, name)
+            time = run.results.time
+            during = (time >= start) & (time <= end)
+            if np.count_nonzero(during) > 2:
+                yield Impact(run, number, name, absorbers, during)
+
+
+def _absorbs(run, d):
+    law = d.get("law") if d["type"] == "spring_damper" else None
+    terms = run.deck.get("laws", {}).get(law, {}) if isinstance(law, str) else law or {}
+    return any(term in terms for term in ABSORBING)
+
+
+def _contact(run, wheel):
+    """Times [s] between which a wheel is on the ground for the first time after it was in the air."""
+    happened = [e for e in run.results.events if (quoted := QUOTED.search(e.element)) and quoted[1] == wheel]
+    downs = [event.time for event in happened if event.name == "touch_down"]
+    start = downs[0] if downs else np.inf
+    return start, min((e.time for e in happened if e.name == "lift_off" and e.time > start), default=np.inf)
+
+
+def _load_stroke(impacts):
+    curves = [
+        one.curve(f"{name}.compression_force", f"{name}.stroke") for one in impacts for name in one.absorbers
+    ]  # fmt: skip
+    told = ", ".join(f"{efficiency(c.x.values, c.y.values):.2f}" for c in curves)
+    return Panel("load on the absorber", tuple(curves), note=f"efficiency {told}")
+
+
+def efficiency(stroke, force):
+    """Work of the compression up to the largest stroke over largest force times largest stroke."""
+    last = int(np.argmax(stroke)) + 1
+    stroke, force = stroke[:last], force[:last]
+    most = np.ptp(stroke) * force.max(initial=0.0)
+    return float(0.5 * (force[1:] + force[:-1]) @ np.diff(stroke) / most) if most > 0.0 else 0.0
+
+
+def _tyre(impacts):
+    curves = [one.curve(f"{one.wheel}.normal_force", f"{one.wheel}.deformation") for one in impacts]
+    return Panel("load on the tyre", tuple(curves))
+
+
+def _ground(impacts):
+    pairs = [
+        (one.curve(f"{one.wheel}.normal_force"), one.curve(f"{one.wheel}.drag_force")) for one in impacts
+    ]  # fmt: skip
+    return Panel("force of the ground", tuple(curve for pair in pairs for curve in pair))
+
+
+def _axle(impacts):
+    """Drag on the gear at the axle, with spin-up and spring-back in words."""
+    curves = [curve for one in impacts if (curve := _axle_drag(one)) is not None]
+    found = [spin_up_and_spring_back(curve.y.values) for curve in curves]
+    told = [_told(curves, [rows[i] for rows in found]) for i in range(2)]
+    return Panel("drag on the axle", tuple(curves), note=f"spin-up {told[0]}, spring-back {told[1]}")
+
+
+def _told(curves, rows):
+    """Sizes of the values of the curves in these rows; of a single one with its time."""
+    sizes = ", ".join(f"{abs(c.y.values[row]) / 1e3:.3g}" for c, row in zip(curves, rows, strict=True))
+    return f"{sizes} kN at {curves[0].y.time[rows[0]]:.3g} s" if len(curves) == 1 else f"{sizes} kN"
+
+
+def spin_up_and_spring_back(drag):
+    """Rows of the largest drag and of the largest push forward after it."""
+    up = int(np.argmax(drag))
+    return up, up + int(np.argmin(drag[up:]))
+
+
+def _axle_drag(one):
+    """Force of the wheel on the gear against the motion, in the hinge that carries it; None without one."""
+    node = one.run.deck["elements"][one.wheel]["node"]
+    for name, d in one.run.deck.get("joints", {}).items():
+        if d["type"] == "hinge" and d["nodes"][1] == node and d["nodes"][0] != "ground":
+            force = one.run.results.find(f"joints/{name}/force").values
+            gear = Motion(one.run, slice(None))
+            axes = (gear.turned(d["nodes"][0], mu) for mu in triad(d["axis"], d.get("axis_1")))
+            on_gear = -sum(f[:, None] * axis for f, axis in zip(force.T, axes, strict=True))
+            drag = -np.einsum("ij,ij->i", on_gear, _heading(one))
+            return one.of(f"joints/{name}/drag", "N", "force on the gear against the motion", drag)
+    return None
+
+
+def _heading(one):
+    """Directions (n, 3) in which the wheel moves over the ground."""
+    d = one.run.deck["elements"][one.wheel]
+    normal = np.array(one.run.deck["grounds"][d["ground"]]["plane"]["normal"], float)
+    normal /= np.linalg.norm(normal)
+    velocity = one.run.results.find(f"nodes/{d['node']}/velocity").values
+    along = velocity - np.outer(velocity @ normal, normal)
+    return along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+
+
+def _travel(impacts):
+    strokes = [one.curve(f"{name}.stroke") for one in impacts for name in one.absorbers]
+    return Panel("travel", (*strokes, *(one.curve(f"{one.wheel}.deformation") for one in impacts)))
+
+
+def _energies(impacts):
+    """Changes of the energies since the touch-down, and how well they balance."""
+    curves = []
+    for one in {impact.number: impact for impact in impacts}.values():
+        for name in EXCHANGED:
+            curve = one.curve(f"energy/{name}")
+            y = replace(curve.y, values=curve.y.values - curve.y.values[:1])
+            curves.append(replace(curve, y=y, subject="energy"))
+    gaps = [np.ptp(one.curve("energy/balance").y.values) for one in impacts]
+    return Panel("change of energy", tuple(curves), note=f"balanced within {max(gaps, default=0.0):.2g} J")
+
+
+def _within(panel):
+    """The panel without the peaks of other times."""
+    curves = [
+        replace(curve, peak=curve.peak if curve.peak and curve.x.time[0] <= curve.peak[1] <= curve.x.time[-1] else ())
+        for curve in panel.curves
+    ]
+    own = curves[0].peak if len(curves) == 1 and not panel.note else ()
+    return replace(panel, curves=tuple(curves), peak=own)
