@@ -78,34 +78,69 @@ def run(deck, output, force, quiet, overrides):
 @commands.command()
 @click.argument("deck", type=click.Path())
 @click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
-@click.option("--number", type=click.IntRange(1), default=10, show_default=True, help="Modes of lowest frequency.")
+@click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
+@click.option(
+    "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
+    help="Over a parameter of the deck, or any number (as --set); or NAME=A,B,C. Twice: a map of stability.",
+)  # fmt: skip
 @click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
     help="Axes in which the motions are seen: that turn with a node, or with an angular velocity [rad/s].",
 )  # fmt: skip
 @click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
-@click.option("-o", "--output", type=click.Path(), help="File of modes; default: the deck's name with _modes.h5, here.")
-@click.option("--plot", is_flag=True, help="Draw the shapes into a picture beside the file.")
-@click.option("--force", is_flag=True, help="Replace an existing file of modes.")
+@click.option(
+    "-o", "--output", type=click.Path(), help="File; default: the deck's name with _modes.h5, or _sweep.h5, here."
+)
+@click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Write the numbers of a sweep beside the file, too.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
-def modes(deck, at, number, frame, solver, output, plot, force, overrides):
+def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
     """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
 
-    With 'static' or 'initial: static' in the deck: about the static equilibrium. Complex eigenvalues with constraints,
-    damping, gyroscopic and follower terms; a table here, shapes in the file and, with --plot, in a picture.
+    With 'static' or 'initial: static' in the deck: about the static equilibrium, with 'initial: {steady: ...}' about
+    straight steady running. Complex eigenvalues with constraints, damping, gyroscopic and follower terms; a table here,
+    shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
     """
+    if sweeps:
+        if at is not None:
+            raise click.BadParameter("is about one state, and --sweep about many", param_hint="--at")
+        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
+    if columns:
+        raise click.BadParameter("belongs to --sweep", param_hint="--csv")
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
     from mecano.modes_run import modes as find
 
-    text, _, _ = find(checked, path, at=at, number=number, frame=frame, method=solver, force=force)
+    text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
     _show(text)
     if plot:
         from mecano.post.mode_shapes import draw_modes
 
         _show(str(draw_modes(path)))
+
+
+def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
+    from mecano.progress import SweepProgress
+    from mecano.sweep_run import sweep_into
+
+    path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
+    progress = SweepProgress(quiet, path)
+    for name in STOPPED:
+        signal.signal(name, _stop)
+    text, total = sweep_into(
+        path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
+        progress=progress,
+    )  # fmt: skip
+    progress.done(total)
+    _show(text)
+    if plot:
+        from mecano.post.loci import draw_sweep
+
+        _show(str(draw_sweep(path)))
 
 
 @commands.command(name="reduce")
@@ -163,12 +198,13 @@ def check(deck, overrides):
     metavar="Y[,Y2][:X]",
     help="Plot outputs over another one, or over time; may be repeated.",
 )
+@click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at these times [s], in one picture.")
 @click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
-def post(results, plots, output, kind, columns, title, page):
+def post(results, plots, at, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
@@ -187,7 +223,7 @@ def post(results, plots, output, kind, columns, title, page):
         return
     from mecano.post.pictures import post as draw
 
-    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title):
+    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title, at=at):
         click.echo(path)
 
 

@@ -111,3 +111,31 @@ class StaticProgress(Progress):
             f"{self.points} steps, {self.rejected} rejected, {self.iterations} Newton iterations; "
             f"{self.what} {point.parameter:.6g}"
         )
+
+
+class SweepProgress(Progress):
+    """Told of every state of a sweep of modes: a bar on a terminal, else a line for each tenth of a long one."""
+
+    LONG = 50  # states
+
+    def __init__(self, quiet, path):
+        super().__init__({"start": 0.0, "end": 1.0}, quiet, path)
+
+    def __call__(self, done, total, text):
+        """Show how many states are done, which was the last, and the time that is left."""
+        now, share = time.monotonic(), done / total
+        left = (now - self.begun) * (1 - share) / share
+        numbers = f"{done} of {total} states, {text}, {left:.0f} s left"
+        if self.quiet:
+            return
+        if self.terminal and now - self.drawn >= INTERVAL:
+            self.drawn = now
+            filled = int(BAR * share)
+            self._say(f"\r[{'#' * filled + '.' * (BAR - filled)}] {numbers}\x1b[K")
+        elif not self.terminal and total >= self.LONG and int(LINES * share) > self.tenths:
+            self.tenths = int(LINES * share)
+            self._say(f"{numbers}\n")
+
+    def done(self, total):
+        """The last lines."""
+        self.finished(f"{total} states")

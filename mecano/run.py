@@ -10,7 +10,7 @@ from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
 from mecano.solve.interpolate import interpolate
-from mecano.statics import equilibrium
+from mecano.start import bring_to_start
 
 
 class Recorder:
@@ -84,7 +84,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     """
     refuse_existing(path, force)
     values, prepared = deck.values["time"], prepare(deck)
-    found = equilibrium(prepared) if deck.values["initial"]["static"] else ()
+    found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, values["step"])
     notes = [*remarks(prepared, start), *found]
@@ -100,11 +100,26 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         march.observers = (recorder, *observers)
         recorder.first(start)
         final = march.to(values["end"], start)
-        warnings = [*march.remarks, *exceeded(deck, sampler, writer.extremes)]
+        warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
         for text in warnings:
             announce(text)
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
+
+
+NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
+
+
+def cut_short(values, cuts, final):
+    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
+    if values["adaptive"] or len(cuts) <= NOTED * final.steps:
+        return
+    since, smallest = cuts[0][0], min(h for _, h in cuts)
+    yield (
+        f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
+        f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
+        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
+    )
 
 
 def exceeded(deck, sampler, extremes):

@@ -6,6 +6,7 @@ from textwrap import wrap
 from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, prepare, some
+from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
 MOST_NAMES = 12  # names printed of one mechanism
@@ -103,5 +104,7 @@ def _amounts(prepared):
     if first := values["initial"]["static"]:
         yield f"initial          the static equilibrium, found by {first['method']}"
         yield from _start(prepared)
+    if values["initial"]["steady"]:
+        yield f"initial          {words_of_start(prepared.deck)}, found when it begins"
     for text in amount_warnings(prepared):
         yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)

@@ -9,6 +9,7 @@ import numpy as np
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.model.sampler import Sampler
 from mecano.prepare import march_of, prepare
+from mecano.start import bring_to_start
 
 INPUTS = Path(__file__).parent.parent / "inputs"
 
@@ -29,6 +30,7 @@ class March:
     def __init__(self, deck, *, start=lambda prepared: None, change=lambda march, run: run):
         """``start(prepared)`` may alter the state, ``change(march, run)`` march and RunState before the first step."""
         prepared = prepare(deck)
+        bring_to_start(prepared)
         start(prepared)
         self.prepared, self.system = prepared, prepared.system
         self.sampler = Sampler(prepared.system)

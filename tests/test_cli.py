@@ -6,10 +6,12 @@ import signal
 import subprocess
 import sys
 import time
+from textwrap import dedent
 
 import pytest
 from marching import INPUTS
 from process import COMMAND, processor_time
+from test_deck_physics import MOTOR, problems
 
 import mecano
 from mecano.cli import main
@@ -319,6 +321,17 @@ class TestCatalogue:
             for item in (*KINDS[name].fields, *KINDS[name].outputs):
                 unit = "" if item.unit == "-" else f" [{item.unit}]"
                 assert f"\n  {item.name}{unit}" in out
+
+    def test_explain_fields_and_words_of_fields(self, call):
+        friction, of_hinge = call("explain", "friction")[1], call("explain", "hinge.friction")[1]
+        assert "friction (in hinge)" in of_hinge and "collar_radius [m]" in of_hinge and of_hinge in friction
+        assert "friction (in spherical)" in friction and "spherical" not in of_hinge
+        assert "arc_length (in static.method)" in call("explain", "arc_length")[1]
+        assert "mesh (in beam)" in call("explain", "mesh")[1]
+        law = call("explain", "law")[1]
+        example = law[law.index("  laws:\n") : law.index("  value: rising")]
+        assert problems(f"{MOTOR}{dedent(example)}".replace("value: 1.0", "value: rising")) == []
+        assert "{sine: {amplitude: ..., frequency: ...}}" in call("explain", "sine")[1]
 
     def test_explain_unknown_names(self, call):
         code, out, err = call("explain", "hnge")

@@ -48,6 +48,39 @@ def test_what_cannot_be(old, new, caret, words):
     assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
 
 
+MOTOR = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0]}}
+elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
+joints:
+  pin: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+  motor: {type: prescribed_angle, nodes: [a, ground], axis: [0, -2, 0], value: 1.0}
+time: {end: 1, step: 0.1}
+"""
+
+
+def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
+    assert problems(MOTOR) == []
+    (problem,) = problems(MOTOR.replace("[0, -2, 0]", "[0, 1, 1]"))
+    assert problem.message == (
+        "prescribed_angle 'motor': 'axis' is not that of hinge 'pin' between the same nodes, [0, 1, 0], about which "
+        "alone they can turn"
+    )
+    assert problem.mark.text[problem.mark.column - 1 :].startswith("[0, 1, 1]")
+
+
+@pytest.mark.parametrize(
+    ("value", "words", "hint"),
+    [
+        ("{type: sine, amplitude: 1}", "a law has no 'type'", "write {sine: {...}}"),
+        ("[{linear: {slope: 1}}]", "a law is a mapping of terms, not a list", "such as {linear: {slope: 2.0}}"),
+    ],
+)
+def test_laws_written_otherwise_are_answered_with_how_they_are_written(value, words, hint):
+    (problem,) = problems(MOTOR.replace("value: 1.0", f"value: {value}"))
+    assert words in problem.message and hint in problem.hint
+
+
 BAR = """
 mecano: 1
 nodes: {a: {position: [0, 0, 0], orientation: [0, 0.5, 0]}, b: {position: [1, 0, 0], orientation: [0, 0.5, 0]}}

@@ -1,6 +1,7 @@
 """What a checked deck holds: values, defaults, names replaced, marks, and the resolved form."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from mecano.deck.check import CHECKS
 from mecano.deck.physics import element_nodes, poses
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
+from mecano.errors import DeckError
 from mecano.laws import TERMS
 from mecano.schema import Field
 
@@ -46,7 +48,7 @@ def test_defaults_are_filled_in():
         "laws": {},
         "grounds": {},
         "tire_laws": {},
-        "initial": {"static": None, "velocities": []},
+        "initial": {"static": None, "steady": None, "velocities": []},
         "time": {
             "start": 0.0,
             "end": 1.0,
@@ -54,6 +56,7 @@ def test_defaults_are_filled_in():
             "method": "generalized_alpha",
             "rho_inf": 0.8,
             "adaptive": None,
+            "rest_speed": 1e-4,
             "newton": {"force_tolerance": 1e-7, "constraint_tolerance": 1e-10, "maximum_iterations": 15},
             "scale": {"k": "automatic", "penalty": "automatic"},
         },
@@ -78,6 +81,38 @@ def test_numbers_are_floats_and_parameters_replaced():
     assert type(values["gravity"][0]) is float
     assert values["elements"]["leg"]["count"] == 4 and type(values["elements"]["leg"]["count"]) is int
     assert values["parameters"] == {"sink": 3.05, "mass": 82.0, "steps": 4.0}
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("$mass / 4", 20.5), ("-$mass", -82.0), ("-$mass**2", -6724.0), ("=2*pi/3", 2 * math.pi / 3), ("$later+1", 7.1),
+        ("$with-dash", 3.0), ("$steps-1", 3.0), ("= max($mass, 100) - hypot(3, 4)", 95.0), ("=1e-3", 1e-3),
+        ("sqrt($steps) * sin(radians(30))", 1.0), ("( $mass+-$sink )", 78.95), ("$mass*$mass*0", 0.0),
+    ],
+)  # fmt: skip
+def test_expressions(expression, expected):
+    text = VALID.replace("steps: 4}", f"steps: 4, later: $sink * 2, with-dash: 3, here: '{expression}'}}")
+    text = text.replace("gravity: [0, 0, -9.81]", "gravity: [0, 0, $here]")
+    assert read_fake(text).values["gravity"][2] == pytest.approx(expected, rel=1e-15)
+    assert read_fake(text.replace("$here", f"'{expression}'")).values["gravity"][2] == pytest.approx(
+        expected, rel=1e-15
+    )
+
+
+def test_expressions_are_no_programs():
+    """Nothing but arithmetic comes through, in reasonable time, whatever is written."""
+    texts = (
+        "=__import__('os').system('true')", "=().__class__", "=[1][0]", "={}", "=lambda: 1", "=1 if 1 else 2",
+        "=10**10**10", "=9**9**9**9", "=" + "(" * 300, "=" + "-" * 400 + "1", "=" + "1+" * 240 + "1", "=True", "=1j",
+        "=log(0)", "=1e400", "=max()", "=sqrt(1, 2)", "=é", "$", "=", "$mass $mass", "=1<2", "=exp(x=1)", "=f'{1}'",
+        "=sqrt", "=abs('a')", "=(yield)", "=(a := 1)", "=*[1]", "= 1\t+ $", "$mass" + "*$mass" * 60, "=(-1)**0.5",
+        "=$mass.real", "=$mass\n+2",
+    )  # fmt: skip
+    for text in texts:
+        with pytest.raises(DeckError) as info:
+            read_fake(VALID.replace("[0, 0, -9.81]", f"[0, 0, {json.dumps(text)}]"))
+        assert len(info.value.problems) == 1 and "'gravity'" not in str(info.value.problems[0].message)[:9], text
 
 
 def test_a_parameter_may_use_an_earlier_one():

@@ -7,7 +7,6 @@ Reference b1_shimmy: a trailing wheel with Moreland's tyre, characteristic polyn
 import numpy as np
 import pytest
 from marching import March, deck, input_deck
-from scipy.optimize import brentq
 from small_motions import eigenvalues
 
 from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
@@ -49,7 +48,7 @@ def caster(V, c=20.0, k=0.0, D=0.0, C1=0.0, kind="adhesive_wheel", eps=0.01, kap
         f"torsional_stiffness: {kap}"
     )
     return (
-        f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", "parameters.swing=0",
+        f"parameters.speed={V!r}",
         f"elements.damper.law={law}", f"elements.tire.type={kind}", f"tire_laws.rubber.slip_regularization={eps!r}",
         f"tire_laws.rubber.lateral={{moreland: {{{constants}}}}}",
     )  # fmt: skip
@@ -77,15 +76,6 @@ def test_torsional_stiffness_does_not_matter_in_free_rolling():
         right = L * np.polymul(np.polymul([D, K], [L, V]), [C1, 1.0])
         roots = np.roots(np.polyadd(left, right))
         np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(roots[roots.imag > -1e-9]), rtol=1e-8)
-
-
-@pytest.mark.slow
-def test_critical_speeds():
-    def growth(V):
-        return shimmy(V).real.max()
-
-    for low, high, expected in ((3.0, 4.0, 3.5692509722800376), (50.0, 51.0, 50.430749027719955)):
-        assert brentq(growth, low, high, xtol=1e-9) == pytest.approx(expected, rel=1e-6)
 
 
 def test_creep_shifts_the_eigenvalues_as_the_regularization():

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from mecano.errors import ResultsError, UsageError
 from mecano.modes_run import about, modes
+from mecano.post.info import info
 from mecano.results.modes_file import read_modes
 from mecano.solve.increments import displaced
 from mecano.solve.linearize import Linearization, linearize
@@ -456,6 +457,14 @@ def test_table_and_file(tmp_path):
         modes(deck(row_of_masses(4)), path)
     with pytest.raises(UsageError, match="there is no node 'q'"):
         modes(deck(row_of_masses(4)), None, frame="q")
+
+
+def test_info_of_a_file_of_modes(tmp_path):
+    modes(deck(row_of_masses(4)), tmp_path / "m.h5", number=3)
+    text = info(tmp_path / "m.h5")
+    frequency = read_modes(tmp_path / "m.h5").numbers["frequency"][1]
+    assert "about       initial state" in text and "dense, undamped; 4 computed" in text
+    assert text.splitlines()[-4].split()[:2] == ["2", f"{frequency:.6g}"] and "shapes of 6 nodes" in text
 
 
 def test_pictures(tmp_path):

@@ -14,8 +14,9 @@ from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import draw_panel, figure, plans, sheets, style
 from mecano.post.info import info
-from mecano.post.panels import worth_showing
+from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
+from mecano.post.plans import Plan, View
 from mecano.post.quantity import find
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
@@ -76,6 +77,16 @@ def test_strut_force_is_shown_over_its_stroke(shown, runs):
     assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_spring_damper.stroke"))
     assert np.array_equal(panel.curves[0].y.values, -values(runs[0], "one_spring_damper.force"))  # a push is positive
     assert panel.label == "compression force" and not panel.over_time
+
+
+def test_single_numbers_keep_their_sign_and_lengths_are_named(shown, runs):
+    plan = Plan("moments", "Moments", ("torsion_spring_damper",), (View("moment", ("moment.magnitude",)),))
+    (panel,) = planned_panels(plan, runs)[0]
+    expected = values(runs[0], "one_torsion_spring_damper.moment")
+    assert expected.min() < 0.0 and panel.label == "moment" and panel.whats == ("moment",)
+    assert np.array_equal(panel.curves[0].y.values, expected)
+    lengths = [curve.y for panel in shown["reactions"].panels for curve in panel.curves if "magnitude" in curve.y.path]
+    assert lengths and {y.what for y in lengths} <= {"|force|", "|moment|"}
 
 
 def test_energies_are_changes_since_the_start(shown, runs):
@@ -180,6 +191,23 @@ def test_events_are_lines_named_where_there_is_room(tmp_path):
     assert upright == [0.5, 0.501, 1.0]
     texts = [[t.get_text() for t in ax.texts if t.get_rotation()] for ax in drawn.axes]
     assert texts == [["touch down + 1", "touch down"]] * 2 + [[]] * 4
+
+
+def test_many_events_are_lines_without_names(tmp_path):
+    events = tuple((0.1 * i, "touch_down") for i in range(1, 10))
+    runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    assert len(upright) == 9 and not any(t.get_rotation() for ax in drawn.axes for t in ax.texts)
+
+
+def test_a_moment_that_is_nothing_beside_the_forces_is_not_shown(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    panels = [Panel("force", (Curve(force, force, 0, "a"),))]
+    for size, shown in ((1e-13, 1), (1e-3, 2)):
+        moment = replace(force, unit="N m", values=size * force.values)
+        assert len(worth_showing([*panels, Panel("moment", (Curve(force, moment, 0, "a"),))], runs)) == shown
 
 
 def test_panels_show_the_events_of_their_own_elements(tmp_path):

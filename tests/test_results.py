@@ -1,6 +1,7 @@
 """The results file: round trip, names, attributes, refusals, state, speed."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 import results_samples as samples
 
-from mecano.errors import ResultsError
+from mecano.errors import ResultsError, UnknownNameError
 from mecano.results.layout import Layout, Series
+from mecano.results.lookup import Lookup
 from mecano.results.provenance import Source
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
@@ -150,6 +152,20 @@ def test_names_that_are_wrong(finished, name, message):
     with open_results(finished) as results, pytest.raises(ResultsError) as error:
         results.find(name)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        ("arm.moment", "write arm.1.moment to arm.11.moment"),
+        ("arm.moment.y", "write arm.1.moment to arm.11.moment"),
+        ("tip.displacement.z", "of nodes the position is known; write tip.position"),
+    ],
+)
+def test_names_of_divided_members_and_displacements_are_answered(name, answer):
+    paths = [*(f"elements/arm.{i}/moment" for i in (10, 2, 1, 11)), "nodes/tip/position"]
+    with pytest.raises(UnknownNameError, match=re.escape(answer)):
+        Lookup([Series(path, "", "", (3,)) for path in paths]).find(name)
 
 
 def test_a_name_of_several_series_is_refused(tmp_path):

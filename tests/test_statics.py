@@ -1,5 +1,7 @@
 """Static equilibrium: paths against closed forms, stability, failures by name, starts of marches."""
 
+import re
+
 import numpy as np
 import pytest
 from equilibria import G, Path, arm, chain, truss, truss_force
@@ -70,7 +72,7 @@ def test_steps_stop_at_a_limit_point():
     text = str(caught.value)
     factor = float(text.split("at load factor ")[2].split(":")[0])
     assert 0 < LIMIT / 30.0 - factor < 1e-4
-    assert "method: arc_length" in text and caught.value.exit_code == 3
+    assert "method: arc_length" in text and "the units of loads and stiffness" in text and caught.value.exit_code == 3
 
 
 def test_pendulum_falls_into_place():
@@ -109,6 +111,9 @@ def test_buckling_is_told():
     np.testing.assert_array_equal(path.unstable, path.factors > critical)
     assert f"near {critical:.6g}, the equilibrium becomes unstable: node 'pin' turns about" in path.result.remarks[0]
     assert path.result.remarks[1].startswith("the equilibrium at load factor 1 is unstable")
+    arc = Path(arm("static: {method: arc_length, steps: 4}", centre="[0, 0, 0.5]"))
+    told = re.search(r"between load factor .*, near (.*), the equilibrium becomes unstable", arc.result.remarks[0])
+    assert float(told[1]) == pytest.approx(critical, rel=1e-5)  # the least stiffness is linear in the load factor
 
 
 def test_mechanism_with_nothing_to_drive_it_is_neutral():

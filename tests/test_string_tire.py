@@ -83,7 +83,7 @@ def lateral(form, **values):
 def caster(form, V, damping=20.0):
     """Eigenvalues of small motions of caster_shimmy.yaml at V [m/s]: frequency above 1 rad/s, slowest decay first."""
     overrides = (
-        f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", "parameters.swing=0", lateral(form),
+        f"parameters.speed={V!r}", lateral(form),
         f"elements.damper.law={{damper: {{coefficient: {damping}}}}}",
     )  # fmt: skip
     found = eigenvalues(input_deck("caster_shimmy", *overrides), largest=1e4)

@@ -13,10 +13,11 @@ from mecano.elements.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
 from mecano.modes_run import modes
-from mecano.post.mode_shapes import draw_modes
+from mecano.post.mode_shapes import AMPLITUDE, draw_modes, mode_sketches
 from mecano.post.quantity import find
 from mecano.post.recovered import recover
 from mecano.reduce_run import part_of, reduce_part
+from mecano.results.modes_file import read_modes
 from mecano.results.reader import open_results
 from mecano.run import run
 from mecano.solve.linearize import linearize
@@ -280,10 +281,35 @@ def test_modes_of_a_deck_and_of_a_saved_state(tmp_path):
     expected = modes(full, None, number=3)[1].frequency
     found = modes(small, tmp_path / "modes.h5", number=3)[1]
     np.testing.assert_allclose(found.frequency, expected, rtol=1e-7)
-    assert draw_modes(tmp_path / "modes.h5").stat().st_size > 10_000  # a modes file has no outputs: boundary nodes
+    assert draw_modes(tmp_path / "modes.h5").stat().st_size > 10_000
+    modes(full, tmp_path / "full_modes.h5", number=3)
+    own, whole = read_modes(tmp_path / "modes.h5"), read_modes(tmp_path / "full_modes.h5")
+    names = small.values["elements"]["s"]["file"]["interior_names"]
+    inside = np.stack([whole.nodes[name]["translation"] for name in names], axis=1)
+    assert np.abs(inside[0]).max() > 0.1  # of the largest displacement, the same of both, which is 1
+    sign = np.sign(np.sum((own.inner["s"]["translation"] * inside).real, axis=(1, 2)))
+    np.testing.assert_allclose(own.inner["s"]["translation"] * sign[:, None, None], inside, rtol=0, atol=1e-5)
+    for file in (own, whole):
+        rod = next(shape.points for shape in mode_sketches(file)[0].shapes if shape.style == "rod")
+        moved = np.linalg.norm(rod[-1] - rod[2], axis=1)  # the largest, less the state itself
+        size = np.linalg.norm(np.ptp(rod[2], axis=0))
+        assert len(moved) > 2 and moved.max() == pytest.approx(AMPLITUDE * size, rel=0.05)
+        assert 0.2 < moved[len(moved) // 2] / moved[-1] < 0.45  # 0.339 of a clamped bar, 0.5 of a straight line
     run(small, tmp_path / "small.h5")
     again = modes(small, None, at=str(tmp_path / "small.h5"), number=3)[1].frequency
     np.testing.assert_allclose(again, expected, rtol=1e-7)
+
+
+def test_one_boundary_node(tmp_path):
+    """A bar reduced to its clamped root keeps its frequencies; of the root alone every motion is rigid."""
+    result = reduce_part(deck(BAR), tmp_path / "bar.npz", nodes=["root"], number=None)[1]
+    np.testing.assert_array_equal(result.content["stiffness"][:6], 0.0)
+    head = BAR.split("sections:")[0].replace("root: {", "root: {fixed: true, ")
+    text = head + "elements: {s: {type: superelement, nodes: [root], file: bar.npz}}\ntime: {end: 1, step: 1}\n"
+    small = "\n".join(line for line in text.splitlines() if not line.strip().startswith("tip:"))
+    found = modes(deck_of_bytes(small.encode(), str(tmp_path / "small.yaml")), None, number=3)[1].frequency
+    expected = modes(deck(BAR.replace("root: {", "root: {fixed: true, ")), None, number=3)[1].frequency
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
 def test_static_deflection(tmp_path):

@@ -1,5 +1,7 @@
 """What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
 
+from types import SimpleNamespace
+
 import h5py
 import pytest
 from marching import INPUTS, input_deck
@@ -7,7 +9,9 @@ from process import flowing, mecano_process, settings
 
 import mecano
 from mecano.deck.amounts import result_bytes, saved_times, steps
+from mecano.modes_run import modes
 from mecano.prepare import prepare, remarks
+from mecano.run import cut_short
 from mecano.solve.scales import length_scale
 from mecano.summary import summary
 
@@ -141,9 +145,28 @@ def test_absurd_amounts_are_warned_of_before_the_run():
     assert "the results file will have some 14.4 GB" in out
     out = check("output.every=1.0e-8")
     assert "the results file will have some 56 GB" in out and "are asked for" not in out
+    assert "only the start and the end are saved" in check("output.every=5") and "only" not in check("output.every=2")
     assert "warning" not in check()
     said = remarks(prepare(input_deck("pendulum", "time.step=1.0e-8")))
     assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
+
+
+def test_a_fixed_step_that_newton_cannot_take_is_told():
+    values = {"adaptive": None, "step": 0.1}
+    (text,) = cut_short(values, [(0.0, 0.025), (0.3, 0.00625)], SimpleNamespace(steps=199))
+    assert "failed in 2 trials, first at t = 0 s, and steps were cut to as little as 0.00625 s (199 steps" in text
+    assert not list(cut_short(values, [(0.0, 0.025)], SimpleNamespace(steps=100)))
+    assert not list(cut_short({**values, "adaptive": {"tolerance": 1e-4}}, [(0.0, 0.025)], SimpleNamespace(steps=5)))
+
+
+def test_friction_at_rest_is_told_to_be_a_damper():
+    """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
+    at_rest = "joint sticks, and these are the modes with that damper"
+    rest = input_deck("friction_pendulum", "initial.velocities=[]")
+    told = modes(rest, None)[0]
+    assert "mecano: hinge 'hinge': friction that is regularized is a strong viscous damper" in told and at_rest in told
+    swinging = input_deck("friction_pendulum", "initial.velocities=[{nodes: [pin], angular_velocity: [0, 1, 0]}]")
+    assert at_rest not in modes(swinging, None)[0]
 
 
 @pytest.mark.parametrize(

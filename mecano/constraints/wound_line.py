@@ -44,6 +44,7 @@ EVENTS = (
 )  # fmt: skip
 MEMORY = ("paid_out", "excess")  # [m] natural length; distance less full length, of the last step that did not hold
 NEARLY = 1.0 - 1e-8  # of the full length: what is left does not count
+MORE = 1.0 + 1e-6  # than the tension of the winder draws line out: where it has just stopped, rounding does not
 MULTIPLIER = 6
 
 
@@ -151,11 +152,14 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     strain, strain_rate = strained(length, rate, L, L_rate)
     tautness = min(strain, strain + p.damping * strain_rate)
     if mode == SLACK:
-        g[0 if not full or p.catch == STRETCH else 7 if p.catch == SHOCK else 8] = length - L
+        if full and p.catch != STRETCH:
+            g[7 if p.catch == SHOCK else 8] = length - L
+        else:
+            g[0] = tautness
     elif mode == TAUT:
         g[1] = -tautness
         if not full:
-            g[2] = strain + p.damping * strain_rate - _tension(p, laws, 0.0)[2]
+            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, laws, 0.0)[2]
     elif mode == PAYING:
         g[3] = -rate
         g[4 + p.catch] = length / (1.0 + _tension(p, laws, 0.0)[2]) - _full(p, laws, t)[0]

@@ -33,6 +33,12 @@ def result_bytes(values, row, history):
 def warnings(values, row, history):
     """Texts for a user who may have mistyped a step or an interval; arguments as in ``result_bytes``."""
     texts, count = [], steps(values) or 0
+    time, every = values["time"], values["output"]["every"]
+    if time and isinstance(every, float) and every > time["end"] - time["start"]:
+        texts.append(
+            f"only the start and the end are saved: 'output.every' ({every:g} s) is longer than the run "
+            f"({time['end'] - time['start']:g} s)"
+        )
     if count > MOST_STEPS:
         texts.append(f"{count:.3g} steps of {values['time']['step']:g} s are asked for: is 'time.step' meant so?")
     size = result_bytes(values, row, history)

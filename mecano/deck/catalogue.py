@@ -3,15 +3,29 @@
 import re
 from textwrap import wrap
 
-from mecano.deck.describe import WIDTH, describe, describe_section, describe_shape, describe_term
+from mecano.deck.describe import WIDTH, describe, describe_section, describe_shape, describe_term, field_lines
 from mecano.deck.sections import SECTIONS
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
 from mecano.elements.cross_section import SHAPES
 from mecano.errors import UsageError
 from mecano.laws import TERMS
+from mecano.schema import Type
 
 ROLES = {"curve": "laws of one variable", "force": "laws of extension and rate"}
+ALSO = {"law": "laws"}
+LAWS = [
+    "A law is a sum of terms, each with its fields. It stands in the section 'laws' under a name, or in place:",
+    "",
+    "  laws:",
+    "    rising: {polynomial: {coefficients: [0, 0, 60]}}                        # 60 s^2",
+    "    strut: {spring: {stiffness: 2.0e4}, damper: {coefficient: 300}}         # terms add up",
+    "",
+    "  value: rising                                   # the name of a law, in a field that takes one",
+    "  value: {linear: {slope: 2.0}}                   # the same written in place",
+    "  value: 4.0                                      # a number: constant",
+    "",
+]
 _MATHS = re.compile(r":math:`([^`]*)`")
 _DISPLAY = re.compile(r"^\.\. math:: *", re.MULTILINE)
 
@@ -42,8 +56,10 @@ def explain(name):
     Raises UsageError for an unknown name, with the most similar one.
     """
     sections = {section.name: section for section in SECTIONS}
+    name = ALSO.get(name, name)
     found = [(KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (sections, _section)]
     texts = [_plain(text(known[name])) for known, text in found if name in known]
+    texts = texts or [_plain(text) for text in _inside(name)]
     if not texts:
         known = [*KINDS, *SHAPES, *TERMS, *sections]
         hint = suggestion(name, known) or "`mecano list` names all"
@@ -55,10 +71,43 @@ def _section(section):
     """A section, with the names of all that may stand in it where a kind or a term is to be named."""
     names = [kind.name for kind in (*KINDS.values(), *SHAPES.values()) if kind.section == section.name]
     names = list(TERMS) if section.name == "laws" else names
+    written = LAWS if section.name == "laws" else []
     if not names:
         return describe_section(section)
     listed = wrap(", ".join(names), WIDTH, initial_indent="  ", subsequent_indent="  ")
-    return "\n".join([describe_section(section), "Kinds", *listed, ""])
+    return "\n".join([describe_section(section), *written, "Kinds", *listed, ""])
+
+
+def _inside(name):
+    """Texts on a field of kinds or sections, or on a word that one of them may be: "friction", "hinge.friction"."""
+    owner, _, last = name.rpartition(".")
+    owners = {}
+    for place, fields in _declared():
+        if not owner or place.partition(".")[0] == owner or place == owner:
+            for where, field in _walk(fields, place):
+                if field.name == last:
+                    owners.setdefault("\n".join(field_lines((field,))), []).append(where)
+                elif field.type.name == "choice" and last in field.type.options:
+                    owners.setdefault("\n".join(field_lines((field,))), []).append(f"{where}.{field.name}")
+    for lines, places in owners.items():
+        yield "\n".join([*wrap(f"{last} (in {', '.join(places)})", WIDTH), "", lines, ""])
+
+
+def _declared():
+    """(name, fields) of all kinds, shapes and sections."""
+    for kind in (*KINDS.values(), *SHAPES.values()):
+        yield kind.name, kind.fields
+    yield "deck", SECTIONS
+
+
+def _walk(fields, place):
+    """(place, Field) of fields and of those inside their mappings."""
+    for field in fields:
+        yield place, field
+        inner = f"{place}.{field.name}" if place != "deck" else field.name
+        for type_ in (field.type, *(option for option in field.type.options if isinstance(option, Type))):
+            if type_.name == "mapping":
+                yield from _walk(type_.options, inner)
 
 
 def _sentence(doc):

@@ -3,6 +3,7 @@
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.laws import law_in_place, law_or_name
+from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve
@@ -17,9 +18,11 @@ VERSION = 1
 
 
 def parameter(node, field, scope):
-    """A number of the section ``parameters``, which all that stands behind it may use."""
-    value = values.number(node, field, scope)
-    scope.parameters[scope.owner.value] = None if value is INVALID else value
+    """A number of the section ``parameters``, which the whole deck may use."""
+    name = scope.owner.value
+    with scope.parameters.working_on(name):
+        value = values.number(node, field, scope)
+    scope.parameters.values[name] = None if value is INVALID else value
     return value
 
 
@@ -63,18 +66,29 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     Raises DeckError with all problems of the first step that finds any.
     """
     _check_version(root, problems)
-    scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems)
+    scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems, Parameters(_written_parameters(root)))
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _check_process(root, sections, scope)
     _stop_at(problems)
-    if result.get("static") and result["initial"]["static"]:
-        scope.refuse(root.value["initial"][0], "'initial.static' belongs to a deck with 'time'")
+    for start in ("static", "steady"):
+        if result.get("static") and result["initial"][start]:
+            scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _stop_at(problems)
     resolve(result, scope)
     _stop_at(problems)
     check_model(result, root, scope)
     _stop_at(problems)
     return result, scope.files
+
+
+def _written_parameters(root):
+    """{name: node} of the section ``parameters``, as far as it is one."""
+    section = root.value.get("parameters")
+    return {name: node for name, (_, node) in section[1].value.items()} if section and _is_mapping(section[1]) else {}
+
+
+def _is_mapping(node):
+    return type(node.value) is dict
 
 
 def _stop_at(problems):

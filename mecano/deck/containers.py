@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+from mecano.deck.expressions import is_expression
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
@@ -72,7 +73,9 @@ def filled(node, field, fields, scope, given=None):
             values[inner.name] = default(inner, scope)
     if field.name:
         scope.path.pop()
-    return values if len(scope.problems) == before else INVALID
+    # a parameter that was refused elsewhere makes a value invalid without another problem
+    refused = len(scope.problems) > before or any(value is INVALID for value in values.values())
+    return INVALID if refused else values
 
 
 def _left_out(node, field):
@@ -132,7 +135,7 @@ def either(node, field, scope):
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
         return node.value
-    if type(node.value) is str and "$" not in node.value:
+    if type(node.value) is str and not is_expression(node.value):
         return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 

@@ -42,9 +42,11 @@ def describe_shape(shape):
 
 def describe_term(term):
     """A term of a law: its fields."""
+    fields = ", ".join(f"{field.name}: ..." for field in term.fields if field.required or field.name == "points")
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
     return (
-        "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]) + "\n"
+        "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)])
+        + f"\n\nWritten\n  {{{term.name}: {{{fields}}}}}; more of laws: mecano explain laws\n"
     )
 
 

@@ -11,6 +11,7 @@ from mecano.deck.wording import quoted
 from mecano.schema import NUMBER, Field, Type
 
 TERM = Type("mapping", "a mapping")
+HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # how a check of points says which one it means
 
 
@@ -26,6 +27,8 @@ def law_or_name(node, field, scope):
         return INVALID if value is INVALID else (("constant", {"value": value}),)
     if type(node.value) is str:
         return Reference(node.value, "laws", field.type.name, node, scope.subject)
+    if type(node.value) is list and any(type(item.value) is dict for item in node.value):
+        return scope.refuse(node, "a law is a mapping of terms, not a list", f"write {HOW}; terms add up")
     return scope.refuse_value(node, field)
 
 
@@ -39,6 +42,10 @@ def law(node, field, scope):
     """The terms of a mapping."""
     if not node.value:
         return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
+    if "type" in node.value:
+        named = node.value["type"][1].value
+        how = f"{{{named}: {{...}}}}" if type(named) is str and named in scope.terms else HOW
+        return scope.refuse(node.value["type"][0], "a law has no 'type': it is a mapping of terms", f"write {how}")
     if field.name:
         scope.path.append(field.name)
     terms = tuple((name, _term(name, key, inner, field, scope)) for name, (key, inner) in node.value.items())

@@ -10,6 +10,9 @@ from mecano.deck.wording import quoted
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import Element
 
+TURNING, PRESCRIBING = ("hinge", "cylindrical"), ("prescribed_angle",)
+OTHER_AXIS = 1e-3  # rad
+
 
 def element_nodes(kind, values):
     """Names of the nodes of an element, joint or load: its fields of node types, in their order."""
@@ -60,7 +63,24 @@ def check_model(values, root, scope):
                 scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
             elif all(node in at for node in names if node != "ground"):
                 _check_element(kind, element, names, at, key, node, scope)
+    _check_axes(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
+
+
+def _check_axes(joints, root, scope):
+    """Note angles that are prescribed about another axis than the one that a joint leaves to the same two nodes."""
+    free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if d["type"] in TURNING}
+    for name, d in joints.items():
+        if d["type"] not in PRESCRIBING or frozenset(d["nodes"]) not in free:
+            continue
+        other, hinge = free[frozenset(d["nodes"])]
+        across = np.linalg.norm(np.cross(d["axis"], hinge["axis"]))
+        if across > OTHER_AXIS * np.linalg.norm(d["axis"]) * np.linalg.norm(hinge["axis"]):
+            key, node = root.value["joints"][1].value[name]
+            scope.subject = f"{d['type']} {quoted(name)}"
+            free_axis = ", ".join(f"{c:g}" for c in hinge["axis"])
+            text = f"'axis' is not that of {hinge['type']} {quoted(other)} between the same nodes, [{free_axis}]"
+            scope.refuse(place_of(text, node, key), f"{text}, about which alone they can turn")
 
 
 def _place_members(elements, at, kinds):

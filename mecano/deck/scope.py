@@ -4,13 +4,14 @@ import re
 from dataclasses import dataclass, field
 
 from mecano.deck.compose import Node
+from mecano.deck.expressions import ExpressionError, evaluate, is_expression
+from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.source import Source
 from mecano.deck.wording import found, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
 
 MAX_PROBLEMS = 10_000
 MAX_SUGGESTIONS = 100  # looking for similar words is slow in a large deck
-PARAMETER = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
 DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
@@ -37,7 +38,7 @@ class Scope:
     terms: dict
     folder: str  # of the deck, where tables are looked for
     problems: list
-    parameters: dict = field(default_factory=dict)  # name -> number, or None when it was refused
+    parameters: Parameters = field(default_factory=Parameters)
     references: list = field(default_factory=list)
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
@@ -68,27 +69,41 @@ class Scope:
         return ".".join([*self.path, name] if name else self.path)
 
     def got(self, node):
-        """The value in words, with the value of a parameter."""
-        match = PARAMETER.fullmatch(node.value) if type(node.value) is str else None
-        value = self.parameters.get(match[2]) if match else None
-        return found(node) if value is None else f"{-value if match[1] else value} ({node.value})"
+        """The value in words, with the value of an expression."""
+        if type(node.value) is str and is_expression(node.value):
+            try:
+                return f"{evaluate(node.value, self.parameters)} ({node.value})"
+            except (ExpressionError, Refused):
+                pass
+        return found(node)
 
     def suggest(self, word, known):
         """A hint for an unknown word, as long as few were given."""
         self.suggestions += 1
         return suggestion(word, known) if self.suggestions <= MAX_SUGGESTIONS else ""
 
-    def parameter(self, node):
-        """The number that ``$name`` or ``-$name`` stands for; None when the text is no parameter."""
-        match = PARAMETER.fullmatch(node.value)
-        if not match:
+    def evaluated(self, node):
+        """The number that an expression stands for; None when the text is none."""
+        if not is_expression(node.value):
             return None
-        sign, name = match.groups()
-        if name not in self.parameters:
-            hint = self.suggest(name, self.parameters) or "no parameter is known here"
-            return self.refuse(node, f"unknown parameter {quoted(name)}", hint)
-        value = self.parameters[name]
-        return INVALID if value is None else (-value if sign else value)
+        try:
+            return evaluate(node.value, self.parameters)
+        except Refused:
+            return INVALID
+        except ExpressionError as error:
+            return self._refuse_expression(node, error)
+
+    def _refuse_expression(self, node, error):
+        """Note what is wrong with an expression, at its place in the line where that can be told."""
+        hint = ""
+        if error.near:
+            hint = self.suggest(*error.near) if error.near[1] else "the deck has no 'parameters'"
+        line, start = node.mark.text, node.column
+        if line[start : start + 1] in "'\"":
+            start += 1
+        exact = line[start : start + len(node.value)] == node.value
+        place = Node(node.value, node.source, node.line, start + error.column) if exact else node
+        return self.refuse(place, error.message, hint)
 
 
 def place(container, key, value, scope):

@@ -55,6 +55,13 @@ def check_time(time):
     return None
 
 
+def check_initial(initial):
+    """Check of the values together: one kind of start."""
+    if initial["static"] is not None and initial["steady"] is not None:
+        return "'steady' and 'static' exclude one another"
+    return None
+
+
 def check_velocity(entry):
     """Check of the values together: a turning set of nodes needs a point about which it turns."""
     several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
@@ -93,10 +100,16 @@ VELOCITY_FIELDS = (
         "point about which the nodes turn as one rigid body; 'own': each about itself", None,
     ),
 )  # fmt: skip
+STEADY_FIELDS = (Field("velocity", VECTOR, "m/s", "velocity of all nodes, along the road, inertial"),)
 INITIAL_FIELDS = (
     Field(
         "static", shorthand(mapping(*INITIAL_STATIC_FIELDS), {True: {}}), "-",
         "start from the static equilibrium at the start time, with the velocities below", None,
+    ),
+    Field(
+        "steady", mapping(*STEADY_FIELDS), "-",
+        "start from straight steady running: deflections, spins of the wheels and reactions are found; the velocities "
+        "below are a disturbance added to it", None,
     ),
     Field(
         "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
@@ -145,7 +158,7 @@ OUTPUT_FIELDS = (
 SECTIONS = (
     Field("mecano", INTEGER, "-", "version of the deck"),
     Field("title", TEXT, "-", "title of the model", ""),
-    Field("parameters", named(PARAMETER), "-", "numbers by name: '$name' and '-$name' stand for them", {}),
+    Field("parameters", named(PARAMETER), "-", "numbers by name, for expressions in all numbers: '$speed / 0.35'", {}),
     Field("gravity", VECTOR, "m/s2", "acceleration of gravity, inertial", (0.0, 0.0, -9.81)),
     Field(
         "nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty
@@ -159,7 +172,7 @@ SECTIONS = (
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
-        "the start: velocities, static equilibrium ('initial: static')", {},
+        "the start: velocities, static equilibrium ('initial: static'), steady running", {}, check_initial,
     ),
     Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", None, check_time),
     Field("static", mapping(*STATIC_FIELDS), "-", "how a static equilibrium is reached", None, check_static),

@@ -1,7 +1,7 @@
 """Checks of single values: node of the deck -> plain value, or INVALID with the problem noted in the scope.
 
-A check takes the node, the ``Field`` that declares it and the ``Scope``. Numbers become floats; a text ``$name`` or
-``-$name`` stands for a number of ``parameters``.
+A check takes the node, the ``Field`` that declares it and the ``Scope``. Numbers become floats; a text may
+be an expression, such as ``$speed / 0.35`` (expressions.py).
 """
 
 import math
@@ -18,10 +18,10 @@ SIX = replace(NUMBERS, expects="six numbers")
 
 
 def plain_number(node, scope):
-    """The int or float of a node or of its parameter; None when it is none, INVALID when the parameter is not."""
+    """The int or float of a node or of its expression; None when it is none, INVALID when the expression is not."""
     value = node.value
     if type(value) is str:
-        value = scope.parameter(node)
+        value = scope.evaluated(node)
     return value if value is INVALID or type(value) in (int, float) else None
 
 

@@ -24,9 +24,12 @@ def rigid_motions(positions, n):
     return translations, rotations
 
 
-def resistance(K, r):
-    """Largest force of K (n, n) on a rigid motion r (n,), relative to those that springs of its diagonal would give."""
-    diagonal = np.abs(np.diag(K))
+def resistance(K, r, stiffness=0.0):
+    """Largest force of K (n, n) on a rigid motion r (n,), relative to those that springs of its diagonal would give.
+
+    ``stiffness`` (n,): that of springs of which K is a difference, where it is larger than the diagonal.
+    """
+    diagonal = np.maximum(np.abs(np.diag(K)), stiffness)
     size = np.sqrt(diagonal * (r @ (diagonal * r)))
     forces = np.abs(K @ r)
     return float(np.max(forces[size > 0.0] / size[size > 0.0], initial=0.0))

@@ -18,6 +18,7 @@ from mecano.post.style import (
 )
 
 EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
+MOST_NAMED = 8  # events
 MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
 TINY = 1e-300
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
@@ -173,10 +174,15 @@ def _draw_events(ax, marks, factor, look):
 
 
 def _name_events(ax, marks, factor, look, height):
-    """Names so many points above the axes, as far as there is room; "+ 2" stands for two more close behind."""
+    """Names so many points above the axes, as far as there is room; "+ 2" stands for two more close behind.
+
+    Of many events only the lines are drawn: names of some would not tell which ones.
+    """
     low, high = ax.get_xlim()
     several = len({mark.element for mark in marks}) > 1
     shown = [mark for mark in marks if low <= mark.time / factor <= high]
+    if len(shown) > MOST_NAMED:
+        return
     room = EVENT_ROOM * (1.5 if several else 1.0)  # names of elements make the labels long
     for mark, behind in _thinned(shown, room * (high - low) * factor):
         name = f"{mark.element}: {mark.text}" if several else mark.text

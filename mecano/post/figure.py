@@ -25,7 +25,7 @@ def sheet_figure(sheet, title):
     rows = math.ceil(len(sheet.panels) / columns)
     width, height = (6.4, 3.6) if len(sheet.panels) == 1 else PANEL
     with matplotlib.rc_context(SETTINGS):
-        figure = _figure(columns * width, rows * height + _room(sheet), title, sheet.heading)
+        figure = plain_figure(columns * width, rows * height + _room(sheet), title, sheet.heading)
         grid = figure.add_gridspec(rows, columns)
         places = [grid[i // columns, i % columns] for i in range(len(sheet.panels))]
         _fill(figure, sheet, places, Look(sheet))
@@ -41,7 +41,7 @@ def overview_figure(sheet, title, facts):
     free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]
     rows = 1 + max(r for r, _ in [*taken, *free])
     with matplotlib.rc_context(SETTINGS):
-        figure = _figure(COLUMNS * PANEL[0], rows * PANEL[1] + _room(sheet), title, facts)
+        figure = plain_figure(COLUMNS * PANEL[0], rows * PANEL[1] + _room(sheet), title, facts)
         grid = figure.add_gridspec(rows, COLUMNS)
         places = ([grid[0, :] if wide else grid[0, 0]] if sketched else []) + [grid[cell] for cell in free]
         _fill(figure, sheet, places, Look(sheet, panel_by_panel=True))
@@ -62,14 +62,14 @@ def _room(sheet):
 def _sketches(sheet, title):
     heights = [min(max(SKETCH_WIDTH * sketch.aspect, LOWEST), HIGHEST) for sketch in sheet.panels]
     with matplotlib.rc_context(SETTINGS):
-        figure = _figure(SKETCH_WIDTH, sum(heights), title, sheet.heading)
+        figure = plain_figure(SKETCH_WIDTH, sum(heights), title, sheet.heading)
         grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
         for i, sketch in enumerate(sheet.panels):
             draw_sketch(figure.add_subplot(grid[i]), sketch, sketch.label if sheet.run_labels else "")
     return figure
 
 
-def _figure(width, height, title, heading):
+def plain_figure(width, height, title, heading):
     """An empty figure with a bold title and a line below it."""
     figure = Figure(figsize=(width, height + ROOM))
     figure.get_layout_engine().set(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)

@@ -6,6 +6,7 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.errors import UnknownNameError
+from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.results.reader import open_results
 
@@ -19,8 +20,10 @@ ENDS = {"running": "still running", "killed": "killed, all acknowledged steps ar
 def info(path, pattern=None):
     """Text on a results file; with a pattern such as "wheel.*" on the outputs that fit it, "*" on all.
 
-    Raises ResultsError, UnknownNameError when no output fits.
+    Files of modes are told as a whole. Raises ResultsError, UnknownNameError when no output fits.
     """
+    if is_other(path):
+        return info_other(path)
     with open_results(path) as results:
         if pattern is not None:
             return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])

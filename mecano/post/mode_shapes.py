@@ -37,8 +37,8 @@ class ModeMotion:
 
     @cached_property
     def nodes(self):
-        """Names of the nodes of the deck."""
-        return [name for name in self.file.nodes if name in self.run.deck["nodes"]]
+        """Names of the nodes, those of divided members among them."""
+        return list(self.file.nodes)
 
     @cached_property
     def _turns(self):
@@ -48,6 +48,13 @@ class ModeMotion:
         """Positions (phases, 3) [m]."""
         values = self.file.nodes[node]
         return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
+
+    def inside(self, name, d):
+        """Positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
+        values = self.file.inner.get(name)
+        if values is None:
+            return None
+        return values["position"] + np.real(self._turns[:, None, None] * values["translation"][self.mode])
 
     def turned(self, node, direction):
         """An inertial direction (3,) of the state, carried along by the node: (phases, 3), of first order."""
@@ -62,22 +69,29 @@ class ModeMotion:
 def draw_modes(path, output=None, kind="png"):
     """Draw all modes of a file in one picture beside it, or at ``output``; returns its path. Raises ResultsError."""
     file = read_modes(path)
-    things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
-    paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
-    run = SimpleNamespace(deck=file.resolved, things=things, paths=paths)
-    sketches = [_sketch(run, file, mode) for mode in range(len(file.values))]
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     try:
-        save(_figure(file, sketches), target)
+        save(_figure(file, mode_sketches(file)), target)
     except OSError as error:
         raise ResultsError(f"cannot write {target}: {error.strerror}") from error
     return target
 
 
+def mode_sketches(file):
+    """A Sketch for each mode of a ModesFile, at PHASES; the largest displacement is AMPLITUDE of the mechanism."""
+    things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
+    paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
+    run = SimpleNamespace(deck=file.resolved, things=things, paths=paths)
+    return [_sketch(run, file, mode) for mode in range(len(file.values))]
+
+
 def _sketch(run, file, mode):
     """The Sketch of a mode, in the plane where most of it shows."""
-    positions = np.array([node["position"] for node in file.nodes.values()])
-    moves = np.array([node["translation"][mode] for node in file.nodes.values()])
+    inner = file.inner.values()
+    positions = np.concatenate([[node["position"] for node in file.nodes.values()], *(n["position"] for n in inner)])
+    moves = np.concatenate(
+        [[node["translation"][mode] for node in file.nodes.values()], *(n["translation"][mode] for n in inner)]
+    )
     size = float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0
     largest = float(np.abs(moves).max(initial=0.0))
     amplitude = AMPLITUDE * size / largest if largest > 1e-6 else 2.0 * AMPLITUDE

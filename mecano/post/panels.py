@@ -43,6 +43,9 @@ def worth_showing(panels, runs):
         scale[unit] = max(scale.get(unit, 0.0), value)
     for curve in (curve for panel in panels for curve in panel.curves):
         scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), _size(curve.y.values))
+    if "m" in scale:  # a moment is nothing beside the forces at the size of the mechanism, and the reverse
+        size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
+        scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
     kept = []
     for panel in panels:
         curves = tuple(c for c in panel.curves if _size(c.y.values) > NOTHING * scale[c.y.unit])
@@ -85,7 +88,8 @@ def _panel(view, things, runs):
         if thing in run.pieces
         for curve in _curves(view, thing, run, number)
     ]
-    return Panel(view.label, tuple(curves))
+    lengths = curves and all(curve.y.path.endswith(MAGNITUDE) and curve.y.whole == view.label for curve in curves)
+    return Panel(f"|{view.label}|" if lengths else view.label, tuple(curves))
 
 
 def _curves(view, thing, run, number):
@@ -111,8 +115,14 @@ def _name_of(run, thing, output):
         stem = name.partition(".")[0]
         needed = DERIVED[stem].needs if stem in DERIVED else (stem,)
         if all(f"{owner}/{one}" in run.paths for one in needed):
-            return f"{owner}/{name}"
+            return _signed(run, f"{owner}/{name}")
     return ""
+
+
+def _signed(run, name):
+    """A single number as it is: of its magnitude the sign would be missing."""
+    stem = name.removesuffix(MAGNITUDE)
+    return name if stem != name and run.results.series[stem].shape else stem
 
 
 def with_peaks(panel, runs):

@@ -7,16 +7,24 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import write_columns
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
+from mecano.post.loci import draw_sweep
+from mecano.post.mode_shapes import draw_modes
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets, overview
+from mecano.post.wire import times_of, wire_figure
+from mecano.results import modes_file, sweep_file
+from mecano.results.modes_file import format_of
 
 FORMATS = ("png", "svg")
+OF_MODES = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep}
 LONGEST_STEM = 60
 
 
-def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None):
+def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None, at=None):
     """Make pictures of results files, several of them in one; yields the path of each file written.
+
+    Files of modes and of sweeps are drawn one by one.
 
     Parameters
     ----------
@@ -31,6 +39,9 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None)
         Write the numbers too, as comma-separated values beside each picture.
     title : str
         Of the pictures; that of the deck when absent.
+    at : str
+        Times [s] with commas between: one picture for each file, of the configurations at these times; alone, or beside
+        the ``plots``.
 
     Raises
     ------
@@ -39,20 +50,40 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None)
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
+    others = [path for path in paths if format_of(path) in OF_MODES]
+    if others:
+        yield from _of_modes(paths, others, plots, output, kind)
+        return
     requests = [Request.parse(text) for text in plots]
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
     title = title or " | ".join(dict.fromkeys(run.title for run in runs))
-    if requests:
+    times = times_of(at) if at else []
+    if requests or times:
         pictures = [(sheet, sheet_figure) for sheet in (requested_sheet(request, runs) for request in requests)]
     else:
         pictures = _default_pictures(runs)
-    targets = _targets([sheet.name for sheet, _ in pictures], output, kind, runs)
-    for (sheet, draw), target in zip(pictures, targets, strict=True):
+    names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
+    targets = _targets(names, output, kind, runs)
+    for run, target in zip(runs if times else [], targets[len(pictures) :], strict=True):
+        yield _save(wire_figure(run, times, title), target)
+    for (sheet, draw), target in zip(pictures, targets, strict=False):
         yield _save(draw(sheet, title), target)
         if columns and sheet.curves and draw is sheet_figure:
             yield _save_columns(sheet, target.with_suffix(".csv"))
+
+
+def _of_modes(paths, others, plots, output, kind):
+    """Pictures of files of modes and of sweeps, one each."""
+    if plots or len(others) < len(paths):
+        raise UsageError(f"{others[0]} is a file of modes: it is drawn alone, without --plot")
+    if len(paths) > 1 and output and not Path(output).is_dir():
+        raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
+    for path in paths:
+        name = f"{Path(path).stem}.{kind}"
+        target = Path(output) / name if output and Path(output).is_dir() else output
+        yield OF_MODES[format_of(path)](path, target, kind)
 
 
 def _default_pictures(runs):

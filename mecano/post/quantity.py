@@ -58,6 +58,8 @@ class Quantity:
         """The quantity in words: radial force, position z."""
         if self.path == "time":
             return self.axis[0]
+        if self.path.endswith(MAGNITUDE):
+            return f"|{self.whole}|"
         return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
 
     @property

@@ -26,14 +26,15 @@ def nodes_inside(d):
 
 def recover(results, name, d, rows=slice(None)):
     """The Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
+    return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values[rows])
+
+
+def recovered(d, value):
+    """The Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...) by name."""
     reduced = d["file"]
     X = np.array(reduced["positions"], float)
     places = np.array(reduced["interior_positions"], float).reshape(-1, 3) - X.mean(axis=0)
     basis = np.array(reduced["interior_basis"], float)
-
-    def value(output):
-        return results.find(f"elements/{name}/{output}").values[rows]
-
     n_nodes = len(X)
     pairs = [value(f"{what}_{i}") for i in range(1, n_nodes + 1) for what in ("displacement", "rotation")]
     amplitudes = [value(f"amplitude_{i}")[:, None] for i in range(1, basis.shape[1] - 6 * n_nodes + 1)]

@@ -42,6 +42,12 @@ class Motion:
         """An output (instants, ...) of the file."""
         return self.run.results.find(path).values[self.rows]
 
+    def inside(self, name, d):
+        """Positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
+        if not nodes_inside(d) or f"elements/{name}/frame_origin" not in self.run.paths:
+            return None
+        return recover(self.run.results, name, d, self.rows).positions
+
     def turned(self, node, direction):
         """An inertial direction (3,) of the start, carried along by the node: (instants, 3)."""
         quaternions = self.run.results.find(f"nodes/{node}/rotation").values
@@ -103,9 +109,9 @@ def _superelement(motion, name, d):
     if len(nodes) < len(d["nodes"]):
         return []
     points = [motion.position(node) for node in nodes]
-    if nodes_inside(d) and f"elements/{name}/frame_origin" in motion.run.paths:
-        inner = recover(motion.run.results, name, d, motion.rows)
-        points += list(np.moveaxis(inner.positions, 1, 0))
+    inside = motion.inside(name, d)
+    if inside is not None:
+        points += list(np.moveaxis(inside, 1, 0))
     chains = [[points[i] for i in chain if i < len(points)] for chain in lines(d)]
     return [Shape(ROD, name, np.stack(chain, axis=1)) for chain in chains if len(chain) > 1]
 

@@ -87,7 +87,8 @@ def legend_above(ax, handles, inches):
 
 def note_below(ax, text):
     """Small print at the lower right of axes; below their label where it is long."""
-    down = -18 if len(text) <= BESIDE else -32
+    wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label stands in the middle
+    down = -18 if len(text) <= BESIDE - wider else -32
     ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, down), textcoords="offset points",
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
 

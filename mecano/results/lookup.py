@@ -1,6 +1,7 @@
 """Finding series by the names people write: wheel.radial_force, joints.knee.angle, axle.position.z."""
 
 import difflib
+import re
 from fnmatch import fnmatchcase
 
 from mecano.errors import UnknownNameError
@@ -63,9 +64,22 @@ class Lookup:
         raise UnknownNameError(f"no component '{component}' in '{name}': there are {', '.join(series.components)}")
 
     def _suggest(self, dotted):
+        pieces = self._pieces(dotted) or self._pieces(_split(dotted, 1)[0])
+        if pieces:
+            return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * for the number to have all"
+        node = dotted.removeprefix("nodes.").partition(".")[0]
+        if ".displacement" in dotted and f"{node}.position" in self._by_ending:
+            return f": of nodes the position is known; write {node}.position"
         close = difflib.get_close_matches(dotted, self._by_ending, 3)
         close = close or difflib.get_close_matches(_split(dotted, 1)[0], self._by_ending, 3)
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
+
+    def _pieces(self, dotted):
+        """Endings such as arm.1.moment, in the order of their numbers, for arm.moment."""
+        owner, _, last = dotted.rpartition(".")
+        piece = re.compile(rf"{re.escape(owner)}\.(\d+)\.{re.escape(last)}")
+        found = {int(match[1]): ending for ending in self._by_ending if (match := piece.fullmatch(ending))}
+        return [found[number] for number in sorted(found)]
 
 
 def _endings(path):

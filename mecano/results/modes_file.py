@@ -42,7 +42,17 @@ class ModesFile:
     kinds: list
     numbers: dict  # name -> (m,)
     nodes: dict  # name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}
+    inner: dict  # superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it
     resolved: dict  # the deck
+
+
+def format_of(path):
+    """What kind of file of mecano a file is, or "" where it cannot be read."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            return str(file.attrs.get("format", ""))
+    except (OSError, ValueError):
+        return ""
 
 
 def write_modes(path, contents, source, *, force=False):
@@ -74,6 +84,11 @@ def _fill(file, contents, source):
         for key, (unit, doc) in SHAPES.items():
             parts = np.stack([node[key].real, node[key].imag], axis=-1)
             _put(group, key, parts, unit, doc, file["mode"])
+    for name, (position, translation) in contents["inner"].items():
+        group = file.create_group(f"inner/{name}")
+        _put(group, "position", position, *PLACES["position"])
+        parts = np.stack([translation.real, translation.imag], axis=-1)
+        _put(group, "translation", parts, *SHAPES["translation"], file["mode"])
     for name, text in source.texts().items():
         file[f"deck/{name}"] = text
     run = file.create_group("run")
@@ -99,15 +114,20 @@ def read_modes(path):
             if file.attrs.get("format") != FORMAT:
                 raise ResultsError(f"{path} is no file of modes")
             numbers = {name: file[name][:] for name, _, _ in NUMBERS}
-            nodes = {name: _node(file[f"nodes/{name}"]) for name in file.get("nodes", ())}
+            nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
+            inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}
             values = numbers["real_part"] + 1j * numbers["imaginary_part"]
             kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
             resolved = json.loads(file["deck/resolved"][()])
-            return ModesFile(Path(path), run["title"], run["about"], values, kinds, numbers, nodes, resolved)
+            return ModesFile(Path(path), run["title"], run["about"], values, kinds, numbers, nodes, inner, resolved)
     except (OSError, KeyError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
 
 
-def _node(group):
-    node = {key: group[key][()] for key in PLACES}
-    return node | {key: group[key][..., 0] + 1j * group[key][..., 1] for key in SHAPES}
+def _groups(file, name):
+    return file[name].items() if name in file else ()
+
+
+def _places(group, real, complex_):
+    found = {key: group[key][()] for key in real}
+    return found | {key: group[key][..., 0] + 1j * group[key][..., 1] for key in complex_}

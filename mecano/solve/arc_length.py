@@ -21,6 +21,7 @@ from mecano.solve.static import CLOSED, MODE_CHANGES
 WANTED = 5  # iterations of a step
 SHARPEST = 0.5  # cosine between successive tangents of the path
 LONGEST = 5.0  # steps over the first one
+HALVINGS = 8  # of a step in which stability is lost
 MOST_TRIES = 30  # to meet an end of the path
 MET = 1e-9  # of what the end is about
 
@@ -99,10 +100,29 @@ class ArcLength:
             ds, rejected = ds * SHRINK, rejected + 1
         if np.any((before < 0.0) & (self._gaps(trial.state, trial.mu) > 0.0)):
             trial = self._meet(arc, point, before, trial)
+        critical = self._critical(follower, arc, point, trial)
         arc.tangent, arc.rate = trial.tangent, trial.rate
         mu = self.end if abs(trial.mu / self.end - 1.0) <= MET else trial.mu
-        new = follower.accept(trial.state, mu, point.place + trial.ds, trial.ds, trial.found, rejected)
+        new = follower.accept(trial.state, mu, point.place + trial.ds, trial.ds, trial.found, rejected, critical)
         return new, trial.ds
+
+    def _critical(self, follower, arc, point, trial):
+        """Load factor at which stability is lost within the step, by halving it and the least stiffness; or None."""
+        unstable = point.stability.unstable
+        reached = follower.stability(trial.state, trial.mu)
+        ends = [(0.0, point.parameter, point.stability), (trial.ds, trial.mu, reached)]
+        if not 0 <= unstable < ends[1][2].unstable:
+            return None
+        for _ in range(HALVINGS):
+            new = arc.step(point, 0.5 * (ends[0][0] + ends[1][0]))
+            if not new.found.ok:
+                break
+            there = follower.stability(new.state, new.mu)
+            ends[there.unstable > unstable] = (new.ds, new.mu, there)
+        (_, stable_mu, stable), (_, unstable_mu, soft) = ends
+        crossed = stable.stiffness > 0.0 > soft.stiffness
+        share = stable.stiffness / (stable.stiffness - soft.stiffness) if crossed else 0.5
+        return stable_mu + share * (unstable_mu - stable_mu)
 
     def _meet(self, arc, point, before, trial):
         """The trial step that ends where the first end is crossed, by false position on its length (Illinois)."""

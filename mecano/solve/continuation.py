@@ -58,20 +58,23 @@ class Follower:
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
         return self.judge(self.statics.system.data)
 
-    def accept(self, s, p, place, step, found, rejected=0):
-        """The Point of a converged state; its outputs stand in the system when the observers are told."""
+    def accept(self, s, p, place, step, found, rejected=0, critical=None):
+        """The Point of a converged state; its outputs stand in the system when the observers are told.
+
+        ``critical``: the parameter at which stability was lost within the step, where it is known.
+        """
         statics = self.statics
         s = statics.settled(statics.begin(s))
         stability = self.stability(s, p)
         statics.evaluate(s, p, 1.0, 0.0, False)
         statics.system.observe(s)
         point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.happenings)
-        self._watch(point)
+        self._watch(point, critical)
         for observer in self.observers:
             observer(point)
         return point
 
-    def _watch(self, point):
+    def _watch(self, point, critical):
         """Note where the path lost stability; in steps of the parameter, by interpolation of the least stiffness."""
         last, self.last = self.last, point
         if last is None or not 0 <= last.stability.unstable < point.stability.unstable:
@@ -80,6 +83,7 @@ class Follower:
         text = f"between {of.name} {last.parameter:.6g} and {point.parameter:.6g}{of.unit}"
         if before > 0.0 > after and point.place == point.parameter:
             critical = last.parameter + (point.parameter - last.parameter) * before / (before - after)
+        if critical is not None:
             text += f", near {critical:.6g},"
         motion = words(self.statics.system, point.state, point.stability.shape, self.statics.length)
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
@@ -122,7 +126,10 @@ class Steps:
     count: int
     minimum: float
     grow: bool = False
-    hint: str = "method: arc_length past a limit point; method: relaxation, which lets a mechanism fall into place"
+    hint: str = (
+        "the units of loads and stiffness (N, N/m, Pa); method: arc_length past a limit point; "
+        "method: relaxation, which lets a mechanism fall into place"
+    )
 
     def follow(self, follower, point):
         """(last Point, reason). Raises ConvergenceError, NonFiniteError."""

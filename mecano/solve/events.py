@@ -11,6 +11,7 @@ from numba import njit
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
+TOGETHER = 1e-6  # of its change in the step: an event that lacks no more happens with the one that is located
 MAX_RESTEPS = 60
 
 
@@ -127,5 +128,7 @@ def locate(watch, step, s0, g0, trial, h):
             lo, G_lo = middle, g
             G_hi = G_hi * 0.5 if side == -1 else G_hi
             side = -1
-    hit = crossed & (watch.values(best[0]) >= 0)
+    hit = crossed.copy()
+    rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
+    hit[crossed] = watch.values(best[0])[crossed] >= -TOGETHER * rise
     return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)

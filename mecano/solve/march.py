@@ -53,6 +53,7 @@ class March:
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
+    cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
@@ -221,6 +222,7 @@ class March:
 
     def _smaller(self, info, t, h):
         if h * AFTER_FAILURE >= self.control.minimum:
+            self.cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, info, t, h)
 

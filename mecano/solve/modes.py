@@ -72,7 +72,8 @@ def solve(lin, number=10, method="automatic"):
         method = "dense" if lin.n_q <= DENSE else "sparse"
     scaled = SmallMotions(lin)
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
-    values, shapes = _told(*_with_free(scaled, values, shapes))
+    exact = method == "dense" and scaled.on_velocity.any()  # there free motions have the eigenvalue zero already
+    values, shapes = _told(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
     order = np.argsort(np.abs(values), kind="stable")
     growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
     chosen = np.array([*order[:number], *growing], int)
@@ -98,6 +99,14 @@ def _with_free(scaled, values, shapes):
     free = _plain(U[:, sigma > 1e-3 * sigma[0]].T)
     moving = ~still
     return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
+
+
+def _plain_zeros(values, shapes):
+    """The pairs, those with the eigenvalue zero with plainer shapes."""
+    free, shapes = values == 0.0, shapes.astype(complex)
+    if free.any():
+        shapes[free] = _plain(shapes[free].real)
+    return values, shapes
 
 
 def _plain(basis):

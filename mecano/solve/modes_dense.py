@@ -12,6 +12,7 @@ import scipy.linalg as la
 from mecano.solve.stability import null_space
 
 MASSLESS = 1e-13  # of the largest inertia
+ZERO, SINGULAR = 1e-12, 1e-9  # of the largest: singular values that are rounding; inertia that is none
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
@@ -77,6 +78,31 @@ def _on_velocities(scaled, Z, M, C, K):
     E, F = scaled.E @ Z, scaled.F @ Z
     N, G = null_space(E), -np.linalg.pinv(E, rcond=1e-12) @ F
     L = null_space((Z.T @ scaled.D[:, scaled.on_velocity]).T).T
-    A = np.block([[G, N], [-L @ (M @ G @ G + C @ G + K), -L @ (M @ G @ N + C @ N)]])
-    values, vectors = _finite(A, la.block_diag(np.eye(len(G)), L @ M @ N))
-    return values, vectors[: len(G)].T
+    M, C, K = L @ M, L @ (C + M @ G), L @ (M @ G @ G + C @ G + K)
+    mass = np.abs(M).max(initial=0.0) or 1.0
+    rate = np.sqrt(np.abs(K).max(initial=0.0) / mass) or 1.0  # makes the rows, and p and r, comparable
+    A = np.block([[G / rate, N], [-K / (mass * rate**2), -C @ N / (mass * rate)]])
+    values, vectors = _without_zeros(A, la.block_diag(np.eye(len(G)), M @ N / mass))
+    return values * rate, vectors[: len(G)].T
+
+
+def _without_zeros(A, E, chains=False):
+    """Finite eigenvalues of A x = value E x and their vectors; zeros are taken out first, in exact zeros.
+
+    Positions and headings that nothing determines come as chains (what turns runs away): vectors of the eigenvalue
+    zero for which A x is E times another one. Left in, they blur all small eigenvalues to the root of the rounding.
+    Vectors of the eigenvalue zero proper are returned; those further up the chains are not, with ``chains`` none.
+    """
+    _, sigma, Vt = np.linalg.svd(A)
+    rank = int(np.sum(sigma > ZERO * sigma.max(initial=0.0)))
+    X1, X2 = Vt[rank:].T, Vt[:rank].T
+    Q, R = np.linalg.qr(E @ X1, mode="complete")
+    count = X1.shape[1]
+    if not count or np.abs(np.diag(R)).min() <= SINGULAR * np.abs(R).max():
+        return _finite(A, E)
+    Q1, Q2, E1 = Q[:, :count], Q[:, count:], R[:count]
+    values, y = _without_zeros(Q2.T @ A @ X2, Q2.T @ E @ X2, chains=True) if rank else (np.zeros(0), np.zeros((0, 0)))
+    x = X1 @ np.linalg.solve(E1, (Q1.T @ A @ X2) @ y / values - (Q1.T @ E @ X2) @ y) + X2 @ y
+    if chains:
+        return values, x
+    return np.concatenate([np.zeros(count), values]), np.hstack([X1, x])

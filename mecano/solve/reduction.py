@@ -57,11 +57,12 @@ def reduce(system, boundary, number, length):
     axes = system.nodes[nodes[0]].R
     turn = sp.block_diag([axes] * (2 * len(nodes)) + [sp.eye(len(frequencies))]).tocsr()
     T = turn.T.dot(T.T).T  # columns by coordinates in the axes of the superelement
+    stiffness = _springs(K, own, len(frequencies))
     M, C, K = (_symmetric(T.T @ (A[: system.n_q, : system.n_q] @ T)) for A in (M, C, K))
     modes = slice(6 * len(nodes), len(K))
     K[modes, : modes.start] = K[: modes.start, modes] = 0.0  # the modes do no work on the static shapes
     content = {"positions": _positions(system, nodes, nodes[0], axes)}
-    K = _without_rigid_forces(K, content["positions"])
+    K = _without_rigid_forces(K, content["positions"], stiffness)
     mass = mass_moments(M, content["positions"])[0]
     content |= {"stiffness": K, "mass": M} | ({"damping": C} if np.any(C) else {})
     scale = np.ones(len(K))
@@ -191,12 +192,20 @@ def _positions(system, chosen, origin, axes):
     return (x - system.nodes[origin].x) @ axes
 
 
-def _without_rigid_forces(K, positions):
-    """K made exactly free of forces under rigid motions, which rounding has left."""
+def _springs(K, own, n_modes):
+    """Stiffness (n,) of the elements at the boundary coordinates, the same along all axes of a node; 0 for modes."""
+    largest = K.diagonal()[own].reshape(-1, 3).max(axis=1)
+    return np.concatenate([np.repeat(largest, 3), np.zeros(n_modes)])
+
+
+def _without_rigid_forces(K, positions, stiffness):
+    """K made exactly free of forces under rigid motions, which rounding of the ``stiffness`` (n,) has left."""
     rigid = np.hstack(rigid_motions(positions, len(K)))
-    if max(resistance(K, r) for r in rigid.T) > RIGID:
+    if max(resistance(K, r, stiffness) for r in rigid.T) > RIGID:
         raise AssemblyError("the part resists rigid motions: a node or joint inside it is held by the ground")
     P = np.eye(len(K)) - rigid @ np.linalg.pinv(rigid)
+    if len(positions) == 1:  # all motions of a single node are rigid
+        P[:6] = P[:, :6] = 0.0
     return _symmetric(P.T @ K @ P)
 
 

@@ -1,0 +1,134 @@
+"""Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; by an allow-list of what may stand there, nothing is executed.
+
+A text is an expression when it has a ``$`` or begins with ``=``. Names with a ``$`` are those of parameters; angles are
+plain numbers [rad].
+"""
+
+import ast
+import math
+import operator
+import re
+
+from mecano.deck.wording import quoted
+
+LONGEST, DEEPEST = 500, 50  # characters, levels of brackets and signs
+NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
+WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
+OPERATORS = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.Pow: operator.pow, ast.UAdd: operator.pos, ast.USub: operator.neg,
+}  # fmt: skip
+ANGLES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "degrees", "radians")
+FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log", "hypot")}
+FUNCTIONS |= {"abs": abs, "min": min, "max": max}
+CONSTANTS = {"pi": math.pi}
+
+
+class ExpressionError(Exception):
+    """What is wrong with an expression, and at which character of it; ``near`` is a name that is not known."""
+
+    def __init__(self, message, column=0, near=None):
+        self.message, self.column, self.near = message, column, near
+        super().__init__(message)
+
+
+def is_expression(text):
+    """True when a text is to be evaluated."""
+    return "$" in text or text.startswith("=")
+
+
+def evaluate(text, parameters):
+    """The float that an expression stands for; ``parameters(name)`` gives the numbers of names.
+
+    Raises ExpressionError, and what ``parameters`` raises for a name that it has no number for.
+    """
+    whole = WHOLE.fullmatch(text)
+    if whole and ("-" not in whole[2] or parameters.known(whole[2])):
+        return -parameters(whole[2]) if whole[1] else parameters(whole[2])
+    if len(text) > LONGEST:
+        raise _wrong(text, f"has more than {LONGEST} characters")
+    if not text.isascii():
+        raise _wrong(text, "may have ASCII characters only")
+    body = text.removeprefix("=")
+    skipped = len(text) - len(body.lstrip())
+    try:
+        tree = ast.parse(body.replace("$", "_").strip(), mode="eval")
+    except SyntaxError as error:
+        raise _wrong(text, "cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
+    except (ValueError, MemoryError, RecursionError):
+        raise _wrong(text, "cannot be understood") from None
+    try:
+        value = _Reading(text, skipped, parameters).value(tree.body, 0)
+    except ZeroDivisionError:
+        raise _wrong(text, "divides by zero") from None
+    except (ArithmeticError, ValueError):
+        raise _wrong(text, "has no finite real value") from None
+    if not math.isfinite(value):
+        raise _wrong(text, "has no finite real value")
+    return value
+
+
+def _wrong(text, what, column=0):
+    return ExpressionError(f"the expression {quoted(text)} {what}", column)
+
+
+class _Reading:
+    """One walk through the tree of an expression."""
+
+    def __init__(self, text, skipped, parameters):
+        self.text, self.skipped, self.parameters = text, skipped, parameters
+
+    def value(self, tree, depth):
+        """The float of a part of the tree."""
+        if depth > DEEPEST:
+            raise _wrong(self.text, f"is nested more than {DEEPEST} levels deep")
+        inner = [self.value(part, depth + 1) for part in _operands(tree)]
+        if isinstance(tree, ast.BinOp | ast.UnaryOp) and type(tree.op) in OPERATORS:
+            return _real(OPERATORS[type(tree.op)](*inner))
+        if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
+            return float(tree.value)
+        if isinstance(tree, ast.Name):
+            return self._named(tree)
+        if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
+            return self._called(tree, inner)
+        what = "may have numbers, $parameters, + - * / ** ( ) and functions only"
+        raise _wrong(self.text, what, self._column(tree))
+
+    def _called(self, tree, inner):
+        name = tree.func.id
+        if name not in FUNCTIONS:
+            raise ExpressionError(f"there is no function '{name}'", self._column(tree), (name, list(FUNCTIONS)))
+        try:
+            return _real(FUNCTIONS[name](*inner))
+        except TypeError:
+            raise ExpressionError(f"'{name}' takes another number of arguments", self._column(tree)) from None
+
+    def _named(self, tree):
+        column = self._column(tree)
+        match = NAME.match(self.text, column)
+        if match is None:
+            if tree.id in CONSTANTS:
+                return CONSTANTS[tree.id]
+            if self.text[column] == "$":
+                raise _wrong(self.text, "has a $ without the name of a parameter behind it", column)
+            hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"
+            raise ExpressionError(f"there is no constant '{tree.id}'; {hint}", column)
+        return self.parameters(match[1], column)
+
+    def _column(self, tree):
+        """The character of the text at which a part begins; bytes of the tree count as characters."""
+        return min(self.skipped + tree.col_offset, len(self.text))
+
+
+def _operands(tree):
+    if isinstance(tree, ast.BinOp):
+        return (tree.left, tree.right)
+    if isinstance(tree, ast.UnaryOp):
+        return (tree.operand,)
+    return tree.args if isinstance(tree, ast.Call) else ()
+
+
+def _real(value):
+    if isinstance(value, complex):
+        raise ValueError("it is not real")
+    return float(value)

@@ -1,0 +1,66 @@
+"""What is in a file of modes, and in any other file that mecano writes besides results, as text."""
+
+import h5py
+
+from mecano.errors import ResultsError
+from mecano.results import modes_file
+from mecano.results.modes_file import format_of, read_modes
+
+OWN = "mecano "  # how the formats of all files besides results begin
+NUMBERS = ("frequency", "natural_frequency", "damping_ratio", "real_part", "residual")
+HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind")
+
+
+def is_other(path):
+    """True for a file of mecano that does not hold results over time."""
+    return format_of(path).startswith(OWN) and format_of(path) != "mecano results"
+
+
+def info_other(path):
+    """Text on such a file. Raises ResultsError."""
+    lines = _run(path)
+    lines += _modes(read_modes(path)) if format_of(path) == modes_file.FORMAT else _contents(path)
+    return "\n".join(lines)
+
+
+def _run(path):
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            run = dict(file["run"].attrs)
+            kind = str(file.attrs["format"])
+    except (OSError, KeyError) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+    rows = [("file", kind), ("title", run.get("title") or "none"), ("about", run.get("about", ""))]
+    if "method" in run:
+        rows.append(("method", f"{run['method']}; {run['computed']} computed"))
+    rows.append(("deck", run.get("deck_path") or "not a file"))
+    return [str(path), *(f"  {label:<12}{text}" for label, text in rows if text), ""]
+
+
+def _modes(file):
+    rows = [HEAD]
+    for i, kind in enumerate(file.kinds):
+        numbers = [float(file.numbers[name][i]) + 0.0 for name in NUMBERS]
+        texts = [
+            f"{number:.1e}" if name == "residual" else f"{number:.6g}"
+            for name, number in zip(NUMBERS, numbers, strict=True)
+        ]
+        rows.append((str(i + 1), *texts, kind))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
+    lines = ["  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)) for row in rows]
+    inside = "".join(f", {len(one['position'])} inside {name}" for name, one in file.inner.items())
+    return [*lines, "", f"shapes of {len(file.nodes)} nodes{inside}; `mecano post` draws them"]
+
+
+def _contents(path):
+    """Names, units and meanings of all numbers of the file."""
+    lines = ["Numbers"]
+
+    def note(name, item):
+        if isinstance(item, h5py.Dataset) and not name.startswith("deck/"):
+            unit, doc = item.attrs.get("units", ""), item.attrs.get("long_name", "")
+            lines.append(f"  {name}{f' [{unit}]' if unit else ''}{f': {doc}' if doc else ''}")
+
+    with h5py.File(path, "r", locking=False) as file:
+        file.visititems(note)
+    return lines

@@ -1,0 +1,153 @@
+"""Pictures of a sweep: root loci, growth, frequency and damping over a parameter; a map of stability over two."""
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
+
+from mecano.errors import ResultsError
+from mecano.post.figure import save
+from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below
+from mecano.results.sweep_file import read_sweep
+
+SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
+UNSTABLE = "#d55e00"
+FAR = 2.5  # times the range of what oscillates or is least stable: what decays faster is cut off
+LONGEST = 110  # characters of a motion in the legend
+
+
+def draw_sweep(path, output=None, kind="png"):
+    """Draw the picture of a file of a sweep beside it, or at ``output``; returns its path. Raises ResultsError."""
+    file = read_sweep(path)
+    target = Path(output) if output else file.path.with_suffix(f".{kind}")
+    with matplotlib.rc_context(SETTINGS):
+        figure = _map(file) if len(file.names) == 2 else _loci(file)
+    try:
+        save(figure, target)
+    except OSError as error:
+        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    return target
+
+
+def _headed(file, size):
+    figure = Figure(figsize=size)
+    figure.suptitle(f"{file.title or file.path.stem}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
+    figure.text(0.01, 1.0 - 0.36 / size[1], f"modes over {' and '.join(file.names)}; about: {file.about}", va="top",
+                color=GREY)  # fmt: skip
+    return figure
+
+
+def _loci(file):
+    figure = _headed(file, SIZE)
+    grid = figure.subplots(2, 2)
+    modes, x, name = file.modes, file.parameter, file.names[0]
+    oscillates = modes["imaginary_part"] > 0.0
+    frequency = np.where(oscillates, modes["frequency"], np.nan)
+    damping = np.where(oscillates, modes["damping_ratio"], np.nan)
+    _plane(grid[0, 0], file)
+    for ax, values, label in (
+        (grid[0, 1], modes["real_part"], "growth [1/s]"), (grid[1, 0], frequency, "damped frequency [Hz]"),
+        (grid[1, 1], damping, "damping ratio"),
+    ):  # fmt: skip
+        for b, row in enumerate(values):
+            marker = "." if np.isfinite(row).sum() < 3 else ""
+            ax.plot(x, row, color=_colour(b), linestyle=_dashes(b), marker=marker, label=_label(file, b))
+        ax.set(xlabel=name, ylabel=label)
+        _mark(ax, file)
+    for ax in (grid[0, 1], grid[1, 1]):
+        ax.axhline(0.0, color=INK, linewidth=0.8)
+    if not np.any(np.isfinite(frequency)):
+        for ax in grid[1]:
+            ax.text(0.5, 0.5, "no mode oscillates", transform=ax.transAxes, ha="center", color=GREY)
+    _limited(grid[0, 1], grid[0, 1].set_ylim, *_range(modes))
+    handles, labels = grid[0, 1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower left", ncols=1 if len(labels) < 5 else 2)
+    return figure
+
+
+def _plane(ax, file):
+    """Eigenvalues in the complex plane, from the open to the filled dot as the parameter grows."""
+    real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
+    low, high, beyond = _range(file.modes)
+    for b in range(len(real)):
+        known = np.flatnonzero(np.isfinite(real[b]))
+        ax.plot(real[b], imaginary[b], color=_colour(b), linestyle=_dashes(b), marker=".", markersize=3, linewidth=1.0)
+        for i, fill in ((known[0], "white"), (known[-1], _colour(b))):
+            ax.plot(real[b, i], imaginary[b, i], "o", color=_colour(b), markerfacecolor=fill, markersize=5)
+    _limited(ax, ax.set_xlim, low, high, beyond)
+    if high > 0.0:
+        ax.axvspan(0.0, high, color=UNSTABLE, alpha=0.07, linewidth=0)
+    ax.axvline(0.0, color=INK, linewidth=0.8)
+    first, last = file.parameter[[0, -1]]
+    ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
+    ax.set_title(f"root loci: {file.names[0]} from {first:g} (open dots) to {last:g}", loc="left")
+
+
+def _mark(ax, file):
+    """Critical values as vertical lines with their numbers."""
+    for value in file.critical["parameter"]:
+        ax.axvline(value, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
+        ax.annotate(f"{value:.5g}", (value, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1),
+                    textcoords="offset points", ha="center", va="bottom", fontsize=7.5, color=GREY)  # fmt: skip
+
+
+def _range(modes):
+    """Limits for real parts, and the modes that lie, at least in part, beyond: those that decay much faster."""
+    real = modes["real_part"]
+    if not np.any(np.isfinite(real)):
+        return -1.0, 1.0, ()
+    with np.errstate(all="ignore"):
+        least = np.nanmax(real, axis=0, initial=-np.inf, where=np.isfinite(real))
+    near = np.concatenate([real[modes["imaginary_part"] > 0.0], least[np.isfinite(least)], [0.0]])
+    low, high = min(near.min(), -0.5 * near.max()), near.max()
+    if np.nanmin(real) > FAR * low:
+        low = np.nanmin(real)
+    margin = 0.05 * (high - low) or 1.0
+    beyond = [b for b in range(len(real)) if np.nanmin(real[b]) < low - margin]
+    return low - margin, high + margin, beyond
+
+
+def _limited(ax, limits, low, high, beyond):
+    """Set the limits of an axis, and say what lies beyond."""
+    limits(low, high)
+    if beyond:
+        which = ", ".join(str(b + 1) for b in beyond)
+        note_below(ax, f"mode {which}: also beyond the left" if limits == ax.set_xlim else f"mode {which}: also below")
+
+
+def _colour(b):
+    return COLOURS[b % len(COLOURS)]
+
+
+def _dashes(b):
+    return DASHES[b // len(COLOURS) % len(DASHES)]
+
+
+def _label(file, b):
+    text = file.motions[b]
+    return f"{b + 1}: {text if len(text) <= LONGEST else text[: LONGEST - 3] + '...'}"
+
+
+def _map(file):
+    figure = _headed(file, MAP_SIZE)
+    ax = figure.subplots()
+    growth = np.ma.masked_invalid(file.map["growth"])
+    size = float(np.abs(growth).max()) or 1.0
+    largest = max(float(growth.max()), 1e-3 * size)
+    lowest = min(float(growth.min()), -1e-3 * size)
+    image = ax.pcolormesh(file.parameter, file.other, growth, cmap="RdBu_r", shading="nearest",
+                          norm=TwoSlopeNorm(0.0, lowest, largest))  # fmt: skip
+    figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable")
+    if min(growth.shape) > 1 and growth.min() < 0.0 < growth.max():
+        ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)
+    for grows, marker in ((1.0, ">"), (0.0, "<")):
+        own = file.critical["destabilizes"] == grows
+        ax.plot(file.critical["parameter"][own], file.critical["other"][own], marker, color=INK, markersize=4,
+                label=f"border: unstable {'above' if grows else 'below'}")  # fmt: skip
+    ax.set(xlabel=file.names[0], ylabel=file.names[1])
+    ax.grid(False)
+    if len(file.critical["parameter"]):
+        figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2)
+    return figure

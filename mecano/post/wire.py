@@ -1,0 +1,85 @@
+"""Configurations: the mechanism as lines in space, seen along one direction at several times, side by side."""
+
+import math
+
+import matplotlib
+import numpy as np
+from matplotlib.collections import LineCollection
+
+from mecano.errors import UsageError
+from mecano.post.figure import plain_figure
+from mecano.post.shapes import BODY, ROD, SPRING, WHEEL, Motion, shapes
+from mecano.post.style import GREY, INK, PALE, SETTINGS
+
+AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
+COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
+TALLEST = 1.4  # height over width of a view
+MARGIN = 0.06  # of the size of what is shown
+THIN = ("cable", "bar")  # kinds drawn thinner
+SUPPORT_SIZE = 7
+
+
+def view():
+    """Matrix (2, 3) that projects inertial positions to the right and up of the picture."""
+    ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
+    return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]])
+
+
+def times_of(text):
+    """Times [s] of a text "0,1.5,3.2". Raises UsageError."""
+    try:
+        times = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise UsageError(f"--at '{text}' cannot be understood; write times with commas between, as 0,1.5,3.2") from None
+    if not all(math.isfinite(t) for t in times):
+        raise UsageError(f"--at '{text}': times must be finite")
+    return times
+
+
+def wire_figure(run, times, title):
+    """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale."""
+    saved = run.results.time
+    rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
+    lines = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL)]
+    if not lines:
+        raise UsageError("--at: nothing in these results is drawn as a line")
+    projection = view()
+    flat = [(_is_thin(run, shape.name), shape.points @ projection.T) for shape in lines]
+    every = np.concatenate([points.reshape(-1, 2) for _, points in flat])
+    low, high = every.min(axis=0), every.max(axis=0)
+    room = MARGIN * (high - low).max()
+    with matplotlib.rc_context(SETTINGS):
+        columns = min(COLUMNS, len(rows))
+        high_rows = math.ceil(len(rows) / columns)
+        aspect = min((high[1] - low[1] + 2 * room) / (high[0] - low[0] + 2 * room), TALLEST)
+        heading = "configurations, all on one scale; dots: what is fixed"
+        figure = plain_figure(columns * WIDTH, high_rows * (WIDTH * aspect + 0.3), title, heading)
+        grid = figure.add_gridspec(high_rows, columns)
+        for i, row in enumerate(rows):
+            ax = figure.add_subplot(grid[i // columns, i % columns])
+            _draw(ax, [(thin, points[i]) for thin, points in flat])
+            _draw_supports(ax, run, row, projection)
+            ax.set_xlim(low[0] - room, high[0] + room)
+            ax.set_ylim(low[1] - room, high[1] + room)
+            ax.set_aspect("equal")
+            ax.set_axis_off()
+            ax.set_title(f"t = {saved[row]:.3g} s", color=INK, fontsize=10)
+    return figure
+
+
+def _is_thin(run, name):
+    return run.deck.get("elements", {}).get(name, {}).get("type") in THIN
+
+
+def _draw(ax, lines):
+    """Thin lines first, so that they lie behind."""
+    for thin, colour, width in ((True, GREY, 0.6), (False, INK, 1.4)):
+        some = [points for is_thin, points in lines if is_thin == thin]
+        ax.add_collection(LineCollection(some, colors=colour, linewidths=width, capstyle="round"))
+
+
+def _draw_supports(ax, run, row, projection):
+    for name, node in run.deck.get("nodes", {}).items():
+        if node.get("fixed"):
+            place = projection @ run.results.find(f"nodes/{name}/position").values[row]
+            ax.plot(*place, "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)

@@ -1,0 +1,153 @@
+"""The file of a sweep by `mecano modes --sweep`: HDF5, layout in docs/results-file.md; and its table as CSV."""
+
+import csv
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.provenance import provenance
+from mecano.results.table import describe
+from mecano.results.writer import refuse_existing
+
+FORMAT, FORMAT_VERSION = "mecano sweep", 1
+MODES = (
+    ("real_part", "1/s", "real part of the eigenvalue of a mode: growth"),
+    ("imaginary_part", "rad/s", "imaginary part of the eigenvalue; of a conjugate pair the positive one"),
+    ("frequency", "Hz", "damped frequency"),
+    ("damping_ratio", "", "minus the real part over the modulus"),
+)
+MAP = (
+    ("growth", "1/s", "largest real part of all modes but free motions; nan where no state was found"),
+    ("growing", "", "number of modes that grow; -1 where no state was found"),
+    ("frequency", "Hz", "damped frequency of the mode with the largest real part"),
+)
+CRITICAL = (
+    ("parameter", "", "value at which the growth of a mode changes sign"),
+    ("other", "", "value of the second parameter; nan where there is none"),
+    ("frequency", "Hz", "damped frequency of the mode there"),
+    ("mode", "", "number of the mode, from 1"),
+    ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
+)
+
+
+@dataclass(frozen=True)
+class SweepFile:
+    """What a file of a sweep holds. Of a map ``modes`` is empty."""
+
+    path: Path
+    title: str
+    about: str
+    names: tuple  # of the parameters, one or two
+    parameter: np.ndarray  # (n,)
+    other: np.ndarray  # (m,); one nan when there is one parameter
+    modes: dict  # name -> (modes, n)
+    motions: list  # (modes,) what moves most
+    map: dict  # name -> (m, n)
+    critical: dict  # name -> (c,)
+
+
+def contents(sweep):
+    """The plain arrays of a Sweep by group and name."""
+    axes, loci = sweep.axes, sweep.loci
+    other = axes[1].values if len(axes) == 2 else np.array([np.nan])
+    values = loci[0].values
+    size = np.abs(values)
+    modes = {
+        "real_part": values.real, "imaginary_part": values.imag, "frequency": values.imag / (2.0 * np.pi),
+        "damping_ratio": -values.real / np.where(size > 0.0, size, np.nan),
+    }  # fmt: skip
+    over = {
+        "growth": [locus.growth for locus in loci], "growing": [locus.count for locus in loci],
+        "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
+    }  # fmt: skip
+    rows = [
+        (c.place, at, c.value.imag / (2.0 * np.pi), c.branch + 1, float(c.destabilizes))
+        for at, locus in zip(other, loci, strict=True)
+        for c in locus.critical
+    ]
+    columns = np.array(rows, float).reshape(len(rows), len(CRITICAL)).T
+    critical = {name: column for (name, _, _), column in zip(CRITICAL, columns, strict=True)}
+    alone = len(axes) == 1
+    return {
+        "names": tuple(axis.name for axis in axes), "parameter": axes[0].values, "other": other,
+        "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
+        "map": {name: np.array(table, float) for name, table in over.items()}, "critical": critical,
+        "about": sweep.about,
+    }  # fmt: skip
+
+
+def write_sweep(path, plain, source, *, force=False):
+    """Write ``contents`` of a sweep; the file appears when it is complete. Raises ResultsError."""
+    refuse_existing(path, force)
+    path = Path(path)
+    hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+            _fill(file, plain, source)
+        os.replace(hidden, path)
+    except OSError as error:
+        hidden.unlink(missing_ok=True)
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _fill(file, plain, source):
+    file["parameter"], file["other"] = plain["parameter"], plain["other"]
+    for group, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL)):
+        for name, unit, doc in columns if plain[group] else ():
+            dataset = file.create_dataset(f"{group}/{name}", data=np.asarray(plain[group][name], float))
+            describe(dataset, units=unit, long_name=doc)
+    if plain["modes"]:
+        texts = [text.encode() for text in plain["motions"]]
+        file.create_dataset("modes/motion", data=texts, dtype=h5py.string_dtype(), shape=(len(texts),))
+    for name, text in source.texts().items():
+        file[f"deck/{name}"] = text
+    run = file.create_group("run")
+    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(1)})
+    run.attrs.update({"about": plain["about"], "parameters": json.dumps(plain["names"])})
+    file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+
+
+def read_sweep(path):
+    """Read a file of a sweep. Raises ResultsError."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("format") != FORMAT:
+                raise ResultsError(f"{path} is no file of a sweep")
+            groups = {key: {name: file[key][name][:] for name, _, _ in columns} if key in file else {}
+                      for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
+            motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
+            run = file["run"].attrs
+            return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
+                             file["parameter"][:], file["other"][:], groups["modes"], motions, groups["map"],
+                             groups["critical"])  # fmt: skip
+    except (OSError, KeyError, ValueError) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+
+
+def write_table(path, plain):
+    """Write all numbers as comma-separated values: a row for each state. Raises ResultsError."""
+    try:
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows(_rows(plain))
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _rows(plain):
+    kinds = [(name, f" [{unit}]" if unit else "") for name, unit, _ in (MODES if plain["modes"] else MAP)]
+    if not plain["modes"]:
+        yield [plain["names"][1], plain["names"][0], *(name + unit for name, unit in kinds)]
+        for i, other in enumerate(plain["other"]):
+            for j, value in enumerate(plain["parameter"]):
+                yield [repr(float(x)) for x in (other, value, *(plain["map"][name][i, j] for name, _ in kinds))]
+        return
+    count = len(plain["modes"]["real_part"])
+    yield [plain["names"][0], *(f"mode {b + 1} {name}{unit}" for b in range(count) for name, unit in kinds)]
+    for j, value in enumerate(plain["parameter"]):
+        numbers = [plain["modes"][name][b, j] for b in range(count) for name, _ in kinds]
+        yield [repr(float(value)), *("" if np.isnan(x) else repr(float(x)) for x in numbers)]

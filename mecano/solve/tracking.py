@@ -1,0 +1,93 @@
+"""Eigenvalues of small motions followed over a parameter: which mode of one value is which of the next.
+
+Both eigenvalues of a conjugate pair are followed, so that pairs may part into real ones and real ones meet to pairs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+SHAPE = 0.5  # how much a shape that is quite another counts, beside an eigenvalue that is
+GROWS = 1e-7  # of an eigenvalue: a real part below it is rounding
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """All eigenvalues of one state that are not zero, conjugates among them, and their shapes."""
+
+    values: np.ndarray  # (m,) complex [1/s]
+    shapes: np.ndarray  # (m, n_q) complex, rotations counted by the length scale
+
+    @classmethod
+    def of(cls, found, root):
+        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) makes motions comparable."""
+        moving = found.values != 0.0
+        values, shapes = found.values[moving], found.shapes[moving] * root
+        pairs = values.imag > 0.0
+        return cls(np.concatenate([values, values[pairs].conj()]), np.concatenate([shapes, shapes[pairs].conj()]))
+
+    def costs(self, value, shape, largest):
+        """How unlike each eigenvalue with its shape is to ``value`` with ``shape``, (m,)."""
+        apart = np.abs(self.values - value) / (np.abs(self.values) + abs(value) + 0.01 * largest)
+        sizes = np.linalg.norm(self.shapes, axis=1) * np.linalg.norm(shape)
+        alike = np.abs(self.shapes.conj() @ shape) / np.maximum(sizes, 1e-300)
+        return apart + SHAPE * (1.0 - alike**2)
+
+    def nearest(self, value, shape):
+        """Number of the eigenvalue most like ``value`` with ``shape``."""
+        return int(np.argmin(self.costs(value, shape, float(np.abs(self.values).max()))))
+
+
+def unstable(value):
+    """True where an eigenvalue, or each of an array, grows by more than rounding."""
+    return np.real(value) > GROWS * np.abs(value)
+
+
+def track(spectra, places):
+    """Numbers (branches, n) of the eigenvalues of each branch in the spectra at ``places`` (n,), -1 where it has none.
+
+    A branch goes on where the eigenvalue, extrapolated, and the shape change least, all branches together. Spectra that
+    are None, where nothing was found, are passed over.
+    """
+    known = [i for i, spectrum in enumerate(spectra) if spectrum is not None]
+    rows = []
+    for before, i in zip([None, *known], known, strict=False):
+        open_rows = [row for row in rows if before is not None and row[before] >= 0]
+        left = set(range(len(spectra[i].values)))
+        if open_rows and left:
+            costs = np.array([_costs(row, spectra, places, before, i) for row in open_rows])
+            for r, j in zip(*linear_sum_assignment(costs), strict=True):
+                open_rows[r][i] = j
+                left.discard(int(j))
+        for j in sorted(left, key=lambda j: abs(spectra[i].values[j])):
+            rows.append(np.full(len(spectra), -1))
+            rows[-1][i] = j
+    return np.array(rows, int).reshape(len(rows), len(spectra))
+
+
+def _costs(row, spectra, places, before, i):
+    """How little each eigenvalue of spectrum i goes on the branch ``row``, last seen at ``before``."""
+    value, shape = spectra[before].values[row[before]], spectra[before].shapes[row[before]]
+    earlier = [j for j in range(before) if row[j] >= 0]
+    largest = float(np.abs(spectra[i].values).max())
+    if earlier and places[before] != places[earlier[-1]]:
+        slope = (value - spectra[earlier[-1]].values[row[earlier[-1]]]) / (places[before] - places[earlier[-1]])
+        value = value + slope * (places[i] - places[before])
+    return spectra[i].costs(value, shape, largest)
+
+
+def loci(rows, spectra):
+    """Eigenvalues (branches, n) along branches, imaginary parts not negative, nan where there is none; and the rows.
+
+    Of two branches that are conjugate everywhere one is kept.
+    """
+    values = np.full(rows.shape, np.nan, complex)
+    for b, i in zip(*np.nonzero(rows >= 0), strict=True):
+        value = spectra[i].values[rows[b, i]]
+        values[b, i] = complex(value.real, abs(value.imag))
+    kept = []
+    for b in range(len(values)):
+        if not any(np.array_equal(values[b], values[c], equal_nan=True) for c in kept):
+            kept.append(b)
+    return values[kept], rows[kept]

@@ -1,0 +1,61 @@
+"""What a sweep of modes found, as lines for a terminal."""
+
+import numpy as np
+
+MOST_ROWS = 200
+
+
+def lines(sweep):
+    """Lines of the table: the least stable mode at each value, the modes, the critical values."""
+    first = sweep.axes[0]
+    yield f"modes over {first.name}, {len(first.values)} values from {first.values[0]:g} to {first.values[-1]:g}"
+    yield f"about: {sweep.about}"
+    if len(sweep.axes) == 1:
+        yield from _states(first, sweep.loci[0])
+        yield "modes, and what moves most where they are least stable:"
+        yield from (f"  {b}: {text}" for b, text in enumerate(sweep.loci[0].motions, start=1))
+        yield from _critical(first.name, sweep.loci[0])
+        return
+    for value, locus in zip(sweep.axes[1].values, sweep.loci, strict=True):
+        yield f"{sweep.axes[1].name} {value:.6g}: {_stretches(first, locus)}"
+        yield from (f"  {text}" for text in _critical(first.name, locus))
+
+
+def _states(axis, locus):
+    """The value, how many modes grow, and the numbers of the least stable mode."""
+    rows = [(axis.name, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
+    for i, value in enumerate(axis.values):
+        if locus.count[i] < 0:
+            rows.append((f"{value:.9g}", "-", "-", "no state", "-", "-"))
+            continue
+        of = locus.values[:, i]
+        if not np.any(np.isfinite(of)):
+            rows.append((f"{value:.9g}", "0", "-", "-", "-", "-"))
+            continue
+        b = int(np.nanargmax(of.real))
+        ratio = -of[b].real / abs(of[b])
+        numbers = (f"{of[b].real:.6g}", f"{of[b].imag / (2 * np.pi):.6g}", f"{ratio:.5f}")
+        rows.append((f"{value:.9g}", str(locus.count[i]), str(b + 1), *numbers))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows[: MOST_ROWS + 1]:
+        yield "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))
+    if len(rows) > MOST_ROWS + 1:
+        yield f"... and {len(rows) - 1 - MOST_ROWS} more, which are in the file"
+
+
+def _critical(name, locus):
+    """Where modes become unstable or stable."""
+    if not locus.critical:
+        yield "no mode becomes unstable or stable in between"
+    for c in locus.critical:
+        what = f"oscillates at {c.value.imag / (2 * np.pi):.6g} Hz" if c.value.imag else "diverges"
+        side = "above" if c.destabilizes else "below"
+        yield f"critical {name} {c.place:.11g}: mode {c.branch + 1} ({what}) grows {side} it"
+
+
+def _stretches(axis, locus):
+    """Between which of the values some mode grows."""
+    grows = locus.count > 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))
+    parts = [f"{axis.values[a]:.6g} to {axis.values[b - 1]:.6g}" for a, b in edges.reshape(-1, 2)]
+    return f"unstable at {axis.name} {', '.join(parts)}" if parts else f"stable at all values of {axis.name}"

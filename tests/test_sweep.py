@@ -1,0 +1,307 @@
+"""Straight steady running, and modes over parameters of a deck: root loci, critical values, maps, files, pictures.
+
+References: the benchmark bicycle (Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007), table 2 and
+section 7); b1_shimmy, a trailing wheel with Moreland's tyre, whose eigenvalues are the roots of
+(I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1 + C1 s); the thin disc, which stays upright
+above v^2 = g r/3.
+"""
+
+import csv
+
+import h5py
+import numpy as np
+import pytest
+from marching import INPUTS, deck, input_deck
+
+from mecano.errors import ConvergenceError, UsageError
+from mecano.modes_run import about
+from mecano.post.pictures import post
+from mecano.results.sweep_file import read_sweep
+from mecano.solve.tracking import Spectrum, loci, track
+from mecano.sweep_run import Axis, sweep, sweep_into
+
+G = 9.81
+
+
+def running(base, node):
+    """Position, velocity and angular velocity (inertial) of a node of a state."""
+    system, s = base.prepared.system, base.state
+    of, i = system.numbering, [n.name for n in system.nodes].index(node)
+    x, r = of.x[i], of.r[i]
+    return s.z[x : x + 3], s.v[x : x + 3], s.R[of.rotation[i]] @ s.v[r : r + 3]
+
+
+TROLLEY = """
+    mecano: 1
+    parameters: {{speed: 15.0, drag: 0.0, slope: 0.0}}
+    gravity: [0, 0, -9.81]
+    nodes:
+      carriage: {{position: [0, 0, 0.5]}}
+      hub: {{position: [0, 0, 0.5]}}
+    elements:
+      load: {{type: rigid_body, node: carriage, mass: 200.0, inertia: [1, 1, 1]}}
+      rim: {{type: rigid_body, node: hub, mass: 10.0, inertia: [0.3, 0.5, 0.3]}}
+      tire: {{type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}}
+      grease: {{type: torsion_spring_damper, nodes: [carriage, hub], axis: [0, 1, 0],
+               law: {{damper: {{coefficient: $drag}}}}}}
+    joints:
+      level: {{type: held_rotation, nodes: [ground, carriage]}}
+      bearing: {{type: hinge, nodes: [carriage, hub], axis: [0, 1, 0]}}
+      {tow}
+    tire_laws:
+      rubber:
+        radius: 0.4
+        radial: {{polynomial: {{coefficients: [0, 1.0e5, 3.0e5]}}}}
+        friction: 0.8
+        slip_regularization: 0.01
+    grounds:
+      road: {{plane: {{point: [0, 0, 0], normal: [$slope, 0, 1]}}}}
+    initial:
+      steady: {{velocity: [$speed, 0, 0]}}
+    time: {{end: 1.0, step: 1.0e-3}}
+"""
+TOW = "tow: {type: prescribed_position, node: carriage, direction: [1, 0, 0], value: {linear: {slope: $speed}}}"
+
+
+def trolley(tow="", **parameters):
+    text = TROLLEY.format(tow=tow)
+    for name, value in parameters.items():
+        text = text.replace(f"{name}: {'15.0' if name == 'speed' else '0.0'}", f"{name}: {value!r}")
+    return about(deck(text))
+
+
+def test_a_tyre_in_the_air_comes_down_and_rolls():
+    """1e5 w + 3e5 w^2 = m g, spin = v/(radius - w), without friction: the hub was 0.1 m above the road."""
+    base = trolley()
+    w = np.roots([3e5, 1e5, -210.0 * G]).max()
+    position, velocity, spin = running(base, "hub")
+    assert position[2] == pytest.approx(0.4 - w, abs=1e-10)
+    np.testing.assert_allclose(velocity, [15.0, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(spin, [0, 15.0 / (0.4 - w), 0], atol=1e-6)
+    assert np.abs(base.state.a).max() < 1e-7
+
+
+def test_drag_of_a_towed_wheel_is_made_up_by_slip():
+    """A bearing that takes c spin: friction 2 mu N slip/eps (nearly) at the rim, c spin = friction r."""
+    base = trolley(TOW, drag=0.5)
+    w = np.roots([3e5, 1e5, -210.0 * G]).max()
+    r, load = 0.4 - w, 210.0 * G
+    _, _, spin = running(base, "hub")
+    slip = 15.0 - spin[1] * r
+    u = slip / 0.01
+    assert 0.0 < u < 1.0
+    assert 0.5 * spin[1] == pytest.approx(0.8 * load * u * (2.0 - u) * r, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("tow", "parameters", "text"),
+    [
+        ("", {"drag": 0.5}, "forces remain out of balance"),
+        ("", {"slope": 0.02}, "forces remain out of balance"),
+        (TOW.replace("$speed", "14.0"), {}, "it would not fulfil 'prescribed_position 'tow'"),
+    ],
+    ids=["drag without a drive", "downhill", "towed otherwise"],
+)
+def test_where_there_is_no_steady_running(tow, parameters, text):
+    with pytest.raises(ConvergenceError, match="no straight steady running with the velocity") as info:
+        trolley(tow, **parameters)
+    assert text in str(info.value)
+
+
+def test_cornering_tyre():
+    """At the slip angle alpha: F = K y = psi/C but for the drag; the rest creeps, V sin(alpha - atan psi) = u eps."""
+    base = about(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",
+                            "initial={steady: {velocity: [10, 0, 0]}}"))  # fmt: skip
+    names = base.prepared.system.numbering.name
+    y, psi = (abs(base.state.z[names.index(f"flexible_wheel 'tire': {name}")]) for name in ("y", "psi"))
+    assert 2e5 * y == pytest.approx(6e4 * psi, rel=1e-3) and psi == pytest.approx(0.02, rel=5e-3)
+    u = 10.0 * np.sin(0.02 - np.arctan(psi)) / 0.01
+    assert 2e5 * y == pytest.approx(0.8 * 1e4 * u * (2.0 - u), rel=1e-3)
+    assert np.abs(base.state.a).max() < 1e-6
+
+
+def test_a_march_from_steady_running_stays_there(tmp_path):
+    from mecano.results.reader import open_results
+    from mecano.run import run
+
+    run(input_deck("caster_shimmy", "parameters.swing=0", "time.end=0.05"), tmp_path / "s.h5")
+    with open_results(tmp_path / "s.h5") as results:
+        assert np.abs(results["joints/caster/angle"].values).max() < 1e-9  # rounding, which shimmy lets grow
+        spin = results["nodes/hub/angular_velocity"].values
+        np.testing.assert_allclose(spin, [[0, 20.0 / 0.3, 0]] * len(spin), atol=1e-9)
+
+
+def caster_roots(V, c=20.0, k=0.0, D=0.0, C1=0.0, I=1.0, L=0.1, K=2e5, C=1 / 6e4):  # noqa: E741
+    left = np.polymul([I, c, k], [C1, 1 + V * C * D, V * C * K])
+    right = L * np.polymul(np.polymul([D, K], [L, V]), [C1, 1.0])
+    roots = np.roots(np.trim_zeros(np.polyadd(left, right), "f"))
+    return np.sort_complex(roots[roots.imag > -1e-9])
+
+
+def test_bicycle():
+    """Weave and capsize speeds, and the eigenvalues at 5 m/s, from one sweep."""
+    found = sweep(INPUTS / "bicycle.yaml", (), ["speed=4:6.5:0.5"])
+    (locus,) = found.loci
+    weave, capsize = locus.critical
+    assert weave.place == pytest.approx(4.2923825363, rel=1e-8) and not weave.destabilizes
+    assert capsize.place == pytest.approx(6.0242620154, rel=1e-8) and capsize.destabilizes
+    assert weave.value.imag == pytest.approx(3.4350338486, rel=1e-8) and capsize.value.imag == 0.0
+    expected = [-0.322866429004087, -0.775341882195845 + 4.464867713788229j, -14.078389692798215]
+    np.testing.assert_allclose(sorted(locus.values[:, 2], key=abs), expected, rtol=1e-8)
+    assert locus.values.shape == (3, 6) and np.all(np.isfinite(locus.values.real))
+    np.testing.assert_array_equal(locus.count, [1, 0, 0, 0, 0, 1])
+
+
+def test_disc_that_stays_upright(tmp_path):
+    """Neutral above the critical speed: the border of growth, where a pair of real eigenvalues becomes imaginary."""
+    from test_rigid_wheel import UPRIGHT
+
+    text = UPRIGHT.format(kind="rigid_wheel", v="$v", w="'$v / 0.3225'")
+    (tmp_path / "disc.yaml").write_text("\n".join(line[4:] for line in text.splitlines()) + "\nparameters: {v: 1}\n")
+    (locus,) = sweep(tmp_path / "disc.yaml", (), ["v=0.8:1.4:0.2"]).loci
+    assert [c.place for c in locus.critical] == pytest.approx([1.0269250216057646], rel=1e-9)
+
+
+SHIMMY = {
+    "undamped": ({"c": 0.0}, None),
+    "damped": ({}, (3.5692509722800376, 50.430749027719955)),
+    "moreland": ({"c": 4.0, "k": 5e4, "C1": 1e-3}, (15.694164989939658, 126.71999999999922)),
+}
+
+
+def shimmy(tmp_path, case, speeds):
+    """A sweep of the trailing wheel of b1, and the constants of the case."""
+    values, critical = SHIMMY[case]
+    law = f"{{spring: {{stiffness: {values.get('k', 0.0)}}}, damper: {{coefficient: {values.get('c', 20.0)}}}}}"
+    overrides = (f"elements.damper.law={law}", "tire_laws.rubber.lateral={moreland: {lateral_stiffness: 2.0e5, "
+                 f"yaw_coefficient: {1 / 6e4!r}, yaw_time: {values.get('C1', 0.0)!r}}}}}")  # fmt: skip
+    (locus,) = sweep(INPUTS / "caster_shimmy.yaml", overrides, [speeds]).loci
+    for V, column in zip(locus.axis.values, locus.values.T, strict=True):
+        found = np.sort_complex(column[np.isfinite(column.real)])
+        expected = caster_roots(V, **values)
+        found = np.unique(np.round(found, 9)) if len(found) > len(expected) else found  # a pair, told by both branches
+        np.testing.assert_allclose(found, expected, rtol=2e-8 if len(found) != len(column) else 1e-8)
+    if critical:
+        within = [v for v in critical if locus.axis.values[0] < v < locus.axis.values[-1]]
+        assert [c.place for c in locus.critical] == pytest.approx(within, rel=1e-6)
+    else:
+        assert not locus.critical and np.all(locus.count > 0)
+
+
+def test_shimmy(tmp_path):
+    """Some speeds of b1; eigenvalues to 1e-8, the critical speed to 1e-6."""
+    shimmy(tmp_path, "damped", "speed=1,20,40,60")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", SHIMMY)
+def test_shimmy_at_all_speeds(tmp_path, case):
+    shimmy(tmp_path, case, "speed=1,5,10,20,40,60,80,120,130")
+
+
+def test_map_files_and_pictures(tmp_path):
+    """The border in speed and damping: where the roots of b1 become imaginary."""
+    path = tmp_path / "map.h5"
+    told = []
+    text, total = sweep_into(path, INPUTS / "caster_shimmy.yaml", (), ["speed=20:60:20", "damping=16,24"], columns=True,
+                             progress=lambda *done: told.append(done))  # fmt: skip
+    assert total == 6 == len(told) and told[-1][:2] == (6, 6) and "damping 24, speed 60" in told[-1][2]
+    file = read_sweep(path)
+    assert file.names == ("speed", "damping") and not file.modes
+    for i, damping in enumerate((16.0, 24.0)):
+        for j, speed in enumerate((20.0, 40.0, 60.0)):
+            roots = caster_roots(speed, c=damping)
+            assert file.map["growth"][i, j] == pytest.approx(roots.real.max(), rel=1e-8)
+            assert file.map["growing"][i, j] == (roots.real.max() > 0)
+    (border,) = file.critical["parameter"]
+    assert abs(caster_roots(border, c=24.0).real.max()) < 1e-8 and file.critical["other"][0] == 24.0
+    assert f"critical speed {border:.11g}: mode 1 (oscillates at 11.3053 Hz) grows below it" in text
+    with open(path.with_suffix(".csv"), newline="") as table:
+        rows = list(csv.reader(table))
+    assert rows[0][:3] == ["damping", "speed", "growth [1/s]"] and len(rows) == 7
+    assert float(rows[1][2]) == file.map["growth"][0, 0]
+    assert [p.name for p in post([path], output=str(tmp_path))] == ["map.png"]
+    assert (tmp_path / "map.png").stat().st_size > 20_000
+
+
+def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
+    from mecano.cli import commands
+
+    monkeypatch.chdir(tmp_path)
+    arguments = ["modes", str(INPUTS / "bicycle.yaml"), "--sweep", "speed=4:5:0.5", "--plot", "--csv"]
+    commands(arguments, standalone_mode=False)
+    out, errors = capsys.readouterr()
+    assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
+    file = read_sweep("bicycle_sweep.h5")
+    assert file.title == "Benchmark bicycle" and file.modes["real_part"].shape == (3, 3)
+    assert file.modes["damping_ratio"].max() == 1.0 and len(file.motions) == 3
+    with h5py.File("bicycle_sweep.h5") as h5:
+        assert "$speed" in h5["deck/text"][()].decode() and h5["modes/real_part"].attrs["units"] == "1/s"
+    with open("bicycle_sweep.csv", newline="") as table:
+        rows = list(csv.reader(table))
+    assert rows[0][:2] == ["speed", "mode 1 real_part [1/s]"] and [row[0] for row in rows[1:]] == ["4.0", "4.5", "5.0"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["bicycle_sweep.csv", "bicycle_sweep.h5", "bicycle_sweep.png"]
+
+
+def test_states_that_are_not_found_are_left_out(tmp_path):
+    """Towed at 20 m/s: at other speeds there is no steady running."""
+    tow = "joints.tow.value={linear: {slope: 20}}"
+    found = sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,20,30"])
+    np.testing.assert_array_equal(found.loci[0].count, [-1, 1, -1])
+    assert sum("no straight steady running" in text for text in found.remarks) == 2
+    with pytest.raises(ConvergenceError, match="it would not fulfil"):
+        sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
+
+
+def test_values_of_a_sweep():
+    names = {"speed": 1.0}
+    np.testing.assert_allclose(Axis.parse("speed=10:80:10", names).values, np.arange(10.0, 81.0, 10.0))
+    np.testing.assert_allclose(Axis.parse("speed=0:1:0.1", names).values, np.linspace(0.0, 1.0, 11), atol=1e-15)
+    np.testing.assert_allclose(Axis.parse("speed=80:10:-35", names).values, [10.0, 45.0, 80.0])
+    axis = Axis.parse("tire_laws.rubber.radius=0.4,.3,1e-1", names)
+    assert axis.path == axis.name == "tire_laws.rubber.radius" and axis.values.tolist() == [0.1, 0.3, 0.4]
+    assert Axis.parse("speed=1,2", names).path == "parameters.speed"
+
+
+@pytest.mark.parametrize(
+    ("texts", "message"),
+    [
+        (["sped=1:2:1"], "no parameter 'sped' to sweep over; did you mean 'speed'?"),
+        (["speed"], "write --sweep speed=10:80:1"),
+        (["speed=1:2"], "cannot be understood"),
+        (["speed=1:2:-1"], "has no values, or more than"),
+        (["speed=1:2:0"], "has no values, or more than"),
+        (["speed=0:1:1e-9"], "has no values, or more than"),
+        (["speed=a,b"], "cannot be understood"),
+        (["speed=1,2", "speed=1,2"], "both sweeps are over 'speed'"),
+        (["speed=1,2", "swing=0,1", "damping=1,2"], "once, or twice"),
+    ],
+)
+def test_sweeps_that_cannot_be(texts, message):
+    with pytest.raises(UsageError) as info:
+        sweep(INPUTS / "caster_shimmy.yaml", (), texts)
+    assert message in str(info.value)
+
+
+def test_modes_that_cross_keep_their_shapes():
+    """Two eigenvalues that pass one another, and a pair that parts into two real ones."""
+    places = np.linspace(0.0, 1.0, 12)
+    spectra = []
+    for p in places:
+        square = 4.0 * (p - 0.55)  # of half the difference of the two of the pair
+        root = np.sqrt(complex(square))
+        values = np.array([1j * (3.0 + 2.0 * p), 1j * (4.0 - p), -5.0 + root, -5.0 - root])
+        values = np.concatenate([values, values[:2].conj()])
+        shapes = np.eye(6, 4, dtype=complex)
+        shapes[2] = shapes[3] = [0, 0, 1, 1j * square]
+        shapes[3, 3] *= -1
+        shapes[4:] = shapes[:2].conj()
+        order = np.random.default_rng(int(1000 * p)).permutation(6)
+        spectra.append(Spectrum(values[order], shapes[order]))
+    values, rows = loci(track(spectra, places), spectra)
+    assert len(values) == 4 and np.all(rows >= 0)
+    imaginary = sorted((row for row in values if row[0].real == 0.0), key=lambda row: row[0].imag)
+    np.testing.assert_allclose(imaginary[0].imag, 3.0 + 2.0 * places)
+    np.testing.assert_allclose(imaginary[1].imag, 4.0 - places)
+    ends = sorted(row[-1].real for row in values if row[0].real == -5.0)
+    np.testing.assert_allclose(ends, -5.0 + np.sqrt(1.8) * np.array([-1.0, 1.0]))
