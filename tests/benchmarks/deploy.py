@@ -167,6 +167,7 @@ def best():
 
 def main():
     """Everything that the docstring says."""
+    warnings.simplefilter("ignore", DeprecationWarning)  # Exudyn renames arguments
     _, fine, _ = mecano(STEP / 32)()
     solve = mecano()
     solve()
@@ -187,5 +188,4 @@ def main():
 
 if __name__ == "__main__":
     sys.exudynFast = True
-    warnings.simplefilter("ignore", DeprecationWarning)  # Exudyn renames arguments
     main()

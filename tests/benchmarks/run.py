@@ -3,6 +3,7 @@
     python tests/benchmarks/run.py CASE [--json]      one case, or "all"
     python tests/benchmarks/run.py tune CASE          every setting of Exudyn worth trying
     python tests/benchmarks/run.py startup            whole process of `mecano run inputs/pendulum.yaml`
+    python tests/benchmarks/run.py beams|deploy|mast  what the file of that name in this folder says
 
 What is measured and how: docs/benchmarks.md.
 """
@@ -14,6 +15,7 @@ import os
 import statistics
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
@@ -26,6 +28,7 @@ from cases import CASES
 from mecano_side import Mecano
 from process import processor_time
 
+STUDIES = ("beams", "deploy", "mast")
 PENDULUM = Path(__file__).parent.parent.parent / "inputs" / "pendulum.yaml"
 
 
@@ -130,13 +133,17 @@ def table(found):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=[*CASES, "all", "tune", "startup"])
+    parser.add_argument("what", choices=[*CASES, "all", "tune", "startup", *STUDIES])
     parser.add_argument("case", nargs="?", choices=list(CASES))
     parser.add_argument("--json", action="store_true", help="one JSON object per case")
     parser.add_argument("--repetitions", type=int, default=7)
     parser.add_argument("--steps", type=int, help="take so many steps only")
     parser.add_argument("--mecano-only", action="store_true", help="leave Exudyn out even where it is installed")
     given = parser.parse_args()
+    if given.what in STUDIES:
+        sys.argv[1:], sys.exudynFast = [], True  # without range checks, as its users run it
+        import_module(given.what).main()
+        return
     if given.what == "startup":
         print(f"{startup(given.repetitions):.2f} s")
         return
