@@ -13,6 +13,7 @@ from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
 from mecano.elements.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
 from mecano.elements.paper_wheel import PAPER_WHEEL
+from mecano.elements.planar import PLANAR
 from mecano.elements.plane_contact import PLANE_CONTACT
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
@@ -34,7 +35,7 @@ KINDS = {
     kind.name: kind
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
-        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, FIXED, RIGID_ROD,
+        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
