@@ -23,6 +23,7 @@ from mecano.elements.rigid_body import RIGID_BODY
 from mecano.elements.rigid_link import RIGID_LINK
 from mecano.elements.rigid_rod import RIGID_ROD
 from mecano.elements.rigid_wheel import RIGID_WHEEL
+from mecano.elements.screw import SCREW
 from mecano.elements.skate import SKATE
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
@@ -35,7 +36,7 @@ KINDS = {
     kind.name: kind
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
-        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, FIXED, RIGID_ROD,
+        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, RIGID_ROD,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,

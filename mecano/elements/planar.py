@@ -35,13 +35,13 @@ def _angle(p, v, R):
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Sliding, rotation and reactions."""
-    for i in range(2):
-        along, y[2 + i] = slide(q, v, mat(R[0]), vec(p.mu[i], 0))
+    for i in range(3):
+        along, y[3 + i] = slide(q, v, mat(R[0]), vec(p.mu[i], 0))
         y[i] = along - p.start[i]
-    angle, y[5] = _angle(p, v, R)
-    y[4] = follow(m[0], angle)
-    y[6] = q[14]
-    put(y, 7, (-q[13], q[12], 0.0))
+    angle, y[7] = _angle(p, v, R)
+    y[6] = follow(m[0], angle)
+    y[8] = q[14]
+    put(y, 9, (-q[13], q[12], 0.0))
 
 
 @njit
@@ -92,10 +92,8 @@ PLANAR = Kind(
         *TURNING_FIELDS,
     ),
     outputs=(
-        Output("displacement_1", "m", "sliding of b relative to a along mu_1 since the start"),
-        Output("displacement_2", "m", "sliding of b relative to a along mu_2 since the start"),
-        Output("velocity_1", "m/s", "rate of displacement_1"),
-        Output("velocity_2", "m/s", "rate of displacement_2"),
+        Output("displacement", "m", "sliding of b relative to a along mu_1, mu_2 and the normal since the start", (3,)),
+        Output("velocity", "m/s", "rate of the displacement", (3,)),
         Output("angle", "rad", "rotation of b relative to a about the normal since the start, over any turns"),
         Output("rate", "rad/s", "rate of the angle"),
         Output("force", "N", "force of a on b along the normal"),
