@@ -35,7 +35,8 @@ def turned(deck):
     values, Q = dict(deck.values), TURN.as_matrix()
     values["gravity"] = list(Q @ values["gravity"])
     values["nodes"] = {name: turned_node(d, Q) for name, d in values["nodes"].items()}
-    values["initial"] = {"velocities": [turned_velocity(d, Q) for d in values["initial"]["velocities"]]}
+    velocities = [turned_velocity(d, Q) for d in values["initial"]["velocities"]]
+    values["initial"] = {**values["initial"], "velocities": velocities}
     for section in SECTIONS:
         items = values[section].items()
         values[section] = {name: turned_values(KINDS[d["type"]], d, Q, SHIFT) for name, d in items}
@@ -58,6 +59,8 @@ def largest_by_unit(march):
     sizes = {}
     for c in march.columns.values():
         sizes[c.unit] = max(sizes.get(c.unit, 0.0), np.abs(march[c.path]).max())
+    for unit in ("-", "rad"):  # one turn, however little there is of it
+        sizes[unit] = max(sizes.get(unit, 0.0), 1.0)
     sizes["m/s"] = max(sizes["m/s"], sizes["rad/s"] * march.prepared.length)
     return sizes
 

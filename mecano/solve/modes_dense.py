@@ -3,7 +3,8 @@ r"""All modes of a small model, by dense matrices.
 Holonomic constraints leave the motions y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
 comes from a constraint, redundant or not. Constraints on velocities leave :math:`\dot p = N r + G p`, with N the null
 space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and damping are condensed. A symmetric undamped
-problem is solved as one (eigh), any other in first order: QR, or QZ where inertia is singular.
+problem is solved as one (eigh), any other in first order by QR, where motions without inertia follow from their damping;
+by QZ where this is singular, too.
 """
 
 import numpy as np
@@ -38,11 +39,14 @@ def dense(scaled):
 def _condensed(M, C, K):
     """M, C, K without the motions that have neither inertia nor damping, and the matrix that gives back all."""
     w, U = la.eigh(0.5 * (M + M.T))
-    light = w <= MASSLESS * w[-1]
-    U1, U2 = U[:, ~light], U[:, light]
-    drag = max(np.abs(C @ U2).max(initial=0.0), np.abs(U2.T @ C).max(initial=0.0))
-    if not light.any() or drag > 1e-12 * np.sqrt(np.abs(M).max() * np.abs(K).max()):
+    U2 = U[:, w <= MASSLESS * w[-1]]
+    drag = np.vstack([C @ U2, C.T @ U2])
+    least = ZERO * max(np.sqrt(np.abs(M).max() * np.abs(K).max()), np.abs(C).max())
+    _, sigma, Vt = np.linalg.svd(drag)
+    U2 = U2 @ Vt[int(np.sum(sigma > least)) :].T
+    if not U2.shape[1]:
         return M, C, K, np.eye(len(M))
+    U1 = null_space(U2.T)
     follow = -np.linalg.lstsq(U2.T @ K @ U2, U2.T @ K @ U1, rcond=1e-13)[0]
     back = U1 + U2 @ follow
     lead = U1.T - (np.linalg.lstsq((U2.T @ K @ U2).T, (U1.T @ K @ U2).T, rcond=1e-13)[0]).T @ U2.T
@@ -54,14 +58,18 @@ def _first_order(M, C, K):
     r = len(M)
     rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0  # makes positions and velocities comparable
     M, C, K = M * rate**2, C * rate, K
-    eye, zero = np.eye(r), np.zeros((r, r))
-    w = la.eigvalsh(0.5 * (M + M.T))
-    if w[0] > MASSLESS * w[-1]:
-        inverse = la.lu_factor(M)
-        A = np.block([[zero, eye], [-la.lu_solve(inverse, K), -la.lu_solve(inverse, C)]])
-        values, vectors = la.eig(A)
-    else:
+    w, U = la.eigh(0.5 * (M + M.T))
+    U1, U2 = U[:, w > MASSLESS * w[-1]], U[:, w <= MASSLESS * w[-1]]
+    drag = U2.T @ C @ U2
+    sigma = np.linalg.svd(drag, compute_uv=False)
+    if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
+        eye, zero = np.eye(r), np.zeros((r, r))
         values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
+        return values * rate, vectors[:r].T
+    rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v): what has no inertia moves as its damping lets it
+    rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
+    forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
+    values, vectors = la.eig(np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)]))
     return values * rate, vectors[:r].T
 
 
