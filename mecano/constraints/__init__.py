@@ -3,6 +3,8 @@
 from mecano.constraints.angle_stops import ANGLE_LATCH, ANGLE_STOP
 from mecano.constraints.blade import BLADE
 from mecano.constraints.distance import DISTANCE
+from mecano.constraints.gear_mesh import GEAR_MESH
+from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.in_plane import IN_PLANE
 from mecano.constraints.level_axis import LEVEL_AXIS
@@ -19,6 +21,7 @@ CONSTRAINTS = {
     kind.name: kind
     for kind in (
         DISTANCE, HELD_COORDINATE, IN_PLANE, LEVEL_AXIS, ORTHOGONAL, RELATIVE_ANGLE, RIGID_OFFSET,
+        GEARED_SLIDE, GEAR_MESH,
         BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING, ANGLE_LATCH, ANGLE_STOP, SLIDE_LATCH, SLIDE_STOP, CATCH,
     )
 }  # fmt: skip

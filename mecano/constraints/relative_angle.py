@@ -40,18 +40,23 @@ def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
 
 
 @njit
-def angle_levels(sign, mu, xi, wanted, v, a, R, g):
-    """Write the levels of that constraint; ``wanted`` with its two rates."""
-    R_0, R_1 = mat(R[0]), mat(R[1])
-    mu_3 = carried(R_0, vec(v, 0), vec(a, 0), mu[2])
-    xi_3 = carried(R_1, vec(v, 3), vec(a, 3), xi[2])
-    spin, spin_rate = sub(mul(R_1, vec(v, 3)), mul(R_0, vec(v, 0))), sub(mul(R_1, vec(a, 3)), mul(R_0, vec(a, 0)))
+def turning_levels(mu, xi, first, second):
+    """The angle of ``twist`` [rad] and its two rates; of each node (R, omega, alpha), the latter two material."""
+    mu_3, xi_3 = carried(first[0], first[1], first[2], mu[2]), carried(second[0], second[1], second[2], xi[2])
+    spin = sub(mul(second[0], second[1]), mul(first[0], first[1]))
+    spin_rate = sub(mul(second[0], second[2]), mul(first[0], first[2]))
     cosine, cosine_rate, _ = product_rates(mu_3, xi_3)
     G = scale(1.0 / (1.0 + cosine), add(mu_3[0], xi_3[0]))
     G_rate = scale(1.0 / (1.0 + cosine), sub(add(mu_3[1], xi_3[1]), scale(cosine_rate, G)))
-    Phi = wrap(twist(relative_rotation(R_0, R_1), mu, xi) - wanted[0])
-    rate, second = dot(G, spin) - wanted[1], dot(G_rate, spin) + dot(G, spin_rate) - wanted[2]
-    put_levels(g, 0, sign * Phi, sign * rate, sign * second)
+    return twist(relative_rotation(first[0], second[0]), mu, xi), dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
+
+
+@njit
+def angle_levels(sign, mu, xi, wanted, v, a, R, g):
+    """Write the levels of that constraint; ``wanted`` with its two rates."""
+    nodes = (mat(R[0]), vec(v, 0), vec(a, 0)), (mat(R[1]), vec(v, 3), vec(a, 3))
+    angle, rate, second = turning_levels(mu, xi, nodes[0], nodes[1])
+    put_levels(g, 0, sign * wrap(angle - wanted[0]), sign * (rate - wanted[1]), sign * (second - wanted[2]))
 
 
 @njit

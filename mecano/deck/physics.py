@@ -10,7 +10,7 @@ from mecano.deck.wording import quoted
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import Element
 
-TURNING, PRESCRIBING = ("hinge", "cylindrical"), ("prescribed_angle",)
+TURNING, PRESCRIBING = ("hinge", "cylindrical", "planar", "screw"), ("prescribed_angle",)
 OTHER_AXIS = 1e-3  # rad
 
 

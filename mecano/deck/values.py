@@ -152,13 +152,13 @@ def node_name(node, field, scope):
 
 
 def node_names(node, field, scope):
-    """A list of names of nodes, as many as the type asks for; one of a pair may be ``ground``."""
+    """A list of names of nodes, as many as the type asks for, one of which may then be ``ground``."""
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
         return scope.refuse_value(node, field)
     values = []
     for i, item in enumerate(node.value):
-        if length == 2 and item.value == "ground" and "ground" not in values:
+        if length and item.value == "ground" and "ground" not in values:
             values.append("ground")
         else:
             values.append(node_name(item, replace(field, name=f"{field.name}[{i}]", type=NODE), scope))

@@ -14,7 +14,7 @@ BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring"
 RIM_POINTS = 49
 NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
 
-SLIDING = ("prismatic", "cylindrical")
+SLIDING = ("prismatic", "cylindrical", "planar", "screw", "gear_pair", "rack_and_pinion")
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,80 @@
+r"""Geared slide: the sliding of the second node along an axis of the first goes with its turning, as in a screw.
+
+With :math:`\sigma` carried by the first node, the angle :math:`\theta` of the second about :math:`\mu_3` (the twist of
+carried.py) and the travel h in metres per radian:
+
+.. math::  \Phi = \sigma \cdot (x_1 - x_0) - c - h\,\theta = 0
+
+The difference of :math:`\theta` to the angle that belongs to the sliding is brought to :math:`(-\pi, \pi]`, so that any
+number of turns needs no memory. The multiplier is the force on the second node along :math:`\sigma`; with it comes the
+moment :math:`-h` times that force about :math:`\mu_3`.
+"""
+
+from numba import njit
+
+from mecano.constraints.augmented import add_constraint, put_levels
+from mecano.constraints.carried import (
+    add_blocks,
+    carried,
+    product_rates,
+    relative_rotation,
+    twist,
+    twist_curvature,
+    twist_gradient,
+    wrap,
+)  # fmt: skip
+from mecano.constraints.joint_frame import triad
+from mecano.constraints.relative_angle import turning_levels
+from mecano.constraints.slide import add_slide_curvature, slide_gradient
+from mecano.contract import Kind, Row, record
+from mecano.maths.vec import add, dot, mat, scale, sub, tmul, vec
+
+RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
+MULTIPLIER = 12
+
+
+@njit
+def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+    """Forces and moments on both nodes."""
+    A, sigma, mu, xi, h = mat(R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
+    Q = relative_rotation(A, mat(R[1]))
+    s = dot(sigma, tmul(A, sub(vec(q, 6), vec(q, 0)))) - p.offset
+    Phi = -h * wrap(twist(Q, mu, xi) - s / h)
+    b_0, b_R, b_1 = slide_gradient(q, A, sigma)
+    turn_0, turn_1 = twist_gradient(Q, mu[2], xi[2])
+    blocks = ((0, b_0), (3, add(b_R, scale(-h, turn_0))), (6, b_1), (9, scale(-h, turn_1)))
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
+    add_slide_curvature(K, g, q, A, sigma)
+    add_blocks(K, 3, 9, -h * g, twist_curvature(Q, mu[2], xi[2]))
+
+
+@njit
+def levels(p, m, mode, t, laws, q, v, a, R, g):
+    """Value and rates."""
+    first, second = (mat(R[0]), vec(v, 3), vec(a, 3)), (mat(R[1]), vec(v, 9), vec(a, 9))
+    angle, rate, second_rate = turning_levels(mat(p.mu), mat(p.xi), first, second)
+    along = carried(first[0], first[1], first[2], vec(p.sigma, 0))
+    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
+    s, s_rate, s_second = product_rates(along, d)
+    Phi = -p.travel * wrap(angle - (s - p.offset) / p.travel)
+    put_levels(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)
+
+
+def sample(rng):
+    """A screw of either hand, and a rack."""
+    mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
+    d = {"mu": mu, "xi": xi, "offset": rng.normal()}
+    return [({**d, "sigma": mu[2], "travel": -0.7}, 2, ""), ({**d, "sigma": mu[0], "travel": 0.9}, 2, "")]
+
+
+GEARED_SLIDE = Kind(
+    name="geared_slide",
+    section="",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    multipliers=(Row("force of the thread or teeth", "N", "m"),),
+    force=force,
+    levels=levels,
+    sample=sample,
+)

@@ -1,0 +1,154 @@
+r"""Gear pair: the pitch circles of the gears a and b roll on one another; parallel axes or a bevel pair.
+
+Each node is the centre of its gear's pitch circle, and another joint (a hinge, mostly) lets it turn about its axis in
+the carrier, a body or ground. The circles must touch at the start: with the unit vectors :math:`e_a, e_b` from each
+centre, perpendicular to its axis, to the pitch point,
+
+.. math::  x_a + r_a e_a = x_b + r_b e_b,
+
+which says whether the gears are external, internal or bevel. With the tangent :math:`\tau = n_a \times e_a` and the
+angles relative to the carrier, counted over any turns,
+
+.. math::  r_a \theta_a - r_b\, n_b \cdot (e_b \times \tau)\, \theta_b + \tau \cdot (x_a - x_b) - c = 0
+
+so that external gears with parallel axes turn as :math:`r_a\theta_a = -r_b\theta_b`. The multiplier is the tangential
+force of the teeth on a, along :math:`\tau` at the pitch point; b feels the opposite, and the carrier what the joints of
+both gears give it. The separating force of inclined flanks does no work and is left out, as are play and friction.
+"""
+
+from itertools import product
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.carried import relative_rotation, turning_rate, twist_gradient
+from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
+from mecano.constraints.joint_frame import triad
+from mecano.contract import Kind, Output, Part
+from mecano.maths.vec import mat, vec
+from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, positive
+
+PARALLEL = 1e-6  # sine of the angle up to which two axes count as parallel
+GAP = 1e-4  # of the smaller radius: how far apart the circles may be in the deck
+TRIPLE = Type("nodes", f"a list of 3 {NODE.name} names", (3,))
+
+
+@njit
+def _rate(R, v, i, j, mu, xi):
+    Q = relative_rotation(mat(R[0]), mat(R[i]))
+    return turning_rate(twist_gradient(Q, vec(mu[2], 0), vec(xi[2], 0)), vec(v, 0), vec(v, j))
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Angles, rates and the force of the teeth."""
+    y[0], y[2] = gear_angles(p, m, R)
+    y[1] = _rate(R, v, 1, 6, p.mu_1, p.xi_1)
+    y[3] = _rate(R, v, 2, 12, p.mu_2, p.xi_2)
+    y[4] = q[15]
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """Follow both angles over whole turns."""
+    m_out[0], m_out[1] = gear_angles(p, m, R)
+
+
+def _axes(d):
+    return triad(d["axis_a"]), triad(d["axis_a"] if d["axis_b"] is None else d["axis_b"])
+
+
+def _touching(d, nodes):
+    """(e_a, e_b, gap) of the pair of points on both circles, in the plane of the axes, that are nearest; e 0 if none.
+
+    Unit vectors (3,), inertial, and the distance of the points [m].
+    """
+    (mu_a, mu_b), apart = _axes(d), np.subtract(nodes[2][0], nodes[1][0])
+    n_a, n_b = mu_a[2], mu_b[2]
+    across = np.cross(n_a, n_b)
+    if np.linalg.norm(across) < PARALLEL:
+        across = np.cross(n_a, apart)
+    if (size := np.linalg.norm(across)) < PARALLEL * d["radius_a"]:
+        return np.zeros(3), np.zeros(3), abs(d["radius_a"] - d["radius_b"])
+    e_a, e_b = np.cross(across / size, n_a), np.cross(across / size, n_b)
+    pairs = [(i * e_a, j * e_b) for i, j in product((1.0, -1.0), repeat=2)]
+    gaps = [np.linalg.norm(apart + d["radius_b"] * b - d["radius_a"] * a) for a, b in pairs]
+    return *pairs[int(np.argmin(gaps))], min(gaps)
+
+
+def prepare(d, nodes, context):
+    """Axes of the gears in the carrier and in themselves, travels, tangent and its constant."""
+    (mu_a, mu_b), (e_a, e_b, _), (carrier, a, b) = _axes(d), _touching(d, nodes), nodes
+    tangent = np.cross(mu_a[2], e_a)
+    return {
+        "mu_1": mu_a @ carrier[1],
+        "xi_1": mu_a @ a[1],
+        "mu_2": mu_b @ carrier[1],
+        "xi_2": mu_b @ b[1],
+        "travel": (d["radius_a"], -d["radius_b"] * (mu_b[2] @ np.cross(e_b, tangent))),
+        "tangent": tangent @ carrier[1],
+        "offset": tangent @ np.subtract(a[0], b[0]),
+    }
+
+
+def parts(d, nodes, context):
+    """One mesh."""
+    return [Part(GEAR_MESH, (0, 1, 2), prepare(d, nodes, context))]
+
+
+def check(d, nodes):
+    """The pitch circles touch at a point."""
+    e_a, _, gap = _touching(d, nodes)
+    if not e_a.any():
+        return ["its nodes a and b must not lie on one axis"]
+    if gap <= GAP * min(d["radius_a"], d["radius_b"]):
+        return []
+    return [f"its pitch circles must touch at a point in the plane of both axes; they are {gap:.6g} m apart there"]
+
+
+def sample(rng):
+    """External, internal and bevel gears in general position."""
+    frame, x = triad(rng.normal(size=3)), rng.normal(size=3)
+    e, _, n = frame
+    tilted = np.cos(1.2) * n + np.sin(1.2) * e
+    pitch = x + 0.5 * e
+    cases = [
+        ({"radius_b": 0.3}, x + 0.8 * e),
+        ({"radius_b": 0.9}, x - 0.4 * e),
+        ({"radius_b": 0.3, "axis_b": tilted}, pitch + 0.3 * np.cross(np.cross(n, e), tilted)),
+    ]
+    found = []
+    for values, center in cases:
+        nodes = [(rng.normal(size=3), np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0])), (center, np.diag([1.0, -1.0, -1.0]))]
+        found.append(({"axis_a": n, "radius_a": 0.5, **values}, nodes, ""))
+    return found
+
+
+GEAR_PAIR = Kind(
+    name="gear_pair",
+    section="joints",
+    doc=__doc__,
+    dtype=MESH_RECORD,
+    layout=("R0", "x1", "R1", "x2", "R2"),
+    fields=(
+        Field("nodes", TRIPLE, "-", "the carrier of both gears, the centres of the gears a and b; one may be ground"),
+        Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; the carrier and a carry it"),
+        Field("axis_b", DIRECTION, "-", "axis of b at the start, inertial; when absent, that of a", None),
+        Field("radius_a", NUMBER, "m", "radius of the pitch circle of a", check=positive),
+        Field("radius_b", NUMBER, "m", "radius of the pitch circle of b", check=positive),
+    ),
+    outputs=(
+        Output("angle_a", "rad", "rotation of a relative to the carrier about its axis since the start, any turns"),
+        Output("rate_a", "rad/s", "rate of angle_a"),
+        Output("angle_b", "rad", "rotation of b relative to the carrier about its axis since the start, any turns"),
+        Output("rate_b", "rad/s", "rate of angle_b"),
+        Output("force", "N", "tangential force of the teeth of b on a; > 0 turns a about +axis_a"),
+    ),
+    memory=("angle_a", "angle_b"),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    commit=commit,
+    sample=sample,
+)

@@ -1,0 +1,92 @@
+r"""Rack and pinion: node b, the centre of the pinion, rolls along the rack that node a carries.
+
+With the direction :math:`\sigma` of the rack, the pitch radius r, and the angle :math:`\theta` of the pinion relative
+to the rack about an axis perpendicular to it:
+
+.. math::  \sigma \cdot (x_b - x_a) - c - r\,\theta = 0
+
+A positive angle moves the pinion along :math:`+\sigma`, or the rack along :math:`-\sigma`: the teeth are on the side of
+:math:`n \times \sigma`, n the axis. Other joints guide both parts, so that the axis stays that of both nodes. The
+multiplier is the tangential force of the teeth; it acts at the pitch point. The separating force of inclined flanks
+does no work and is left out.
+"""
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.carried import follow, turned
+from mecano.constraints.geared_slide import GEARED_SLIDE
+from mecano.constraints.joint_frame import triad
+from mecano.constraints.slide import slide
+from mecano.contract import Kind, Output, Part, record
+from mecano.maths.vec import mat, vec
+from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
+
+RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
+PERPENDICULAR = 1e-6  # cosine up to which axis and rack count as perpendicular
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Rolling and the force of the teeth; the sliding tells which turn it is."""
+    angle, y[1] = turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
+    along, y[3] = slide(q, v, mat(R[0]), vec(p.sigma, 0))
+    y[2] = along - p.offset
+    y[0] = follow(y[2] / p.travel, angle)
+    y[4] = q[12]
+
+
+def prepare(d, nodes, context):
+    """Axes of both nodes, direction of the rack and the start of b along it."""
+    (x_a, R_a), (x_b, R_b) = nodes
+    mu, sigma = triad(d["axis"]), triad(d["direction"])[2]
+    along = sigma @ np.subtract(x_b, x_a)
+    return {"mu": mu @ R_a, "xi": mu @ R_b, "sigma": sigma @ R_a, "offset": along, "travel": d["radius"]}
+
+
+def parts(d, nodes, context):
+    """The teeth."""
+    return [Part(GEARED_SLIDE, (0, 1), prepare(d, nodes, context))]
+
+
+def check(d, nodes):
+    """The axis is perpendicular to the rack."""
+    cosine = abs(triad(d["axis"])[2] @ triad(d["direction"])[2])
+    if cosine <= PERPENDICULAR:
+        return []
+    degrees = np.degrees(np.arccos(min(1.0, cosine)))
+    return [f"'axis' and 'direction' must be perpendicular; they are {degrees:.6g} degrees apart"]
+
+
+def sample(rng):
+    """A rack in general position."""
+    frame = triad(rng.normal(size=3))
+    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    return [({"axis": frame[2], "direction": frame[0], "radius": 0.8}, nodes, "")]
+
+
+RACK_AND_PINION = Kind(
+    name="rack_and_pinion",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),
+        Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; both nodes carry it"),
+        Field("direction", DIRECTION, "-", "of the rack at the start, inertial, carried by a: where turning moves b"),
+        Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
+    ),
+    outputs=(
+        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+        Output("rate", "rad/s", "rate of the angle"),
+        Output("displacement", "m", "sliding of b relative to a along the direction since the start"),
+        Output("velocity", "m/s", "rate of the displacement"),
+        Output("force", "N", "tangential force of the teeth of a on b, along the direction"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,108 @@
+r"""Screw: node b turns about an axis carried by node a and advances along it by the pitch in every turn.
+
+A cylindrical joint whose sliding s goes with its angle, with the pitch P (> 0 for a right-handed thread):
+
+.. math::  s - \frac{P}{2\pi}\,\theta = 0
+
+The axis goes through node b and is that of a; axes across it are chosen as for the hinge, and assembly refuses
+:math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b along
+the axis; with it comes the moment :math:`-P F/(2\pi)` about the axis, for the thread has no friction.
+
+Option: ``turning_law`` gives a moment about the axis from the angle and its rate.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from mecano.constraints.carried import follow, turned
+from mecano.constraints.geared_slide import GEARED_SLIDE
+from mecano.constraints.joint_frame import flipped, not_across, triad
+from mecano.constraints.pair import AXIS_1, pair_parts, triads_together
+from mecano.constraints.slide import slide
+from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
+from mecano.contract import Kind, Output, Part, record
+from mecano.maths.vec import mat, put, vec
+from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
+
+HELD = ("about_2", "about_1", "along_1", "along_2")
+RECORD = record(mu=(3, 3), xi=(3, 3), start=3, travel=())
+
+
+@njit
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Rotation, sliding and reactions; the sliding tells which turn it is."""
+    angle, y[1] = turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
+    along, y[3] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
+    y[2] = along - p.start[2]
+    y[0] = follow(y[2] / p.travel, angle)
+    put(y, 4, (q[14], q[15], q[16]))
+    put(y, 7, (-q[13], q[12], -p.travel * q[16]))
+
+
+def prepare(d, nodes, context):
+    """Axes of both nodes, the start of b along those of a, the travel per radian."""
+    return {**triads_together(nodes, triad(d["axis"], d["axis_1"])), "travel": d["pitch"] / (2.0 * math.pi)}
+
+
+def parts(d, nodes, context):
+    """A cylindrical joint and the thread; the law of the angle."""
+    p = prepare(d, nodes, context)
+    thread = {"mu": p["mu"], "xi": p["xi"], "sigma": p["mu"][2], "offset": p["start"][2], "travel": p["travel"]}
+    guide = pair_parts(p, HELD, None, context)
+    return [*guide, Part(GEARED_SLIDE, (0, 1), thread), *turning_parts(d, p, context)]
+
+
+def check(d, nodes):
+    """An axis across."""
+    return not_across(d)
+
+
+def admissible(p, q, R):
+    """Refuse the flipped solution."""
+    return flipped(R, p["mu"], p["xi"])
+
+
+def not_zero(value):
+    """Check: a thread without pitch would be a hinge."""
+    return None if value != 0.0 else "must not be zero; without a pitch use a hinge"
+
+
+def sample(rng):
+    """A random axis beside the first node, either hand, the law."""
+    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
+    d = {"axis": rng.normal(size=3), "pitch": 4.0}
+    return [(d, nodes, ""), ({**d, "pitch": -3.0, "turning_law": law, "natural_angle": 0.2}, nodes, "")]
+
+
+SCREW = Kind(
+    name="screw",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "nodes a (nut) and b (screw), or the reverse; either may be ground"),
+        Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
+        Field("pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed", check=not_zero),
+        AXIS_1,
+        *TURNING_FIELDS,
+    ),
+    outputs=(
+        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+        Output("rate", "rad/s", "rate of the angle"),
+        Output("displacement", "m", "sliding of b relative to a along the axis since the start"),
+        Output("velocity", "m/s", "rate of the displacement"),
+        Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
+        Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
+    ),
+    optional=(("turning_law", TWIST_LAW, ""),),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    admissible=admissible,
+    sample=sample,
+)

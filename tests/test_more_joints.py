@@ -1,0 +1,136 @@
+"""Planar joint, screw, gears, rack and pinion: their decks of inputs/ against closed forms, and what they refuse."""
+
+import numpy as np
+import pytest
+from convergence import at_times, check_second_order
+from marching import March, deck, input_deck
+
+from mecano.elements import KINDS
+from mecano.errors import DeckError
+
+X, Y, Z = np.eye(3)
+
+
+def close(value, expected, size=1.0):
+    """A motion with constant accelerations is integrated without error: only the tolerance of Newton is left."""
+    np.testing.assert_allclose(value, expected, rtol=1e-6, atol=1e-6 * size)
+
+
+def test_puck_slides_and_turns_on_a_slope():
+    """Constant acceleration g sin(30 deg) down the slope, pressed by m g cos(30 deg), over six turns."""
+    march = March(input_deck("planar_slide"))
+    t, slope = march.time, "joints/slope"
+    close(march[f"{slope}/displacement"][:, 0], 0.25 * 9.81 * t**2)
+    close(march[f"{slope}/displacement"][:, 1], t)
+    close(march[f"{slope}/velocity"][:, 0], 0.5 * 9.81 * t)
+    close(march[f"{slope}/angle"], 20.0 * t)
+    close(march[f"{slope}/force"], 2.0 * 9.81 * np.cos(np.pi / 6))
+    close(march[f"{slope}/moment"], 0.0, 2.0)
+
+
+def test_screw_is_driven_by_its_moment():
+    """In the nut 2 N m act on J = 0.01 kg m2 and, by the pitch, on the load of 50 kg: J + m h^2, h = P/(2 pi)."""
+    march = March(input_deck("screw_jack"))
+    t, jack, h = march.time, "joints/jack", 0.02 / (2.0 * np.pi)
+    thrust = 50.0 * 9.81
+    acceleration = (2.0 - thrust * h) / (0.01 + 50.0 * h**2)
+    close(march[f"{jack}/angle"], 0.5 * acceleration * t**2, 10.0)
+    close(march[f"{jack}/displacement"], 0.5 * h * acceleration * t**2, 0.1)
+    close(march[f"{jack}/rate"], acceleration * t, 10.0)
+    force = thrust + 50.0 * h * acceleration
+    close(march[f"{jack}/force"][:, 2], force)
+    close(march[f"{jack}/moment"][:, 2], -h * force)
+    assert march[f"{jack}/angle"][-1] > 4.0 * np.pi
+
+
+def test_gears_share_one_inertia():
+    """Rates of an inertia reduced to the driven gear; the teeth and the bearings carry what accelerates the others."""
+    march = March(input_deck("gears"))
+    t, spur, bevel = march.time, "joints/spur", "joints/bevel"
+    for path, second in ((f"{spur}/angle_a", 75.0), (f"{spur}/angle_b", -37.5), (f"{bevel}/angle_b", -75.0)):
+        close(march[path], 0.5 * second * t**2, 40.0)
+        close(march[path.replace("angle", "rate")], second * t, 75.0)
+    close(march["joints/bearing_c/angle"], -37.5 * t**2, 40.0)
+    close(march[f"{spur}/force"], -18.75)
+    close(march[f"{bevel}/force"], 7.5)
+    close(march["joints/bearing_a/force"][-1], (0.0, 18.75, 3.0 * 9.81), 20.0)  # mu_1 = x, mu_2 = y
+    close(march["joints/bearing_a/moment"][-1], 0.0, 2.0)
+
+
+PLANET = """
+    mecano: 1
+    nodes:
+      sun: {position: [0, 0, 0], fixed: true}
+      arm: {position: [0, 0, 0]}
+      pin: {position: [0.2, 0, 0]}
+      planet: {position: [0.2, 0, 0]}
+    elements:
+      beam: {type: rigid_body, node: arm, mass: 1.0, inertia: [0.1, 0.1, 0.1], attached: [pin]}
+      disc: {type: rigid_body, node: planet, mass: 2.0, inertia: [5.0e-3, 5.0e-3, 5.0e-3]}
+    joints:
+      pivot: {type: hinge, nodes: [sun, arm], axis: [0, 0, 1]}
+      bearing: {type: hinge, nodes: [pin, planet], axis: [0, 0, 1]}
+      mesh: {type: gear_pair, nodes: [arm, sun, planet], axis_a: [0, 0, 1], radius_a: 0.1, radius_b: 0.1}
+    loads:
+      motor: {type: couple, nodes: [ground, arm], axis: [0, 0, 1], value: 2.0}
+    time: {end: 1.0, step: STEP}
+"""
+
+
+def test_planet_on_a_fixed_sun():
+    """A planet as large as its sun turns twice as fast as the arm: J + m d^2 + 4 J_p = 0.1 + 0.08 + 0.02 kg m2."""
+    times, pair = np.arange(1, 11) / 10, []
+    for step in ("4.0e-3", "2.0e-3"):
+        march = March(deck(PLANET.replace("STEP", step)))
+        turned = march["joints/pivot/angle"]
+        np.testing.assert_allclose(march["joints/bearing/angle"], turned, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(march["joints/mesh/angle_a"], -turned, rtol=0, atol=1e-9)
+        pair.append(at_times(march, turned, times))
+    check_second_order(*pair, 5.0 * times**2, 2e-6)
+    # on the sun, which the planet pushes along: its 20 rad/s2 need J_p 20/0.1 m, of the second order too
+    np.testing.assert_allclose(march["joints/mesh/force"][-1], 1.0, rtol=0, atol=1e-3)
+
+
+def test_pinion_pulls_a_rack():
+    """2 N m on J + m r^2 = 0.035 kg m2; the hinge of the pinion feels the teeth."""
+    march = March(input_deck("rack"))
+    t, teeth, second = march.time, "joints/teeth", 2.0 / 0.035
+    close(march[f"{teeth}/angle"], 0.5 * second * t**2, 30.0)
+    close(march[f"{teeth}/rate"], second * t, 60.0)
+    close(march["joints/guide/displacement"], -0.025 * second * t**2)
+    close(march[f"{teeth}/force"], 10.0 * 0.05 * second)
+    close(march["joints/bearing/force"][-1], (-0.5 * second, -9.81, 0.0), 30.0)  # mu_1 = x, mu_2 = -z
+    close(march["joints/guide/moment"][-1], 0.0, 2.0)
+
+
+GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2}
+REFUSED = [
+    ("gear_pair", GEARS, (0 * X, 0.31 * X), "they are 0.01 m apart"),
+    ("gear_pair", GEARS, (0 * X, 0.3 * X + 0.02 * Z), "they are 0.02 m apart"),
+    ("gear_pair", {**GEARS, "axis_b": X}, (0 * X, 0.1 * X + 0.2 * Z + 0.05 * Y), "they are 0.05 m apart"),
+    ("gear_pair", GEARS, (0 * X, Z), "must not lie on one axis"),
+    ("rack_and_pinion", {"axis": Z, "direction": X + Z}, (0 * X, X), "perpendicular; they are 45 degrees apart"),
+    ("planar", {"axis": Z, "axis_1": -Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
+    ("screw", {"axis": Z, "axis_1": Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
+]
+
+
+@pytest.mark.parametrize("kind, values, places, text", REFUSED)
+def test_what_does_not_fit_is_refused(kind, values, places, text):
+    nodes = [(x, np.eye(3)) for x in places]
+    nodes = [nodes[0], *nodes] if kind == "gear_pair" else nodes
+    (found,) = KINDS[kind].check(values, nodes)
+    assert text in found
+
+
+@pytest.mark.parametrize("center, sign", [(0.3 * X, -1.0), (-0.3 * X, -1.0), (0.1 * X, 1.0), (-0.1 * X, 1.0)])
+def test_internal_gears_turn_the_same_way(center, sign):
+    """0.1 m in 0.2 m: h_a theta_a + h_b theta_b = 0 with h_a = 0.1 m, theta_b = sign theta_a/2."""
+    nodes = [(0 * X, np.eye(3)), (0 * X, np.eye(3)), (center, np.eye(3))]
+    assert KINDS["gear_pair"].check(GEARS, nodes) == []
+    np.testing.assert_allclose(KINDS["gear_pair"].prepare(GEARS, nodes, None)["travel"], (0.1, -0.2 * sign), atol=1e-15)
+
+
+def test_a_screw_needs_a_pitch():
+    with pytest.raises(DeckError, match="must not be zero; without a pitch use a hinge"):
+        input_deck("screw_jack", "joints.jack.pitch=0")
