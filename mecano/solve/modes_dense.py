@@ -3,8 +3,8 @@ r"""All modes of a small model, by dense matrices.
 Holonomic constraints leave the motions y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
 comes from a constraint, redundant or not. Constraints on velocities leave :math:`\dot p = N r + G p`, with N the null
 space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and damping are condensed. A symmetric undamped
-problem is solved as one (eigh), any other in first order: by QR, where motions without inertia follow from their damping,
-or by QZ where that is singular, too.
+problem is solved as one (eigh), any other in first order: by QR, where motions without inertia follow from their
+damping, or by QZ where that is singular, too.
 """
 
 import numpy as np
