@@ -1,8 +1,6 @@
 r"""The complementarity problem of frictionless shocks: :math:`0 \le \Lambda \perp W \Lambda + b \ge 0`."""
 
 import numpy as np
-import scipy.linalg as sl
-from scipy.optimize import nnls
 
 ROUNDING = 1e-13  # of the diagonal of W: makes it definite where contacts repeat one another
 NEGLIGIBLE = 1e-11  # of the largest: a reaction that is none
@@ -15,6 +13,9 @@ def solve_complementarity(W, b, unit=None):
     Hanson 1974) in a factor of W. Where contacts repeat one another the reactions are those of least norm, counted in
     ``unit`` (n,), among those that push, so that equal contacts share equally.
     """
+    import scipy.linalg as sl  # 0.2 s of a run, which most models need not wait for
+    from scipy.optimize import nnls
+
     largest = np.abs(b).max(initial=0.0)
     if largest == 0.0:
         return np.zeros(len(b))
