@@ -1,6 +1,5 @@
 """`mecano reduce`: a part of a deck as a file of reduced matrices for superelements."""
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.system import System
+from mecano.results.whole_file import appearing
 from mecano.solve.reduction import reduce
 from mecano.solve.scales import length_scale
 
@@ -75,16 +75,11 @@ def lines_of(part, names):
 
 def write(path, content):
     """Write the content of a file of reduced matrices; it appears when it is complete. Raises ResultsError."""
-    hidden = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
+    with appearing(path) as hidden:
         if path.suffix == ".npz":
             np.savez_compressed(hidden, **content)
         else:
             _write_hdf5(hidden, content)
-        os.replace(hidden, path)
-    except OSError as error:
-        hidden.unlink(missing_ok=True)
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 def _write_hdf5(path, content):

@@ -45,10 +45,12 @@ def animate(path, page, plots=(), title=None):
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--animate {page}: the name of a page ends with .html")
     [run] = open_runs([path])
-    data = {"title": title or run.title, **_motion(run), "plots": [], "events": []}
     rows = _rows(run)
-    data["plots"] = [_plot(panel, rows) for panel in _panels(run, plots)]
-    data["events"] = [[mark.time, f"{mark.element}: {mark.text}"] for mark in event_marks([run])]
+    data = {
+        "title": title or run.title, **_motion(run, rows),
+        "plots": [_plot(panel, rows) for panel in _panels(run, plots)],
+        "events": [[mark.time, f"{mark.element}: {mark.text}"] for mark in event_marks([run])],
+    }  # fmt: skip
     template = resources.files("mecano.post").joinpath("animation.html").read_text(encoding="utf-8")
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     try:
@@ -62,14 +64,13 @@ def animate(path, page, plots=(), title=None):
 def _rows(run):
     """Numbers of the saved times that are played, evenly chosen."""
     count = len(run.results.time)
+    if not count:
+        raise ResultsError(f"{run.results.path}: no saved times yet")
     return np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
 
 
-def _motion(run):
+def _motion(run, rows):
     """Times, shapes, colours and grounds, as the page wants them."""
-    if not len(run.results.time):
-        raise ResultsError(f"{run.results.path}: no saved times yet")
-    rows = _rows(run)
     drawn = shapes(Motion(run, rows))
     if not drawn:
         raise ResultsError(f"{run.results.path}: nothing to be drawn, no node has a position")

@@ -1,6 +1,5 @@
 """The file of modes that `mecano modes` writes: HDF5, layout in docs/results-file.md."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,8 +7,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.provenance import provenance
 from mecano.results.table import describe
+from mecano.results.whole_file import appearing, put_source
 from mecano.results.writer import refuse_existing
 
 FORMAT, FORMAT_VERSION = "mecano modes", 1
@@ -58,15 +57,8 @@ def format_of(path):
 def write_modes(path, contents, source, *, force=False):
     """Write modes; the file appears when it is complete. Raises ResultsError."""
     refuse_existing(path, force)
-    path = Path(path)
-    hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
-            _fill(file, contents, source)
-        os.replace(hidden, path)
-    except OSError as error:
-        hidden.unlink(missing_ok=True)
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+        _fill(file, contents, source)
 
 
 def _fill(file, contents, source):
@@ -89,13 +81,10 @@ def _fill(file, contents, source):
         _put(group, "position", position, *PLACES["position"])
         parts = np.stack([translation.real, translation.imag], axis=-1)
         _put(group, "translation", parts, *SHAPES["translation"], file["mode"])
-    for name, text in source.texts().items():
-        file[f"deck/{name}"] = text
-    run = file.create_group("run")
-    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(1)})
-    run.attrs.update({"method": found.method, "computed": found.found})
-    run.attrs.update({"about": contents["about"], "time": contents["time"], "frame": contents["frame"]})
-    file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+    put_source(
+        file, source, FORMAT, FORMAT_VERSION, method=found.method, computed=found.found,
+        about=contents["about"], time=contents["time"], frame=contents["frame"],
+    )  # fmt: skip
 
 
 def _put(group, name, values, unit, doc, scale=None):

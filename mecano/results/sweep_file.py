@@ -2,7 +2,6 @@
 
 import csv
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,8 +9,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.provenance import provenance
 from mecano.results.table import describe
+from mecano.results.whole_file import appearing, put_source
 from mecano.results.writer import refuse_existing
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
@@ -84,15 +83,8 @@ def contents(sweep):
 def write_sweep(path, plain, source, *, force=False):
     """Write ``contents`` of a sweep; the file appears when it is complete. Raises ResultsError."""
     refuse_existing(path, force)
-    path = Path(path)
-    hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
-            _fill(file, plain, source)
-        os.replace(hidden, path)
-    except OSError as error:
-        hidden.unlink(missing_ok=True)
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+        _fill(file, plain, source)
 
 
 def _fill(file, plain, source):
@@ -104,12 +96,8 @@ def _fill(file, plain, source):
     if plain["modes"]:
         texts = [text.encode() for text in plain["motions"]]
         file.create_dataset("modes/motion", data=texts, dtype=h5py.string_dtype(), shape=(len(texts),))
-    for name, text in source.texts().items():
-        file[f"deck/{name}"] = text
-    run = file.create_group("run")
-    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(1)})
-    run.attrs.update({"about": plain["about"], "parameters": json.dumps(plain["names"])})
-    file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+    facts = {"about": plain["about"], "parameters": json.dumps(plain["names"])}
+    put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
 
 
 def read_sweep(path):
