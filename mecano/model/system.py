@@ -262,6 +262,10 @@ class System:
             if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
         ]
 
+    def follow(self, modes):
+        """Give the parts that have the mode of their owner that mode, in the ``modes`` of a state, in place."""
+        modes[self.followers[:, 0]] = modes[self.followers[:, 1]]
+
 
 def _followers(instances, batches):
     """(m, 2) places in the modes of a state: of parts that have the modes of their owner, and of these owners."""

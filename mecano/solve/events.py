@@ -63,7 +63,7 @@ class Watch:
                 own[e] = batch.kind.modes.index(event.after)
                 happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
             first += n
-        modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
+        self.system.follow(modes)
         return replace(s, modes=modes), happenings
 
     def entered(self, s, event):
@@ -74,7 +74,7 @@ class Watch:
             if event.element in batch.names and (event.name, event.before, event.after) in names:
                 own, before, after = modes[batch.modes], *map(batch.kind.modes.index, (event.before, event.after))
                 own[(np.array(batch.names) == event.element) & (own == before)] = after
-        modes[self.system.followers[:, 0]] = modes[self.system.followers[:, 1]]
+        self.system.follow(modes)
         return replace(s, modes=modes)
 
     def settle(self, s):

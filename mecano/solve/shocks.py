@@ -60,7 +60,7 @@ class Shocks:
 
     def departing(self, s, g):
         """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
-        if not self.catches or not (g[self.events] >= 0.0).any():
+        if not self.catches:  # asked at every step
             return g
         at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].opened >= 0]
         if not at:
@@ -128,10 +128,10 @@ class Shocks:
 
     def moded(self, s, catches, which):
         """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
-        modes, followers = s.modes.copy(), self.system.followers
+        modes = s.modes.copy()
         for catch in catches:
             modes[catch.mode] = getattr(catch, which)
-        modes[followers[:, 0]] = modes[followers[:, 1]]
+        self.system.follow(modes)
         return replace(s, modes=modes)
 
 
