@@ -17,6 +17,7 @@ import mecano
 from mecano.cli import main
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
+from mecano.interrupt import EXIT_CODES
 from mecano.elements.cross_section import SHAPES
 from mecano.laws import TERMS
 
@@ -49,7 +50,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def call(monkeypatch, capsys):
     """Function that calls the command line in this process: arguments -> (exit code, output, errors)."""
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in EXIT_CODES}
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["mecano", *map(str, arguments)])
@@ -63,6 +64,7 @@ def call(monkeypatch, capsys):
     yield run
     for number, handler in handlers.items():
         signal.signal(number, handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def started(folder, *arguments, **options):

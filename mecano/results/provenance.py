@@ -50,13 +50,13 @@ def to_json(data):
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
-def provenance(threads):
+def provenance():
     """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command_line": " ".join(sys.argv),
         "directory": os.getcwd(),
-        "threads": threads,
+        "threads": threads(),
         "process": os.getpid(),
         "host": platform.node(),
         "machine": platform.machine(),
@@ -67,6 +67,12 @@ def provenance(threads):
         "version_hdf5": h5py.version.hdf5_version,
         **{f"version_{package}": _version(package) for package in PACKAGES},
     }
+
+
+def threads():
+    """Threads of the linear algebra of NumPy and SciPy, on which the last digits depend."""
+    given = os.environ.get("OPENBLAS_NUM_THREADS", "")
+    return int(given) if given.isdigit() else os.cpu_count()
 
 
 def _version(package):
