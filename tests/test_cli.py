@@ -17,8 +17,8 @@ import mecano
 from mecano.cli import main
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
-from mecano.interrupt import EXIT_CODES
 from mecano.elements.cross_section import SHAPES
+from mecano.interrupt import EXIT_CODES
 from mecano.laws import TERMS
 
 DECK = """\
