@@ -48,10 +48,9 @@ class Interruption:
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
 
     def _ask(self, number, frame):
-        if self._postponed and self._number is None:
-            self._number = number
-        elif not self._postponed or number == signal.SIGINT:
-            raise Stopped(number)
+        again, self._number = self._number is not None, self._number or number
+        if not self._postponed or (again and number == signal.SIGINT):
+            raise Stopped(number)  # if a destructor swallows it, ``wanted`` still knows
 
     @contextmanager
     def postponed(self):

@@ -4,11 +4,41 @@ import os
 import signal
 
 import numpy as np
+from marching import deck, input_deck
 
 import mecano
+from mecano import keeper
 from mecano.errors import MecanoError
 from mecano.interrupt import Interruption, Stopped
 from mecano.run import resume
+
+FOUR_FEET = """
+    mecano: 1
+    nodes:
+      middle: {position: [0, 0, 1]}
+      left: {position: [-0.5, 0, 1]}
+      right: {position: [0.5, 0, 1]}
+      front: {position: [0, 0.4, 1]}
+      back: {position: [0, -0.4, 1]}
+    elements:
+      bar: {type: rigid_body, node: middle, mass: 2, inertia: [0.1, 0.1, 0.1], attached: [left, right, front, back]}
+      a: {type: plane_contact, node: left, ground: floor, restitution: 0.5}
+      b: {type: plane_contact, node: right, ground: floor, restitution: 0.5}
+      c: {type: plane_contact, node: front, ground: floor, restitution: 0.5}
+      d: {type: plane_contact, node: back, ground: floor, restitution: 0.5}
+    grounds: {floor: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    time: {end: 1.6, step: 1.0e-2}
+"""
+
+
+def decks():
+    """Cheap decks by name: adaptive steps with events, a law with corners, shocks, shocks of redundant contacts."""
+    return {
+        "nose_gear_rigid": input_deck("nose_gear_rigid", "time.end=0.8"),
+        "strut": input_deck("strut", "time.end=1", "output.every=step"),
+        "bouncing_ball": input_deck("bouncing_ball", "time.end=4"),
+        "four_feet": deck(FOUR_FEET),
+    }
 
 
 class StopAfter(Interruption):
@@ -69,4 +99,5 @@ def listening_resume(deck, path, interval):
     """What ``mecano run --resume`` does, for a fork."""
     interruption = Interruption(again="mecano run deck.yaml --resume")
     interruption.listen()
+    keeper.SHARE = 0  # as many checkpoints as the interval asks for
     resume(deck, path, interruption=interruption, interval=interval)

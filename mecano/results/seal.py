@@ -1,4 +1,4 @@
-"""What shows that a byte of a closed file has changed: a CRC-32 of every 4096 bytes, behind the end of the HDF5 file.
+"""What shows that a byte of a closed file has changed: a CRC-32 of every 1024 bytes, behind the end of the HDF5 file.
 
 HDF5 does not look there. At the very end: a mark, how many bytes are covered, and the CRC-32 of all the sums.
 """
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-BLOCK = 4096
+BLOCK = 1024
 AT_ONCE = 2**20  # bytes read at once, a multiple of BLOCK
 END = struct.Struct("<16sQI")
 MARK = b"mecano seal 1\0\0\0"

@@ -13,7 +13,7 @@ from mecano.results.seal import BLOCK, block_sums, seal_of
 from mecano.results.table import event_sum
 
 ROWS = 1024  # read at once
-MOST = 8  # datasets named
+MOST = 12  # datasets named
 STRUCTURE = "what describes the datasets (names, shapes, attributes, texts of the deck)"
 
 
