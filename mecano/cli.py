@@ -5,7 +5,9 @@ import contextlib
 import gc
 import os
 import shlex
+import signal
 import sys
+from functools import partial
 
 import click
 
@@ -73,17 +75,12 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     kinds = {d["type"] for section in SECTIONS for d in checked.values[section].values()}
     progress.compiling(kinds)
-    told = {"observers": (progress,), "announce": progress.note}
-    if static:
-        from mecano import static_run
+    from importlib import import_module
 
-        if resume and os.path.exists(path):
-            raise click.UsageError("statics cannot be resumed; --force begins anew")
-        return progress.done(static_run.run(checked, path, force=force, **told))
-    from mecano import run
-
-    told |= {"interruption": interruption, "interval": interval}
-    final = run.resume(checked, path, **told) if resume else run.run(checked, path, force=force, **told)
+    runs = import_module("mecano.static_run" if static else "mecano.run")
+    solve = runs.resume if resume else partial(runs.run, force=force)
+    told = {} if static else {"interruption": interruption, "interval": interval}
+    final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
     if final is not None:
         progress.done(final)
 
@@ -148,7 +145,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
-    Interruption().listen()
+    Interruption().listen((signal.SIGINT, signal.SIGTERM))
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
         progress=progress,

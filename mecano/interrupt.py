@@ -40,9 +40,9 @@ class Interruption:
         self._number, self._postponed = None, False
         self._asked, self._longest = None, 0.0
 
-    def listen(self):
-        """From now on signals and the clock end the process."""
-        for number in EXIT_CODES:
+    def listen(self, numbers=tuple(EXIT_CODES)):
+        """From now on these signals and the clock end the process."""
+        for number in numbers:
             signal.signal(number, self._ask)
         if self._deadline < float("inf"):
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))

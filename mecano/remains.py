@@ -8,6 +8,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.results.provenance import provenance, to_json
 from mecano.results.reader import open_results
 
+COMPLETE = "{} is complete: there is nothing to go on with"
 ROWS = 1024  # copied at once
 MOST = 5  # differences named
 SURROUNDINGS = {"processor": "processor", "machine": "machine", "threads": "number of threads"}  # and the versions

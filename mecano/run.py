@@ -7,7 +7,7 @@ from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
 from mecano.prepare import chosen, march_of, prepare, remarks
 from mecano.recorder import Recorder, watched
-from mecano.remains import Remains
+from mecano.remains import COMPLETE, Remains
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -58,7 +58,7 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
         return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
     left.close()
     if left.complete:
-        announce(f"{path} is complete: there is nothing to go on with")
+        announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")
     return run(deck, path, force=True, interruption=interruption, **around)

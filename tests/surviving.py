@@ -41,6 +41,11 @@ def decks():
     }
 
 
+def long_deck():
+    """Many rows for the time they take: a file that grows all the while."""
+    return input_deck("double_pendulum", "time.end=0.4", "time.step=5.0e-5", "output.every=1.0e-4")
+
+
 class StopAfter(Interruption):
     """Wants the end after so many steps, as a signal would."""
 

@@ -4,6 +4,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import time
@@ -11,9 +12,9 @@ from dataclasses import replace
 
 import h5py
 import pytest
-from marching import deck, input_deck
+from marching import INPUTS, deck, input_deck
 from process import COMMAND, flowing, mecano_process
-from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, forked, listening_resume
+from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, forked, listening_resume, long_deck
 
 import mecano
 from mecano import keeper
@@ -85,10 +86,10 @@ class TestTheSameBits:
 
 
 class TestAFullDisk:
-    @pytest.mark.parametrize("size", [150_000, 300_000, 400_000])
-    def test_what_is_there_is_gone_on_with(self, tmp_path, size):
-        """The system refuses to let the file grow, wherever it is then; checkpoints every 2 ms."""
-        deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
+    @pytest.mark.parametrize(("size", "some"), [(50_000, False), (500_000, False), (2_000_000, True)])
+    def test_what_is_there_is_gone_on_with(self, tmp_path, size, some):
+        """The system refuses to let the file grow, wherever it is then, before or after the first checkpoints."""
+        deck, path = long_deck(), tmp_path / "r.h5"
 
         def run_in(size):
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
@@ -98,6 +99,7 @@ class TestAFullDisk:
         assert (tmp_path / "whole.h5").stat().st_size > size
         assert ended(forked(run_in, size)) == 5
         before = contents(path) if path.exists() else None
+        assert some == (before is not None and mecano.open_results(path).checkpoint is not None)
         assert before is None or (before["status"] == "failed" and "no" in verify(path))
         resume(deck, path)
         check_same(found := contents(path), contents(tmp_path / "whole.h5"))
@@ -246,6 +248,26 @@ class TestTheCommand:
         assert code == 75 and "mecano: stopped by the end of its wall-clock time" in flowing(told)
         code, _, told = mecano_process("run", "deck.yaml", "--max-walltime", "soon", cwd=folder)
         assert code == 2 and "'soon' is no wall-clock time" in told
+
+    def test_statics_begin_again_unless_complete(self, folder):
+        arguments = ("run", INPUTS / "snap_through.yaml", "-o", "s.h5", "--resume")
+        assert mecano_process(*arguments, cwd=folder)[0] == 0
+        before = (folder / "s.h5").read_bytes()
+        code, _, told = mecano_process(*arguments, cwd=folder)
+        assert code == 0 and "is complete" in told and (folder / "s.h5").read_bytes() == before
+        code, _, told = mecano_process(*arguments, "--set", "title=Another", cwd=folder)
+        assert code == 2 and "title" in told
+
+    def test_a_disk_that_is_read_only(self, folder):
+        mount = ["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", str(folder)]
+        (folder / "deck.yaml").rename(folder.parent / "deck.yaml")
+        if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+            pytest.skip("a tmpfs cannot be mounted here")
+        try:
+            code, _, told = mecano_process("run", "../deck.yaml", "-q", "--resume", cwd=folder)
+            assert code == 5 and told == "mecano: cannot write deck.h5: Read-only file system\n"
+        finally:
+            subprocess.run(["umount", str(folder)], check=True)
 
     def test_wishes_that_contradict(self, folder):
         code, _, told = mecano_process("run", "deck.yaml", "--resume", "--force", cwd=folder)

@@ -3,6 +3,7 @@
 import h5py
 import numpy as np
 import pytest
+import surviving
 from marching import deck, input_deck
 
 from mecano.prepare import march_of, prepare
@@ -59,6 +60,41 @@ def test_rejected_steps_leave_nothing_behind():
     disturbed = march.to(1.0, march.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
+
+
+class EveryThird:
+    """A step control that rejects every third trial that it would accept, to be tried again with the same size."""
+
+    def __init__(self, control):
+        self.control, self.asked = control, 0
+
+    def __getattr__(self, name):
+        return getattr(self.control, name)
+
+    def accept(self, error, h):
+        self.asked += self.control.accept(error, h)
+        return self.control.accept(error, h) and self.asked % 3 != 0
+
+    def retry(self, error, h):
+        return h if self.control.accept(error, h) else self.control.retry(error, h)
+
+
+@pytest.mark.parametrize("name", surviving.decks())
+def test_every_third_trial_rejected_changes_no_bit(name):
+    """With adaptive steps and fixed ones, across events, shocks and corners of laws of time."""
+    checked, ends = surviving.decks()[name], []
+    for change in (lambda control: control, EveryThird):
+        prepared, happened = prepare(checked), []
+        march = march_of(prepared, (lambda accepted, happened=happened: happened.extend(accepted.happenings),))
+        march.control = change(march.control)
+        start = march.begin(prepared.state, checked.values["time"]["step"])
+        ends.append((march.to(checked.values["time"]["end"], start), happened))
+    (plain, events), (disturbed, same) = ends
+    assert disturbed.rejected > plain.rejected + plain.steps // 4 and events == same
+    for one in (plain, disturbed):
+        one.rejected = one.iterations = 0
+        one.h = 0.0  # after the last step, which the end may have cut short, it is planned otherwise
+    check_equal(to_plain(disturbed), to_plain(plain))
 
 
 def check_equal(one, other, path=""):

@@ -5,8 +5,9 @@
 Each case is a fork of this process that does what `mecano run --resume` does; default 200 kill -9, 200 signals (SIGINT,
 SIGTERM, SIGUSR1), both at random instants from before the start of the march to its end, and 100 sizes of a small tmpfs
 (as root, where mount is permitted), which is made larger before the run goes on. The decks are those of
-tests/surviving.py; checkpoints are written every 5 ms. After each end the file is checked by `verify`; in the end all
-series, steps, events and extremes must equal those of the run without a stop. Recorded in docs/long-runs.md.
+tests/surviving.py, for the disks mostly a longer one; checkpoints are written every 5 ms. After each end the file is
+checked by `verify`; in the end all series, steps, events and extremes must equal those of the run without a stop.
+Recorded in docs/long-runs.md.
 """
 
 import os
@@ -23,7 +24,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from surviving import check_same, contents, decks, ended, forked, listening_resume
+from surviving import check_same, contents, decks, ended, forked, listening_resume, long_deck
 
 from mecano import open_results
 from mecano.interrupt import EXIT_CODES
@@ -122,7 +123,7 @@ def main(kills=200, signals=200, levels=100):
             print(f"{what}: {times} runs equal, bit for bit; {dict(count)}", flush=True)
         count = Counter()
         if levels:
-            full_disks(cases, folder, levels, count)
+            full_disks([cases[0], *[Case(long_deck(), folder)] * 3], folder, levels, count)
             print(f"full disks: {levels} runs equal, bit for bit; {dict(count)}")
 
 
