@@ -4,7 +4,6 @@ import atexit
 import contextlib
 import gc
 import os
-import shlex
 import signal
 import sys
 from functools import partial
@@ -12,7 +11,7 @@ from functools import partial
 import click
 
 from mecano import __version__
-from mecano.interrupt import Interruption, seconds
+from mecano.interrupt import Interruption, again, seconds
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
@@ -63,7 +62,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     """
     if resume and force:
         raise click.UsageError("--resume goes on with a results file, --force replaces it")
-    interruption = Interruption(seconds(limit) if limit else None, _again())
+    interruption = Interruption(seconds(limit) if limit else None, again())
     interruption.listen()
     from mecano.contract import SECTIONS
     from mecano.deck.read import read_deck
@@ -83,12 +82,6 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
     if final is not None:
         progress.done(final)
-
-
-def _again():
-    """The command that goes on with this run."""
-    words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
-    return shlex.join(["mecano", *words, "--resume"])
 
 
 @commands.command()

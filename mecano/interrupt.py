@@ -1,7 +1,9 @@
 """What asks a process to end early: signals, and the wall-clock time that it was given."""
 
 import re
+import shlex
 import signal
+import sys
 import time
 from contextlib import contextmanager
 
@@ -73,6 +75,12 @@ class Interruption:
     def stopped(self, where):
         """The exception that ends the run; ``where`` it stands, in words."""
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
+
+
+def again():
+    """The command that goes on with what this process was told to do."""
+    words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
+    return shlex.join(["mecano", *words, "--resume"])
 
 
 def seconds(text):

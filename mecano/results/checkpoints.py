@@ -62,19 +62,20 @@ def packed(state):
 
 def latest(group):
     """The state of the last checkpoint in the group that is whole, or None."""
-    number, content = max((_content(group[name]) for name in group), default=(0, b""))
+    number, content = max((_content(group, name) for name in group), default=(0, b""))
     if not number:
         return None
     with h5py.File(io.BytesIO(content), "r") as file:
         return load_state(file["state"])
 
 
-def _content(dataset):
-    """(number, bytes of the state) of one place, (0, b"") if it holds none or a spoilt one."""
+def _content(group, name):
+    """(number, bytes of the state) of one place, (0, b"") if it holds none or a spoilt one, or was just being made."""
     try:
+        dataset = group[name]
         mark, number, length, digest = HEAD.unpack(dataset[: HEAD.size].tobytes())
         content = dataset[HEAD.size : HEAD.size + length].tobytes() if mark == MARK else b""
-    except (OSError, RuntimeError, ValueError, struct.error):
+    except (KeyError, OSError, RuntimeError, ValueError, struct.error):
         return 0, b""
     return (number, content) if content and digest == _digest(number, content) else (0, b"")
 
