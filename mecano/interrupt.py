@@ -44,6 +44,7 @@ class Interruption:
 
     def listen(self, numbers=tuple(EXIT_CODES)):
         """From now on these signals and the clock end the process."""
+        sys.unraisablehook = _unraisable
         for number in numbers:
             signal.signal(number, self._ask)
         if self._deadline < float("inf"):
@@ -52,7 +53,7 @@ class Interruption:
     def _ask(self, number, frame):
         again, self._number = self._number is not None, self._number or number
         if not self._postponed or (again and number == signal.SIGINT):
-            raise Stopped(number)  # if a destructor swallows it, ``wanted`` still knows
+            raise Stopped(number)  # where Python is in a destructor this is lost; then ``wanted`` still knows
 
     @contextmanager
     def postponed(self):
@@ -75,6 +76,12 @@ class Interruption:
     def stopped(self, where):
         """The exception that ends the run; ``where`` it stands, in words."""
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
+
+
+def _unraisable(lost):
+    """Say what Python says of exceptions in destructors, but of Stopped nothing."""
+    if not isinstance(lost.exc_value, Stopped):
+        sys.__unraisablehook__(lost)
 
 
 def again():

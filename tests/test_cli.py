@@ -51,6 +51,7 @@ def folder(tmp_path, monkeypatch):
 def call(monkeypatch, capsys):
     """Function that calls the command line in this process: arguments -> (exit code, output, errors)."""
     handlers = {number: signal.getsignal(number) for number in EXIT_CODES}
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["mecano", *map(str, arguments)])

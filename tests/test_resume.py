@@ -7,6 +7,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, 
 import mecano
 from mecano import keeper
 from mecano.errors import ResultsError, UsageError
-from mecano.interrupt import Interruption, Stopped, seconds
+from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds
 from mecano.results.verify import verify
 from mecano.run import resume, run
 
@@ -66,7 +67,9 @@ class TestTheSameBits:
             kills += ended(child) == -signal.SIGKILL
             if path.exists():
                 verify(path)
+        (tmp_path / ".r.h5.4194305.part").write_text("of a process with a number that Linux does not give")
         assert ended(forked(listening_resume, deck, path, 0.005)) == 0 and kills
+        assert os.listdir(tmp_path) == ["r.h5"]
         check_same(contents(path), expected)
 
     def test_redundant_contacts_are_told_of_once(self, tmp_path):
@@ -297,10 +300,11 @@ class TestInterruption:
     @pytest.fixture
     def listening(self):
         """An Interruption that hears signals; the handlers are put back."""
-        before = {number: signal.getsignal(number) for number in (2, 15, signal.SIGUSR1, signal.SIGALRM)}
+        before, hook = {number: signal.getsignal(number) for number in EXIT_CODES}, sys.unraisablehook
         interruption = Interruption(again="again")
         interruption.listen()
         yield interruption
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
 
@@ -308,6 +312,15 @@ class TestInterruption:
         with pytest.raises(Stopped) as error:
             signal.raise_signal(signal.SIGUSR1)
         assert error.value.exit_code == 75
+
+    def test_one_that_a_destructor_loses_counts_all_the_same(self, listening, capsys):
+        class Dying:
+            def __del__(self):
+                signal.raise_signal(signal.SIGTERM)
+
+        Dying()
+        assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
+        assert capsys.readouterr() == ("", "")
 
     def test_in_the_march_it_waits_but_not_for_a_second_ctrl_c(self, listening):
         with listening.postponed():

@@ -69,6 +69,17 @@ def provenance():
     }
 
 
+def lives(process):
+    """True when there is a process of that number on this machine."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
 def threads():
     """Threads of the linear algebra of NumPy and SciPy, on which the last digits depend."""
     given = os.environ.get("OPENBLAS_NUM_THREADS", "")

@@ -15,6 +15,7 @@ from mecano.errors import ResultsError
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
+from mecano.results.provenance import lives
 from mecano.results.salvage import missing_bytes, open_cut, rows_within
 
 _ATTEMPTS = 5
@@ -296,7 +297,7 @@ class Results:
         if self._missing:
             return "truncated"
         stored = self._text("run/status")
-        return "killed" if stored == "running" and self.written_here and not self._writer_lives() else stored
+        return "killed" if stored == "running" and self.written_here and not self._writer_lives else stored
 
     @property
     def written_here(self):
@@ -308,14 +309,9 @@ class Results:
         """Why the run ended; empty while it runs."""
         return self._text("run/reason")
 
+    @property
     def _writer_lives(self):
-        try:
-            os.kill(int(self._file["run"].attrs["process"]), 0)
-        except ProcessLookupError:
-            return False
-        except PermissionError:
-            return True
-        return True
+        return lives(int(self._file["run"].attrs["process"]))
 
 
 def _plain(value):

@@ -6,6 +6,7 @@ than these say. ``flush`` happens by itself whenever a buffer is full or ``flush
 """
 
 import atexit
+import glob
 import os
 import time as clocks
 from pathlib import Path
@@ -18,7 +19,7 @@ from mecano.results.checkpoints import Slots
 from mecano.results.disk import Disk, new_file, undisturbed
 from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
-from mecano.results.provenance import provenance
+from mecano.results.provenance import lives, provenance
 from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, name_axes
 
 STATUSES = ("running", "complete", "stopped", "failed")
@@ -69,6 +70,7 @@ class Writer:
             raise ResultsError(_EXISTS.format(path))
         hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
+            _clear(path)
             disk = Disk(hidden)
             try:
                 writer = cls(path, disk, layout, source, flush_interval)
@@ -358,6 +360,14 @@ def _make_views(file, axes, layout, outputs, steps):
         view = steps.view(solver, series.path, column, ())
         describe(view, units=series.unit, long_name=series.doc)
         name_axes(view, ends)
+
+
+def _clear(path):
+    """Remove what killed runs have left of the file before it had its name."""
+    for hidden in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        process = hidden.name.split(".")[-2]
+        if process.isdigit() and not lives(int(process)):
+            hidden.unlink(missing_ok=True)
 
 
 def _move(hidden, path, force):
