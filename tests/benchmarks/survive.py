@@ -34,6 +34,7 @@ from mecano.run import run
 INTERVAL = 0.005  # s between checkpoints
 MOST = 3  # times that one run is ended
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+ENDINGS = ("killed", *(number.name for number in SIGNALS))
 
 
 class Case:
@@ -51,7 +52,7 @@ class Case:
 
 
 def interrupted(case, path, rng, numbers, count):
-    """End a run of the case several times by signals of ``numbers``, let it come to its end, compare."""
+    """End a run of the case up to MOST times by signals of ``numbers``, let it come to its end, compare."""
     for _ in range(rng.randint(1, MOST)):
         number = rng.choice(numbers)
         child = forked(listening_resume, case.deck, path, INTERVAL)
@@ -118,9 +119,10 @@ def main(kills=200, signals=200, levels=100):
         cases = [Case(deck, folder) for deck in decks().values()]
         for what, numbers, times in (("kill -9", (signal.SIGKILL,), kills), ("signals", SIGNALS, signals)):
             count = Counter()
-            for i in range(times):
-                interrupted(cases[i % len(cases)], folder / "r.h5", rng, numbers, count)
-            print(f"{what}: {times} runs equal, bit for bit; {dict(count)}", flush=True)
+            while sum(count[ending] for ending in ENDINGS) < times:
+                count["runs"] += 1
+                interrupted(cases[count["runs"] % len(cases)], folder / "r.h5", rng, numbers, count)
+            print(f"{what}: all runs equal, bit for bit; {dict(count)}", flush=True)
         count = Counter()
         if levels:
             full_disks([cases[0], *[Case(long_deck(), folder)] * 3], folder, levels, count)
