@@ -174,6 +174,24 @@ class TestTheCheckpoint:
         assert "number of threads (7, now" in told[0] and "processor (Abacus, now" in told[0]
         assert told[0] in mecano.open_results(path).remarks
 
+    def test_one_that_is_being_written_is_left_alone(self, tmp_path):
+        """By the process of that number, unless that began only after the run."""
+        deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
+        sleeping = subprocess.Popen(["sleep", "60"])
+        try:
+            child = forked(run, deck, path, observers=(lambda accepted: accepted.run.steps < 99 or os._exit(9),))
+            assert ended(child) == 9
+            with h5py.File(path, "r+") as file:
+                file["run"].attrs["process"] = sleeping.pid
+            with pytest.raises(ResultsError, match=f"still being written, by process {sleeping.pid}"):
+                resume(deck, path)
+            with h5py.File(path, "r+") as file:
+                file["run"].attrs["started"] = "2024-02-29T12:00:00+00:00"
+            assert mecano.open_results(path).status == "killed"
+        finally:
+            sleeping.kill()
+            sleeping.wait()
+
     def test_one_that_does_not_fit_is_refused(self, left, monkeypatch):
         deck, path = left
         load = keeper.from_plain

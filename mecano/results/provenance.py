@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import sys
+import time
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib import metadata
@@ -78,6 +79,16 @@ def lives(process):
     except PermissionError:
         return True
     return True
+
+
+def began(process):
+    """When the process of a number began [s since 1970], where the system tells it; else 0."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            ticks = int(file.read().rpartition(")")[2].split()[19])
+        return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError, IndexError, ValueError):
+        return 0.0
 
 
 def threads():

@@ -5,6 +5,7 @@ import os
 import platform
 import time as clocks
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from pathlib import Path
 
@@ -15,10 +16,11 @@ from mecano.errors import ResultsError
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
-from mecano.results.provenance import lives
+from mecano.results.provenance import began, lives
 from mecano.results.salvage import missing_bytes, open_cut, rows_within
 
 _ATTEMPTS = 5
+_CLOCKS = 60.0  # s by which clocks may have been set
 _KEPT = ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "remarks", "checkpoint")
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
@@ -311,7 +313,9 @@ class Results:
 
     @property
     def _writer_lives(self):
-        return lives(int(self._file["run"].attrs["process"]))
+        run = self._file["run"].attrs
+        process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
+        return lives(process) and began(process) < started + _CLOCKS  # else it is another one of the same number
 
 
 def _plain(value):
