@@ -8,6 +8,7 @@ from marching import deck, input_deck
 
 from mecano.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
+from mecano.solve.march import March
 from mecano.solve.run_state import from_plain, to_plain
 
 DECK = """
@@ -62,31 +63,26 @@ def test_rejected_steps_leave_nothing_behind():
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
 
 
-class EveryThird:
-    """A step control that rejects every third trial that it would accept, to be tried again with the same size."""
+class EveryThird(March):
+    """A march that rejects every third trial that it would accept, and tries the same size again."""
 
-    def __init__(self, control):
-        self.control, self.asked = control, 0
+    accepted = 0
 
-    def __getattr__(self, name):
-        return getattr(self.control, name)
-
-    def accept(self, error, h):
-        self.asked += self.control.accept(error, h)
-        return self.control.accept(error, h) and self.asked % 3 != 0
-
-    def retry(self, error, h):
-        return h if self.control.accept(error, h) else self.control.retry(error, h)
+    def _instead(self, run, trial, h):
+        smaller = super()._instead(run, trial, h)
+        self.accepted += smaller is None
+        return h if smaller is None and self.accepted % 3 == 0 else smaller
 
 
 @pytest.mark.parametrize("name", surviving.decks())
 def test_every_third_trial_rejected_changes_no_bit(name):
     """With adaptive steps and fixed ones, across events, shocks and corners of laws of time."""
     checked, ends = surviving.decks()[name], []
-    for change in (lambda control: control, EveryThird):
+    for kind in (March, EveryThird):
         prepared, happened = prepare(checked), []
-        march = march_of(prepared, (lambda accepted, happened=happened: happened.extend(accepted.happenings),))
-        march.control = change(march.control)
+        tell = lambda accepted, happened=happened: happened.extend(accepted.happenings)  # noqa: E731
+        usual = march_of(prepared)
+        march = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
         start = march.begin(prepared.state, checked.values["time"]["step"])
         ends.append((march.to(checked.values["time"]["end"], start), happened))
     (plain, events), (disturbed, same) = ends
