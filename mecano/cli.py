@@ -11,7 +11,7 @@ from functools import partial
 import click
 
 from mecano import __version__
-from mecano.interrupt import Interruption, again, seconds
+from mecano.interrupt import Interruption, again, seconds, stopped_by
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
@@ -287,8 +287,8 @@ def main():
     try:
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
-        cause = error.__cause__ or error.__context__  # older versions of click only have the latter
-        _end(getattr(cause, "exit_code", 130), f"mecano: {cause or 'interrupted'}")
+        stopped = stopped_by(error)
+        _end(stopped.exit_code if stopped else 130, f"mecano: {stopped or 'interrupted'}")
     except click.ClickException as error:
         error.show()
         _end(2)
@@ -319,6 +319,8 @@ def program():
 def _report(error):
     from mecano.errors import DeckError, MecanoError
 
+    if stopped := stopped_by(error):
+        _end(stopped.exit_code, f"mecano: {stopped}")
     if isinstance(error, DeckError):
         from mecano.deck.format import deck_error_text
 

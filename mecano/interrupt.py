@@ -78,6 +78,13 @@ class Interruption:
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
 
 
+def stopped_by(error):
+    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
+    while error is not None and not isinstance(error, Stopped):
+        error = error.__cause__ or error.__context__
+    return error
+
+
 def _unraisable(lost):
     """Say what Python says of exceptions in destructors, but of Stopped nothing."""
     if not isinstance(lost.exc_value, Stopped):

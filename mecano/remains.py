@@ -25,6 +25,10 @@ class Remains:
         The run came to its end.
     checkpoint : dict or None
         What ``Writer.checkpoint`` was given, with where the file was then.
+    automatic : dict
+        What stood for values that the deck leaves automatic.
+    remarks : list of str
+        What the user was told before.
     """
 
     def __init__(self, path, deck):
@@ -32,6 +36,7 @@ class Remains:
         try:
             self._check(deck)
             self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
+            self.automatic, self.remarks = self.results.automatic, self.results.remarks
         except BaseException:
             self.close()
             raise
@@ -51,16 +56,6 @@ class Remains:
         process = self.results.metadata["process"]
         if self.results.status == "running" and self.results.written_here and process != os.getpid():
             raise ResultsError(f"{self.path} is still being written, by process {process}")
-
-    @property
-    def automatic(self):
-        """What stood for values that the deck leaves automatic."""
-        return self.results.automatic
-
-    @property
-    def remarks(self):
-        """What the user was told before."""
-        return self.results.remarks
 
     def note(self, t):
         """What is said of going on from t [s], and of what differs from where the run was before."""

@@ -8,6 +8,7 @@ from mecano.model.sampler import Sampler
 from mecano.prepare import chosen, march_of, prepare, remarks
 from mecano.recorder import Recorder, watched
 from mecano.remains import COMPLETE, Remains
+from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -53,7 +54,8 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
     around = {"observers": observers, "announce": announce, "interval": interval}
     if not Path(path).exists():
         return run(deck, path, interruption=interruption, **around)
-    left = Remains(path, deck)
+    with undisturbed():
+        left = Remains(path, deck)
     if left.checkpoint is not None and not left.complete:
         return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
     left.close()

@@ -8,8 +8,7 @@ from marching import deck, input_deck
 
 import mecano
 from mecano import keeper
-from mecano.errors import MecanoError
-from mecano.interrupt import Interruption, Stopped
+from mecano.interrupt import Interruption, stopped_by
 from mecano.run import resume
 
 FOUR_FEET = """
@@ -87,10 +86,8 @@ def forked(action, *arguments, **options):
     try:
         action(*arguments, **options)
         code = 0
-    except Stopped as stopped:
-        code = stopped.exit_code
-    except MecanoError as error:
-        code = error.exit_code
+    except BaseException as error:
+        code = getattr(stopped_by(error) or error, "exit_code", 1)
     finally:
         os._exit(code)
 

@@ -20,7 +20,7 @@ from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, 
 import mecano
 from mecano import keeper
 from mecano.errors import ResultsError, UsageError
-from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds
+from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
 from mecano.results.verify import verify
 from mecano.run import resume, run
 
@@ -330,6 +330,14 @@ class TestInterruption:
         with pytest.raises(Stopped) as error:
             signal.raise_signal(signal.SIGUSR1)
         assert error.value.exit_code == 75
+
+    def test_one_that_became_another_exception_is_known(self, listening):
+        with pytest.raises(SystemError) as error:
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            except Stopped as stopped:
+                raise SystemError("returned a result with an exception set") from stopped
+        assert stopped_by(error.value).exit_code == 143 and stopped_by(ValueError()) is None
 
     def test_one_that_a_destructor_loses_counts_all_the_same(self, listening, capsys):
         class Dying:
