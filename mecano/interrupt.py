@@ -7,8 +7,6 @@ import sys
 import time
 from contextlib import contextmanager
 
-from mecano.errors import UsageError
-
 EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGUSR1: 75, signal.SIGALRM: 75}
 WORDS = {signal.SIGALRM: "the end of its wall-clock time"}
 BEGUN = time.monotonic()  # of the process, but for the time in which Python starts
@@ -103,5 +101,7 @@ def seconds(text):
     numbers = [int(part or 0) for part in match.groups()] if match else [0]
     total = sum(number * size for number, size in zip(numbers, (86400, 3600, 60, 1), strict=False))
     if not total:
+        from mecano.errors import UsageError  # takes a hundredth of the time of `mecano --help`
+
         raise UsageError(f"'{text}' is no wall-clock time; write 3600, 2h30m or 02:30:00")
     return total

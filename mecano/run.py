@@ -7,7 +7,6 @@ from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
 from mecano.prepare import chosen, march_of, prepare, remarks
 from mecano.recorder import Recorder, watched
-from mecano.remains import COMPLETE, Remains
 from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
@@ -54,6 +53,8 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
     around = {"observers": observers, "announce": announce, "interval": interval}
     if not Path(path).exists():
         return run(deck, path, interruption=interruption, **around)
+    from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+
     with undisturbed():
         left = Remains(path, deck)
     if left.checkpoint is not None and not left.complete:

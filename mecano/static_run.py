@@ -6,7 +6,6 @@ import numpy as np
 
 from mecano.model.sampler import Sampler
 from mecano.prepare import prepare, remarks
-from mecano.remains import COMPLETE, Remains
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -84,6 +83,8 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
     None when the file is complete. Raises UsageError where it is of another deck; and what ``run`` raises.
     """
     if Path(path).exists():
+        from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+
         left = Remains(path, deck)
         left.close()
         if left.complete:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import traceback
 
 import numpy as np
 from marching import deck, input_deck
@@ -84,10 +85,15 @@ def forked(action, *arguments, **options):
         return child
     code = 1
     try:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # as the others are until the process listens
         action(*arguments, **options)
         code = 0
     except BaseException as error:
         code = getattr(stopped_by(error) or error, "exit_code", 1)
+        if isinstance(error, KeyboardInterrupt) and code == 1:
+            code = 130
+        elif code == 1:
+            traceback.print_exc()
     finally:
         os._exit(code)
 
