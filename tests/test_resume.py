@@ -67,10 +67,14 @@ class TestTheSameBits:
             kills += ended(child) == -signal.SIGKILL
             if path.exists():
                 verify(path)
-        (tmp_path / ".r.h5.4194305.part").write_text("of a process with a number that Linux does not give")
         assert ended(forked(listening_resume, deck, path, 0.005)) == 0 and kills
-        assert os.listdir(tmp_path) == ["r.h5"]
         check_same(contents(path), expected)
+
+    def test_what_a_killed_run_had_begun_is_removed(self, tmp_path):
+        (tmp_path / ".r.h5.4194305.part").touch()  # Linux gives no process this number
+        (tmp_path / f".r.h5.{os.getppid()}.part").touch()
+        run(deck(FOUR_FEET), tmp_path / "r.h5")
+        assert sorted(os.listdir(tmp_path)) == [f".r.h5.{os.getppid()}.part", "r.h5"]
 
     def test_redundant_contacts_are_told_of_once(self, tmp_path):
         """What the march has found out is kept: here that four feet are one too many."""
