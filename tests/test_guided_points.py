@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from convergence import at_times, check_second_order
 from marching import March, deck, input_deck
+from scipy.integrate import solve_ivp
+from static_solution import Equilibrium
 
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
@@ -117,3 +119,111 @@ REFUSED = [
 def test_what_is_no_curve_is_refused(values, text):
     (found,) = KINDS["point_on_curve"].check(values, None)
     assert text in found
+
+
+SPAN, SPEED, FORCE, MASS = 20.0, 20.0, 1e4, 785.0  # m, m/s, N, kg/m: the bridge of inputs/moving_load.yaml
+STIFFNESS = 2.1e11 * 0.5 * 0.2**3 / 12.0  # N m2
+NUMBERS = np.arange(1, 13) * np.pi / SPAN
+FREQUENCIES = NUMBERS**2 * np.sqrt(STIFFNESS / MASS)
+
+
+def under_a_force(x, t):
+    """Deflection [m] of the bridge at x by Fryba's series, with that of Euler's beam."""
+    passing = NUMBERS * SPEED
+    swing = np.sin(np.multiply.outer(t, passing))
+    swing -= passing / FREQUENCIES * np.sin(np.multiply.outer(t, FREQUENCIES))
+    modes = np.sin(np.multiply.outer(x, NUMBERS))
+    return 2.0 * FORCE / (MASS * SPAN) * np.sum(modes * swing / (FREQUENCIES**2 - passing**2), axis=-1)
+
+
+def under_a_mass(mass, times):
+    """Deflection [m] of the middle under a mass that the force presses down, by modes of Euler's beam.
+
+    The mass pushes with F - m w'' with the second rate of w along its way, w_tt + 2 v w_xt + v^2 w_xx.
+    """
+    n, share = len(NUMBERS), 2.0 / (MASS * SPAN)
+
+    def rates(t, y):
+        q, q_rate, at = y[:n], y[n:], NUMBERS * SPEED * t
+        shape, slope, bend = np.sin(at), NUMBERS * np.cos(at), -(NUMBERS**2) * np.sin(at)
+        push = FORCE - mass * (2.0 * SPEED * slope @ q_rate + SPEED**2 * bend @ q)
+        heavy = np.eye(n) + share * mass * np.outer(shape, shape)
+        return np.concatenate([q_rate, np.linalg.solve(heavy, share * shape * push - FREQUENCIES**2 * q)])
+
+    found = solve_ivp(rates, (0.0, times[-1]), np.zeros(2 * n), t_eval=times, rtol=1e-7, atol=1e-10)
+    return np.sin(NUMBERS * SPAN / 2.0) @ found.y[:n]
+
+
+def test_force_runs_over_a_bridge():
+    """Fryba's series to 0.1 % of the largest deflection, in the middle and under the force, past seven nodes."""
+    march = March(input_deck("moving_load"))
+    t, middle = march.time, -march["nodes/girder.4/position"][:, 2]
+    expected = under_a_force(SPAN / 2.0, t)
+    largest = expected.max()
+    assert (largest, t[expected.argmax()]) == pytest.approx((0.0392, 0.595), rel=2e-3)
+    np.testing.assert_allclose(middle, expected, rtol=0, atol=1e-3 * largest)
+    under = -march["nodes/load/position"][:, 2]
+    np.testing.assert_allclose(under, under_a_force(SPEED * t, t), rtol=0, atol=1e-3 * largest)
+    passed = [h.t for h in march.happenings if h.name == "passes"]
+    np.testing.assert_allclose(passed, np.arange(1, 8) / 8.0, rtol=0, atol=1e-5)
+    assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/given"][-1]
+
+
+def test_mass_runs_over_a_bridge():
+    """30 % of the mass of the bridge raise the largest deflection by 8 %; independent modes agree to 0.2 %."""
+    march, mass = March(input_deck("moving_load", "elements.trolley.mass=4710")), 4710.0
+    times = np.linspace(0.05, 0.95, 37)
+    expected = under_a_mass(mass, times)
+    middle = np.interp(times, march.time, -march["nodes/girder.4/position"][:, 2])
+    np.testing.assert_allclose(middle, expected, rtol=0, atol=2e-3 * expected.max())
+    assert expected.max() > 1.05 * under_a_force(SPAN / 2.0, times).max()
+
+
+@pytest.mark.parametrize("place", [2.5, 7.3, 16.1])
+def test_slider_at_rest_bends_its_beam(place):
+    """F a^2 b^2/(3 EI L) + F a b/(k G A L), less what an element does not bend by itself.
+
+    That is F c^3 d^3/(3 EI h^3) for a force at c and d = h - c from its ends, as in a beam held at both ends.
+    """
+    text = input_deck("moving_load").text.replace("{linear: {slope: 20.0}}", "0").replace("value: 10000", "value: 100")
+    text = text.replace("load: {position: [0, 0, 0]}", f"load: {{position: [{place}, 0, 0]}}")
+    still = Equilibrium(text.replace("time: {end: 0.98, step: 2.0e-3}\noutput: {every: 0.01}", "static: {}"))
+    c, h, shearing = place % (SPAN / 8.0), SPAN / 8.0, 5.0 / 6.0 * 2.1e11 / 2.6 * 0.5 * 0.2
+    bent = (place * (SPAN - place)) ** 2 / (3.0 * STIFFNESS * SPAN) - (c * (h - c) / h) ** 3 / (3.0 * STIFFNESS)
+    expected = 100.0 * (bent + place * (SPAN - place) / (shearing * SPAN))
+    assert -still.position("load")[2] == pytest.approx(expected, rel=1.5e-4)  # of shear, 5e-4, it knows that at nodes
+    np.testing.assert_allclose(still.output("joints/rail/force"), [0.0, 0.0, 100.0], rtol=0, atol=1e-2)
+
+
+RAMP = """
+    mecano: 1
+    sections: {rod: {type: circle, diameter: 0.012, E: 7.0e10, nu: 0.3, density: 2700}}
+    nodes:
+      top: {position: [0, 0, 0], fixed: true}
+      tip: {position: [1.6, 0, -1.2]}
+      ring: {position: [0.05, 0, -0.0375]}
+    elements:
+      ramp: {type: beam, nodes: [top, tip], section: rod, mesh: 4}
+      ring: {type: point_mass, node: ring, mass: 1.0}
+    joints: {sliding: {type: slider_on_beam, node: ring, line: [top, ramp.1, ramp.2, ramp.3, tip]}}
+    time: {end: 0.75, step: STEP}
+"""
+
+
+def test_ring_slides_down_a_rod_that_swings():
+    """No friction: the energy is kept, to the second order, past three nodes, while the tip comes down by 0.17 m."""
+    kept = []
+    for step in (2e-3, 1e-3):
+        march = March(deck(RAMP.replace("STEP", str(step))))
+        balance = march["energy/balance"]
+        kept.append(np.abs(balance - balance[0]).max())
+    assert sum(h.name == "passes" for h in march.happenings) == 3
+    assert march["nodes/tip/position"][:, 2].min() < -1.36
+    assert kept[1] < kept[0] / 3.0 and kept[1] < 1e-5, kept
+
+
+def test_slider_needs_a_line():
+    check = KINDS["slider_on_beam"].check
+    frame = (np.zeros(3), np.eye(3))
+    assert check({"line": ["a"]}, [frame, frame]) == ["'line' must name 2 nodes at least"]
+    assert "two nodes at one place" in check({"line": ["a", "b"]}, [frame, frame, frame])[0]
