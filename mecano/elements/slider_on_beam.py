@@ -16,7 +16,6 @@ kink that shear makes at a node under load is left out, and so is the bending of
 up to F L^3/(192 EI) in its middle: both fall with the size of the elements.
 """
 
-import math
 from functools import cache
 
 import numpy as np
@@ -25,14 +24,28 @@ from numba import njit
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Event, Kind, Output, Row, record
+from mecano.elements.smooth_line import nearest_station, smooth_line
 from mecano.maths.vec import (
-    EYE, add, add_col, add_mat, add_row, cross, mat, matmul, mul, norm, put, scale, skew, tmul, vec,
+    EYE,
+    add,
+    add_col,
+    add_mat,
+    add_row,
+    cross,
+    mat,
+    matmul,
+    mul,
+    norm,
+    put,
+    scale,
+    skew,
+    tmul,
+    vec,
 )  # fmt: skip
 from mecano.schema import NODE, NODES, Field
 
 RECORD = record(n_nodes="i", table="i", first="i", start=(), length=())
 PAST = 1e-6  # of an element: how far past a node the next one takes over, which lets a slider rest at a node
-STRAIGHT = 1e-9  # rad: a smaller angle between the directions at the ends of an element means none
 ROUNDING = 1e-9  # m
 
 
@@ -162,42 +175,12 @@ def prepare(d, nodes, context):
     """Lengths and directions of the line at its nodes, the place of the slider on it."""
     (x, _), line = nodes[0], nodes[1:]
     places = np.array([place for place, _ in line], float)
-    tangents = _directions(places)
-    stations = np.concatenate([[0.0], np.cumsum(_lengths(places, tangents))])
+    tangents, stations = smooth_line(places)
     table = context.laws.append(stations)
     for (_, R), tangent in zip(line, tangents, strict=True):
         context.laws.append(R.T @ tangent)
-    first, start = _nearest(places, stations, np.asarray(x, float))
+    first, start = nearest_station(places, stations, np.asarray(x, float))
     return {"n_nodes": len(line), "table": table, "first": first, "start": start, "length": stations[-1]}
-
-
-def _directions(places):
-    """Unit tangents (n, 3) at the nodes of a line that is straight, or made of arcs of circles."""
-    chords = np.diff(places, axis=0)
-    lengths = np.linalg.norm(chords, axis=1, keepdims=True)
-    chords = chords / lengths
-    if len(chords) == 1:
-        return np.concatenate([chords, chords])
-    inner = chords[:-1] * lengths[1:] + chords[1:] * lengths[:-1]  # of the circle through three nodes
-    inner /= np.linalg.norm(inner, axis=1, keepdims=True)
-    first, last = (2.0 * (c @ t) * c - t for c, t in ((chords[0], inner[0]), (chords[-1], inner[-1])))
-    return np.concatenate([[first], inner, [last]])
-
-
-def _lengths(places, tangents):
-    """Lengths of the elements, of an arc longer than its chord."""
-    chords = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    half = [0.5 * math.acos(min(1.0, a @ b)) for a, b in zip(tangents[:-1], tangents[1:], strict=True)]
-    return [c * h / math.sin(h) if h > STRAIGHT else c for c, h in zip(chords, half, strict=True)]
-
-
-def _nearest(places, stations, x):
-    """Element and s [m] of the point of the chords that is nearest to x."""
-    found = []
-    for i, (start, chord) in enumerate(zip(places[:-1], np.diff(places, axis=0), strict=True)):
-        u = float(np.clip((x - start) @ chord / (chord @ chord), 0.0, 1.0))
-        found.append((np.linalg.norm(start + u * chord - x), i, stations[i] + u * (stations[i + 1] - stations[i])))
-    return min(found)[1:]
 
 
 def start(p):
