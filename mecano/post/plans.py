@@ -77,13 +77,32 @@ TORSION_SPRINGS = Plan(
     ),
 )  # fmt: skip
 ANGLES = Plan(
-    "angles", "Angles of joints", ("hinge", "universal", "cylindrical", "prescribed_angle"),
+    "angles", "Angles of joints",
+    ("hinge", "universal", "cylindrical", "planar", "screw", "gear_pair", "rack_and_pinion", "prescribed_angle"),
     (View("angle", ("angle", "angle_a", "angle_b")), View("angular velocity", ("rate", "rate_a", "rate_b"))),
     lead=2,
 )  # fmt: skip
 SLIDES = Plan(
-    "slides", "Displacements of joints", ("prismatic", "cylindrical", "prescribed_position"),
+    "slides", "Displacements of joints", ("prismatic", "cylindrical", "screw", "prescribed_position"),
     (View("displacement", ("displacement",)), View("velocity", ("velocity",))),
+)  # fmt: skip
+PLANES = Plan(
+    "planes", "Sliding in planes", ("planar",),
+    (
+        View("displacement along mu_2", ("displacement.y",), against="displacement.x"),
+        View("displacement", ("displacement.x", "displacement.y")),
+        View("velocity", ("velocity.x", "velocity.y")),
+    ),
+)  # fmt: skip
+CURVES = Plan(
+    "curves", "Points on curves and beams", ("point_on_curve", "slider_on_beam"),
+    (
+        View("place on the curve", ("position",)),
+        View("normal force", ("normal_force",)),
+        View("speed along the curve", ("speed",)),
+        View("pressure angle", ("pressure_angle",)),
+    ),
+    lead=2,
 )  # fmt: skip
 BODIES = Plan(
     "bodies", "Bodies: centres of mass, rotation", ("rigid_body", "point_mass"),
@@ -112,7 +131,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, PLANES, CURVES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):
