@@ -116,6 +116,13 @@ def nearest(d, x):
     return s
 
 
+def drawn(d):
+    """Points (n, 3) [m] of the curve as it is at the start, inertial; of a helix one turn. ``d`` may lack defaults."""
+    d = {"points": None, "closed": False, **dict.fromkeys(KEYS), **d}
+    place, _, grid = _to_search(d, np.array(d["center"] if d["points"] is None else d["points"][0], float))
+    return np.array([place(s) for s in grid])
+
+
 def _to_search(d, x):
     """X(s), X'(s), and s at which to look for the nearest point."""
     if d["points"] is not None:
