@@ -77,14 +77,22 @@ TORSION_SPRINGS = Plan(
     ),
 )  # fmt: skip
 ANGLES = Plan(
-    "angles", "Angles of joints",
-    ("hinge", "universal", "cylindrical", "planar", "screw", "gear_pair", "rack_and_pinion", "prescribed_angle"),
+    "angles", "Angles of joints", ("hinge", "universal", "cylindrical", "prescribed_angle"),
     (View("angle", ("angle", "angle_a", "angle_b")), View("angular velocity", ("rate", "rate_a", "rate_b"))),
     lead=2,
 )  # fmt: skip
 SLIDES = Plan(
-    "slides", "Displacements of joints", ("prismatic", "cylindrical", "screw", "prescribed_position"),
+    "slides", "Displacements of joints", ("prismatic", "cylindrical", "prescribed_position"),
     (View("displacement", ("displacement",)), View("velocity", ("velocity",))),
+)  # fmt: skip
+GEARS = Plan(
+    "gears", "Gears, racks, screws", ("gear_pair", "rack_and_pinion", "screw"),
+    (
+        View("angle", ("angle", "angle_a", "angle_b")),
+        View("angular velocity", ("rate", "rate_a", "rate_b")),
+        View("displacement", ("displacement",)),
+        View("force", ("force.magnitude",)),
+    ),
 )  # fmt: skip
 PLANES = Plan(
     "planes", "Sliding in planes", ("planar",),
@@ -92,6 +100,7 @@ PLANES = Plan(
         View("displacement along mu_2", ("displacement.y",), against="displacement.x"),
         View("displacement", ("displacement.x", "displacement.y")),
         View("velocity", ("velocity.x", "velocity.y")),
+        View("angle", ("angle",)),
     ),
 )  # fmt: skip
 CURVES = Plan(
@@ -131,7 +140,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, PLANES, CURVES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):
