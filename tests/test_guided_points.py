@@ -169,6 +169,16 @@ def test_force_runs_over_a_bridge():
     assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/given"][-1]
 
 
+def test_force_runs_to_and_fro():
+    """x = 10 + 6 sin(2 pi t) m from a node of the bridge, past nodes every 2.5 m, in both directions."""
+    swinging = "joints.running.value={sine: {amplitude: 6.0, frequency: 1.0}}"
+    march = March(input_deck("moving_load", "nodes.load.position=[10, 0, 0]", swinging, "time.end=0.95"))
+    quarter = np.arcsin(np.array([2.5, 5.0]) / 6.0) / (2.0 * np.pi)
+    expected = [*quarter, *(0.5 - quarter[::-1]), 0.5, *(0.5 + quarter), *(1.0 - quarter[::-1])]
+    np.testing.assert_allclose([h.t for h in march.happenings if h.t > 1e-3], expected, rtol=0, atol=1e-5)
+    assert np.ptp(march["energy/balance"]) < 3e-4 * np.ptp(march["energy/given"])
+
+
 def test_mass_runs_over_a_bridge():
     """30 % of the mass of the bridge raise the largest deflection by 8 %; independent modes agree to 0.2 %."""
     march, mass = March(input_deck("moving_load", "elements.trolley.mass=4710")), 4710.0
