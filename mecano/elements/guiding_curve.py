@@ -1,11 +1,7 @@
-r"""Curves on which a point is guided: an ellipse, a circle or a helix; a spline through points.
+"""Curves on which a point is guided: an ellipse, a circle or a helix; a spline through points.
 
-.. math::  X(s) = c + \cos(s/L)\, a_1 + \sin(s/L)\, a_2 + \frac{s}{2\pi L}\, h, \qquad
-           L^2 = \tfrac12 (|a_1|^2 + |a_2|^2) + |h|^2/4\pi^2
-
-with s in metres: along a circle or a helix it is the length of the curve. A spline is cubic between its points, with
-continuous curvature; s counts the distances of the points. A closed one goes on for any number of turns, an open one
-has no curvature at its ends and goes on straight beyond them. Two points are a straight line.
+Along a circle or a helix s is the length of the curve (point_on_curve.py has the equations). A closed spline goes on
+for any number of turns, an open one has no curvature at its ends and goes on straight beyond them.
 """
 
 import math

@@ -1,7 +1,14 @@
 r"""Point on a curve: node b is held on a curve that node a carries, as a cam guides its follower.
 
-The place s [m] on the curve X(s) (guiding_curve.py) is an unknown of its own, so that any number of turns needs no
-memory. With the axes :math:`\epsilon_i` and the curve carried by a, :math:`d = R_a^T (x_b - x_a)`,
+The curve is an ellipse, a circle or a helix, on which s [m] counts the angle, times the radius on a circle,
+
+.. math::  X(s) = c + \cos(s/L)\, a_1 + \sin(s/L)\, a_2 + \frac{s}{2\pi L}\, h, \qquad
+           L^2 = \tfrac12 (|a_1|^2 + |a_2|^2) + |h|^2/4\pi^2
+
+or a spline through ``points``, cubic with continuous curvature, on which s counts the distances of the points; two
+are a straight line. A run ends where b comes to the end of an open spline. The place s is an unknown of its own, so
+that any number of turns needs no memory. With the axes :math:`\epsilon_i` and the curve carried by a, and
+:math:`d = R_a^T (x_b - x_a)`,
 
 .. math::  \epsilon_i \cdot d - X_i(s) = 0, \qquad i = 1, 2, 3
 
