@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
 from mecano.solve.interpolate import interpolate
@@ -74,7 +75,8 @@ def watched(deck, sampler, what):
     """What the kinds of the elements watch, "limits" or "ends": [(name, values, output, its column, value, text)]."""
     columns = {column.path: column.start for column in sampler.columns}
     return [
-        (name, d, output, columns[f"elements/{name}/{output}"], value, text)
-        for name, d in deck.values["elements"].items()
+        (name, d, output, columns[f"{section}/{name}/{output}"], value, text)
+        for section in SECTIONS
+        for name, d in deck.values[section].items()
         for output, value, text in getattr(KINDS[d["type"]], what)(d)
     ]

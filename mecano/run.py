@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+from mecano.errors import ConvergenceError
 from mecano.interrupt import Interruption
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
-from mecano.prepare import chosen, march_of, prepare, remarks
+from mecano.prepare import chosen, march_of, prepare, remarks, some
 from mecano.recorder import Recorder, watched
 from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
@@ -100,15 +101,20 @@ def _to_the_end(deck, start, march, recorder, observers, announce):
     """March to the end of the deck, and close the file of the recorder; returns the final RunState."""
     values, writer = deck.values["time"], recorder.writer
     march.observers = (recorder, *observers)
-    final = march.to(values["end"], start)
-    beyond = exceeded(deck, recorder.sampler, writer.extremes)
-    warnings = [*march.remarks, *cut_short(values, march.cuts, final), *beyond]
+    sampler = recorder.sampler
+    try:
+        final = march.to(values["end"], start)
+    except ConvergenceError as error:
+        raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
+    warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
+    warnings += open_latches(deck, sampler.take(final), sampler)
     for text in warnings:
         announce(text)
     writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
 
 
+MOST_LATCHES = 8  # named in a warning
 NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
 
 
@@ -132,3 +138,17 @@ def exceeded(deck, sampler, extremes):
         for name, d, output, i, limit, text in watched(deck, sampler, "limits")
         if high[i] > limit
     ]
+
+
+def open_latches(deck, row, sampler):
+    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
+    columns, found = {column.path: column.start for column in sampler.columns}, []
+    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
+    for name, d in latched.items():
+        if not row[columns[f"joints/{name}/latched"]]:
+            ((quantity, wanted),) = d["latch"].items()
+            rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
+            at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
+            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
+    if found:
+        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"
