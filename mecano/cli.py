@@ -35,6 +35,7 @@ def commands():
     mecano run deck.yaml            solve it into deck.h5
     mecano modes deck.yaml          modes of small motions about its start or equilibrium
     mecano post deck.h5             draw the pictures an engineer wants
+    mecano export deck.h5           write them as CSV, or for ParaView
     mecano info deck.h5             say what is in a file and how the run went
     mecano list, mecano explain     what a deck can contain
 
@@ -225,6 +226,22 @@ def post(results, plots, at, output, kind, columns, title, page):
 
     for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title, at=at):
         click.echo(path)
+
+
+@commands.command()
+@click.argument("results", type=click.Path())
+@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf.")
+@click.option("--series", multiple=True, metavar="NAME", help="Only this one, or those of a pattern; may be repeated.")
+@click.option("--vtk", is_flag=True, help="Cells and points for ParaView instead; without -o into RESULTS itself.")
+@click.option("--force", is_flag=True, help="Replace what exists.")
+def export(results, output, series, vtk, force):
+    """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
+
+    Without -o columns go to a file beside RESULTS with the ending .csv. Names as in `mecano post --plot`.
+    """
+    from mecano.post.export import export as write
+
+    click.echo(write(results, output, series=series, vtk=vtk, force=force))
 
 
 @commands.command()

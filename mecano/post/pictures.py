@@ -136,7 +136,7 @@ def _save(figure, path):
 
 def _save_columns(sheet, path):
     try:
-        write_columns(path, sheet)
+        write_columns(path, sheet.curves, sheet.run_labels)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
     return path

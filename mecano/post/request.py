@@ -61,7 +61,7 @@ def _marks(runs, subjects):
 def _curves(request, run, number):
     x = None if request.x == "time" else _one(run, request.x)
     for name in request.ys:
-        for y in _found(run, name):
+        for y in found(run, name):
             if x is not None and x.clock != y.clock:
                 known = f"{quoted(name)} is known at the {y.clock}, {quoted(request.x)} at the {x.clock}"
                 raise UsageError(f"{known}; plot both over time")
@@ -69,14 +69,15 @@ def _curves(request, run, number):
 
 
 def _one(run, name):
-    found = _found(run, name)
-    if len(found) > 1:
-        components = ", ".join(q.path.rpartition(".")[2] for q in found)
+    quantities = found(run, name)
+    if len(quantities) > 1:
+        components = ", ".join(q.path.rpartition(".")[2] for q in quantities)
         raise UsageError(f"{quoted(name)} has several numbers ({components}), the horizontal axis needs one")
-    return found[0]
+    return quantities[0]
 
 
-def _found(run, name):
+def found(run, name):
+    """Quantities of that name in a run; the UnknownNameError of a wrong one says in which file."""
     try:
         return find(run.results, name)
     except UnknownNameError as error:
