@@ -7,7 +7,7 @@ from mecano.post.quantity import STEPS
 
 
 def write_columns(path, curves, run_labels=()):
-    """Write curves, of several runs with their labels, a column each, after the column that they are plotted over; names with units.
+    """Write curves, a column each, after the column that they are plotted over; names with units, and of several runs.
 
     Columns that several curves share stand there once. Shorter ones, of other files or step sizes, end earlier.
     """

@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
-from mecano.post.shapes import BODY, JOINT, RIM_POINTS, SUPPORT, WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, JOINT, SUPPORT, WHEEL, Motion, shapes
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
@@ -79,20 +79,15 @@ class _Points:
 
 def _cells(run, shape, points):
     """(owner in the file, cell) of each cell of a shape."""
-    if shape.style == JOINT:
-        yield f"joints/{shape.name}", (VERTEX, tuple(points))
-        return
-    pieces = piece_names(shape.name, run.deck["elements"][shape.name])
-    if len(points) == 1:
-        yield f"elements/{shape.name}", (VERTEX, tuple(points))
-    elif len(pieces) > 1:
+    owner = f"elements/{shape.name}"
+    if shape.style == JOINT or owner not in run.things:
+        owner = f"joints/{shape.name}"
+    pieces = piece_names(shape.name, run.things[owner])
+    if len(pieces) > 1:
         for piece, ends in zip(pieces, zip(points[:-1], points[1:], strict=True), strict=True):
             yield f"elements/{piece}", (LINE, ends)
-    elif shape.style == WHEEL:
-        rim, centre = points[:RIM_POINTS], points[RIM_POINTS]
-        yield f"elements/{shape.name}", (POLY_LINE, (*rim, centre))
     else:
-        yield f"elements/{shape.name}", (LINE if len(points) == 2 else POLY_LINE, tuple(points))
+        yield owner, ({1: VERTEX, 2: LINE}.get(len(points), POLY_LINE), tuple(points))
 
 
 def _data(run, owners):
