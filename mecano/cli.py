@@ -199,16 +199,17 @@ def check(deck, overrides):
     metavar="Y[,Y2][:X]",
     help="Plot outputs over another one, or over time; may be repeated.",
 )
+@click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at these times [s], in one picture.")
 @click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
-def post(results, plots, at, output, kind, columns, title, page):
+def post(results, plots, spectra, at, output, kind, columns, title, page):
     """Draw pictures of results; several files are drawn into the same pictures.
 
-    Without --plot: the pictures that show this model, from the overview to the step size. Names of outputs are
+    Without --plot, --spectrum, --at: the pictures that show this model, from the overview to the step size. Names of outputs are
     those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
     --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
 
@@ -224,7 +225,7 @@ def post(results, plots, at, output, kind, columns, title, page):
         return
     from mecano.post.pictures import post as draw
 
-    for path in draw(results, plots, output=output, kind=kind, columns=columns, title=title, at=at):
+    for path in draw(results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at):
         click.echo(path)
 
 

@@ -45,7 +45,7 @@ def requested_sheet(request, runs):
     panels = []
     for unit in dict.fromkeys(curve.y.unit for curve in curves):
         of_unit = tuple(curve for curve in curves if curve.y.unit == unit)
-        panels.append(with_peaks(Panel(_label(of_unit, subjects), of_unit), runs))
+        panels.append(with_peaks(Panel(curve_label(of_unit, subjects), of_unit), runs))
     heading = f"{', '.join(request.ys)} over {request.x}"
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     return Sheet(request.name, heading, tuple(panels), _marks(runs, subjects), labels)
@@ -84,8 +84,9 @@ def found(run, name):
         raise UnknownNameError(f"{run.results.path}: {error}") from None
 
 
-def _label(curves, subjects):
-    """Label of the vertical axis: what is shown, and of what if it is one thing."""
+def curve_label(curves, subjects=None):
+    """What curves show, and of what if that is one thing: of all ``subjects`` of a sheet, or of the curves."""
+    subjects = subjects or tuple(dict.fromkeys(curve.subject for curve in curves))
     whats = dict.fromkeys(curve.y.whole for curve in curves)
     text = ", ".join(whats)
     if len(text) > LONGEST_LABEL:
