@@ -206,12 +206,13 @@ def check(deck, overrides):
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
-def post(results, plots, spectra, at, output, kind, columns, title, page):
+@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
+def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
 
-    Without --plot, --spectrum, --at: the pictures that show this model, from the overview to the step size. Names of outputs are
-    those of `mecano info RESULTS --names`, vectors have components: --plot wheel.radial_force:wheel.deformation,
-    --plot axle.position.z, --plot knee.force.magnitude, --plot solver.step_size.
+    Without --plot, --spectrum, --at: the pictures that show this model, from the overview to the step size. Names of
+    outputs are those of `mecano info RESULTS --names`, vectors have components: --plot axle.position.z,
+    --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
     --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
     colours by stress or force, and beside it the plots asked for, or the first of the overview.
@@ -222,6 +223,13 @@ def post(results, plots, spectra, at, output, kind, columns, title, page):
         from mecano.post.animation import animate
 
         click.echo(animate(results[0], page, plots, title))
+        return
+    if report:
+        if len(results) > 1:
+            raise click.UsageError("--report is on one results file")
+        from mecano.post.report_page import write_report
+
+        click.echo(write_report(results[0], report, title))
         return
     from mecano.post.pictures import post as draw
 

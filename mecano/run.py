@@ -5,7 +5,7 @@ import numpy as np
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
 from mecano.model.sampler import Sampler
-from mecano.prepare import chosen, march_of, prepare, remarks
+from mecano.prepare import chosen, march_of, model_facts, prepare, remarks
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -90,7 +90,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     notes = [*remarks(prepared, start), *found]
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic=chosen(prepared, march, start), remarks=notes,
+        automatic=chosen(prepared, march, start), model=model_facts(prepared), remarks=notes,
     )  # fmt: skip
     layout = Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
     with Writer.create(path, layout, source, force=force) as writer:

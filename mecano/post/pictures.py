@@ -49,7 +49,7 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     Raises
     ------
     UsageError, UnknownNameError
-        A plot cannot be understood, or names what is not in the file; a spectrum of what is not known at equal intervals.
+        A plot cannot be understood, or names what is not in the file; a spectrum is not of equal intervals.
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """

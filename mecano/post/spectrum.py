@@ -20,7 +20,7 @@ FLOOR = 1e-8  # of the largest amplitude: what is smaller is rounding, and is no
 
 
 def spectrum_sheet(text, runs):
-    """The sheet of the spectra of "Y[,Y2]": a panel for each unit. Raises UsageError, UnknownNameError, ResultsError."""
+    """The sheet of the spectra of "Y[,Y2]", a panel for each unit. Raises UsageError, UnknownNameError."""
     request = Request.parse(text)
     if request.x != "time":
         raise UsageError(f"--spectrum {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")

@@ -93,7 +93,7 @@ class Results:
 
     def _open(self):
         self._file = None
-        for name in ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "remarks"):
+        for name in ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "model", "remarks"):
             self.__dict__.pop(name, None)
         self._file = _open_file(self.path)
         try:
@@ -263,6 +263,11 @@ class Results:
     def automatic(self):
         """What stood for the values that the deck leaves automatic: name -> number."""
         return json.loads(self._text("deck/automatic"))
+
+    @cached_property
+    def model(self):
+        """Numbers that tell the model: name -> number; older files have none."""
+        return json.loads(self._text("deck/model")) if "deck/model" in self._file else {}
 
     @cached_property
     def remarks(self):
