@@ -205,7 +205,10 @@ def check(deck, overrides):
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
-@click.option("--animate", "page", metavar="PAGE.html", type=click.Path(), help="Write a page that plays the motion.")
+@click.option(
+    "--animate", "page", metavar="PAGE.html", type=click.Path(),
+    help="Write a page that plays the motion; or a film, .gif or .mp4.",
+)  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
@@ -215,7 +218,8 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
     --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
-    colours by stress or force, and beside it the plots asked for, or the first of the overview.
+    colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
+    page on the run: model, solution, energies, events, pictures, extremes, the deck.
     """
     if page:
         if len(results) > 1:
