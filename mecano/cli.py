@@ -219,21 +219,19 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
 
     --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
     colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
-    page on the run: model, solution, energies, events, pictures, extremes, the deck.
+    page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
     """
+    if (page or report) and len(results) > 1:
+        raise click.UsageError("--animate and --report are about one results file")
     if page:
-        if len(results) > 1:
-            raise click.UsageError("--animate plays one results file")
         from mecano.post.animation import animate
 
         click.echo(animate(results[0], page, plots, title))
-        return
     if report:
-        if len(results) > 1:
-            raise click.UsageError("--report is on one results file")
         from mecano.post.report_page import write_report
 
-        click.echo(write_report(results[0], report, title))
+        click.echo(write_report(results[0], report, title, plots, spectra))
+    if page or report:
         return
     from mecano.post.pictures import post as draw
 

@@ -125,6 +125,12 @@ def test_the_pictures_are_those_of_post(report):
     }
 
 
+def test_pictures_that_are_asked_for_come_first(path):
+    asked = report_of(open_runs([path])[0], None, ["one_spring_damper.force"], ["one_spring_damper.rate"])
+    shown = [part.title for section in asked.sections for part in section.parts if isinstance(part, Picture)]
+    assert shown[1] == "one_spring_damper.force over time" and shown[2].startswith("Amplitudes over the frequency")
+
+
 def test_the_deck_is_there_as_written_and_as_understood(report, path):
     parts = report.sections[-1].parts
     written, understood = (part.text for part in parts if part.verbatim)

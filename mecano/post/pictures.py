@@ -57,13 +57,12 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     if others:
         yield from _of_modes(paths, others, [*plots, *spectra], output, kind)
         return
-    requests = [Request.parse(text) for text in plots]
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
     title = title or " | ".join(dict.fromkeys(run.title for run in runs))
     times = times_of(at) if at else []
-    asked = [*(requested_sheet(request, runs) for request in requests), *(spectrum_sheet(s, runs) for s in spectra)]
+    asked = asked_sheets(plots, spectra, runs)
     if asked or times:
         pictures = [(sheet, sheet_figure) for sheet in asked]
     else:
@@ -76,6 +75,12 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
         yield _save(draw(sheet, title), target)
         if columns and sheet.curves and draw is sheet_figure:
             yield _save_columns(sheet, target.with_suffix(".csv"))
+
+
+def asked_sheets(plots, spectra, runs):
+    """The sheets of texts "Y[,Y2]:X" and, over the frequency, "Y[,Y2]". Raises UsageError, UnknownNameError."""
+    plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
+    return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
 def _of_modes(paths, others, plots, output, kind):

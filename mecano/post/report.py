@@ -10,6 +10,7 @@ from mecano.contract import SECTIONS
 from mecano.errors import ResultsError
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import ENERGIES, count, facts, one_line
+from mecano.post.pictures import asked_sheets
 from mecano.post.sheets import default_sheets, overview
 
 MOST_EVENTS = 200
@@ -66,17 +67,20 @@ class Report:
     sections: tuple
 
 
-def report_of(run, title=None):
-    """The Report of a run. Raises ResultsError where it has no saved times."""
+def report_of(run, title=None, plots=(), spectra=()):
+    """The Report of a run; ``plots`` and ``spectra``, texts as of ``mecano post``, are its first pictures.
+
+    Raises ResultsError where it has no saved times, UsageError, UnknownNameError for a wrong plot.
+    """
     results = run.results
     if not len(results.time):
         raise ResultsError(f"{results.path}: no saved times yet")
-    sheets = default_sheets([run])
+    asked, sheets = asked_sheets(plots, spectra, [run]), default_sheets([run])
     sections = (
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
         Section("Run", tuple(_run(results))), Section("Solution", tuple(_health(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
-        Section("Pictures", tuple(_pictures(sheets))), Section("Extremes", tuple(_extremes(results))),
+        Section("Pictures", tuple(_pictures([*asked, *sheets]))), Section("Extremes", tuple(_extremes(results))),
         Section("Deck", tuple(_deck(results))),
     )  # fmt: skip
     reason = results.reason.strip()

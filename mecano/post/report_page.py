@@ -16,13 +16,15 @@ from mecano.post.style import SETTINGS
 from mecano.results.whole_file import appearing
 
 
-def write_report(path, page, title=None):
+def write_report(path, page, title=None, plots=(), spectra=()):
     """Write the ``page`` that reports on the results file ``path``; the Path written.
+
+    ``plots``, ``spectra``: texts as of ``mecano post``, shown before the pictures that every report has.
 
     Raises
     ------
-    UsageError
-        The page has no name of its own.
+    UsageError, UnknownNameError
+        The page has no name of its own, or a plot cannot be understood or names what is not in the file.
     ResultsError
         The file cannot be read or has no saved times, or the page cannot be written.
     """
@@ -35,7 +37,7 @@ def write_report(path, page, title=None):
     except OSError as error:
         raise ResultsError(f"cannot write {page}: {error.strerror}") from error
     with run.results:
-        text = page_of(report_of(run, title))
+        text = page_of(report_of(run, title, plots, spectra))
     with appearing(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
