@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 
 import every_kind
 import pytest
+from browser import browser, dom
 
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
@@ -75,6 +76,22 @@ def test_the_page_is_whole_and_asks_for_nothing_outside(page):
             assert b"<svg" in base64.b64decode(address.partition(",")[2])
     order = ["Overview", "Model", "Run", "Solution", "Energy", "Events", "Pictures", "Extremes", "Deck"]
     assert found.headings == order
+
+
+@browser
+def test_a_browser_shows_all_pictures(page, tmp_path):
+    probe = """
+    <script>
+    onload = () => {
+      const shown = [...document.images].filter(image => image.complete && image.naturalWidth > 300).length;
+      const asked = performance.getEntriesByType("resource").filter(one => !one.name.startsWith("data:")).length;
+      document.title = JSON.stringify([shown, document.images.length, asked]);
+    };
+    </script>"""
+    probed, text = tmp_path / "probed.html", page.read_text()
+    probed.write_text(text.replace("img-src data:;", "img-src data:; script-src 'unsafe-inline';") + probe)
+    shown, count, asked = json.loads(re.search("<title>(.*?)</title>", dom(probed))[1])
+    assert shown == count == text.count("<img") > 3 and asked == 0
 
 
 def test_what_users_write_is_text(page):
