@@ -66,7 +66,7 @@ def test_what_travels_far_is_shown_side_by_side():
     points = np.zeros((3, 2, 3))
     points[:, 1, 0] = 2.0  # 2 m wide
     points[:, :, 0] += np.array([[0.0], [50.0], [100.0]])
-    shape = Shape(BODY, "body", points, ("", ""))
+    shape = Shape(BODY, "body", points)
     left = points[:, 0, 0] + _shift([shape], 0)
     assert np.allclose(np.diff(left), 1.25 * 2.0)
     points[:, :, 0] = [[0.0, 2.0], [5.0, 7.0], [11.0, 13.0]]

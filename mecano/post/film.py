@@ -74,7 +74,7 @@ class _Picture:
         for line in scene.grounds:
             ax.plot(*self._flat(line).T, color="#c8b89a", linewidth=1.0, zorder=1)
         self._time = ax.text(0.0, 0.0, "", transform=ax.transAxes, color=INK)
-        self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style in LINES}
+        self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style not in MARKS}
         self._marks = {i: self._mark(shape) for i, shape in enumerate(scene.shapes) if shape.style in MARKS}
         self._colours = self._coloured()
 
@@ -90,7 +90,7 @@ class _Picture:
         self._middle, self._half = 0.5 * (low + high), 0.5 * MARGIN * np.maximum(high - low, 1e-3 * np.ptp(flat))
 
     def _line(self, shape):
-        colour, width = LINES[shape.style]
+        colour, width = LINES.get(shape.style, (GREY, 1.0))
         return self._ax.add_collection(LineCollection([], colors=colour, linewidths=width, capstyle="round", zorder=3))
 
     def _mark(self, shape):

@@ -55,7 +55,7 @@ class _Points:
         rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, BODY) else None
         return [
             self._number[node] if node else self._added(shape.points[:, i], rigid)
-            for i, node in enumerate(shape.nodes)
+            for i, node in enumerate(shape.nodes or ("",) * shape.points.shape[1])
         ]  # fmt: skip
 
     def _added(self, positions, rigid):

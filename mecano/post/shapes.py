@@ -21,13 +21,13 @@ SLIDING = ("prismatic", "cylindrical", "planar", "screw", "gear_pair", "rack_and
 class Shape:
     """One thing at some instants: ``points`` (instants, n, 3) [m]. Those of a wheel end with its centre.
 
-    ``nodes``: of each point the name of the node that is there, "" where there is none.
+    ``nodes``: of each point the name of the node that is there, "" where there is none; empty where no point is one.
     """
 
     style: str
     name: str
     points: np.ndarray
-    nodes: tuple
+    nodes: tuple = ()
 
 
 class Motion:
@@ -147,7 +147,7 @@ def _joint(motion, name, d):
         return []
     points = motion.position(moving[-1])[:, None]
     held = len(moving) < len(nodes) and d["type"] not in SLIDING
-    support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0), ("",))] if held else []
+    support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0))] if held else []
     return [*support, Shape(JOINT, name, points, (moving[-1],))]
 
 
