@@ -194,7 +194,8 @@ def _overview(run, sheets):
 
 def _pictures(sheets):
     for sheet in sheets:
-        yield Picture(sheet.heading, sheet_figure(replace(sheet, heading=""), sheet.heading))
+        title, _, rest = sheet.heading.partition(": ")
+        yield Picture(sheet.heading, sheet_figure(replace(sheet, heading=rest), title))
 
 
 def _deck(results):
@@ -202,7 +203,8 @@ def _deck(results):
     for text in results.metadata["overrides"]:
         yield Text(f"Set on the command line: {text}")
     yield Text(results.deck_text, True, "As written")
-    resolved = yaml.safe_dump(_shortened(results.resolved), sort_keys=False, allow_unicode=True, width=110)
+    plain = _shortened(results.resolved)
+    resolved = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110)
     yield Text(resolved, True, "As understood, with all defaults")
 
 
