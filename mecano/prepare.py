@@ -116,6 +116,21 @@ def amount_warnings(prepared):
     return warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 
+def model_facts(prepared):
+    """Numbers that tell the model, for the results file: mass [kg], unknowns, mobility, redundant constraints."""
+    system, analysis = prepared.system, prepared.analysis
+    known = {"mobility": analysis.mobility} if analysis.complete else {}
+    return {
+        "mass": mass_of(system), "unknowns": system.n, "degrees_of_freedom": system.n_q, "multipliers": system.n_l,
+        **known, "redundant_constraints": sum(group.count for group in analysis.redundant),
+    }  # fmt: skip
+
+
+def mass_of(system):
+    """Total mass [kg]: of every kind whose record has one."""
+    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
+
+
 def some(names, most):
     """Up to ``most`` names, and how many more there are."""
     shown = "; ".join(names[:most])

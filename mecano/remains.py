@@ -27,6 +27,8 @@ class Remains:
         What ``Writer.checkpoint`` was given, with where the file was then.
     automatic : dict
         What stood for values that the deck leaves automatic.
+    model : dict
+        What was told of the model.
     remarks : list of str
         What the user was told before.
     """
@@ -36,7 +38,8 @@ class Remains:
         try:
             self._check(deck)
             self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
-            self.automatic, self.remarks = self.results.automatic, self.results.remarks
+            self.automatic, self.model = self.results.automatic, self.results.model
+            self.remarks = self.results.remarks
         except BaseException:
             self.close()
             raise

@@ -6,7 +6,7 @@ from mecano.errors import ConvergenceError
 from mecano.interrupt import Interruption
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
-from mecano.prepare import chosen, march_of, prepare, remarks, some
+from mecano.prepare import chosen, march_of, model_facts, prepare, remarks, some
 from mecano.recorder import Recorder, watched
 from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
@@ -31,7 +31,7 @@ def run(
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start = march.begin(prepared.state, deck.values["time"]["step"])
     notes = [*remarks(prepared, start), *found]
-    source = _source(deck, chosen(prepared, march, start), notes)
+    source = _source(deck, chosen(prepared, march, start), model_facts(prepared), notes)
     interruption = interruption or Interruption()
     with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
@@ -77,7 +77,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     left.check_layout(layout)
     note = left.note(start.motion.t)
     announce(note)
-    source = _source(deck, left.automatic, [*left.remarks, note])
+    source = _source(deck, left.automatic, left.model, [*left.remarks, note])
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=left.copy_to) as writer:
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.saved = saved
@@ -90,10 +90,10 @@ def layout_of(sampler):
     return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
 
 
-def _source(deck, automatic, notes):
+def _source(deck, automatic, model, notes):
     return Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic=automatic, remarks=notes,
+        automatic=automatic, model=model, remarks=notes,
     )  # fmt: skip
 
 

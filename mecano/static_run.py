@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from mecano.model.sampler import Sampler
-from mecano.prepare import prepare, remarks
+from mecano.prepare import model_facts, prepare, remarks
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -106,7 +106,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     recorder, notes = Recorder(prepared.system, over_time), remarks(prepared)
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic={"length_scale": prepared.length}, remarks=notes,
+        automatic={"length_scale": prepared.length}, model=model_facts(prepared), remarks=notes,
     )  # fmt: skip
     axis = AXES["arc_length" if values["method"] == "arc_length" else values["over"]]
     with Writer.create(path, Layout(recorder.series, STEPS, axis), source, force=force) as writer:

@@ -5,7 +5,7 @@ from textwrap import wrap
 
 from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
-from mecano.prepare import amount_warnings, prepare, some
+from mecano.prepare import amount_warnings, mass_of, prepare, some
 from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
@@ -27,7 +27,7 @@ def summary(deck, every=False):
         f"{deck.file}: {values['title'] or 'no title'}",
         f"nodes            {len(values['nodes'])}",
         *_counts(values),
-        f"mass             {_mass(system):.6g} kg",
+        f"mass             {mass_of(system):.6g} kg",
         _gravity(deck),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
@@ -46,11 +46,6 @@ def summary(deck, every=False):
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
     return "\n".join(lines)
-
-
-def _mass(system):
-    """Total mass [kg]: of every kind whose record has one."""
-    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
 
 
 def _free(mechanisms, every):

@@ -41,6 +41,7 @@ VALUES = {
 }
 OTHER_WHEELS = ("flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel")
 ONE_WHEEL = {name: kind for name, kind in KINDS.items() if name not in OTHER_WHEELS}
+DECK_TEXT = "mecano: 1\n"
 TIMES = np.linspace(0.0, 2.0, 41)
 
 
@@ -80,7 +81,7 @@ def row(declared, t):
 def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off")), kinds=ONE_WHEEL):
     """Write the file."""
     declared = layout(kinds)
-    source = Source("mecano: 1\n", deck(kinds), "each.yaml", "One of each", overrides)
+    source = Source(DECK_TEXT, deck(kinds), "each.yaml", "One of each", overrides)
     with Writer.create(path, declared, source) as writer:
         for i, t in enumerate(TIMES):
             values = row(declared, t)

@@ -3,20 +3,16 @@
 import base64
 import json
 import re
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
+from browser import browser, dom
 from marching import INPUTS
 from process import mecano_process, settings
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.animation import MOST_FRAMES, animate
 from mecano.results.reader import open_results
-
-CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
-browser = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
 
 
 @pytest.fixture(scope="module")
@@ -70,14 +66,6 @@ def test_what_cannot_be_played_is_told(results, tmp_path):
         animate(results / "wheel_drop.h5", tmp_path / "page.png")
     with pytest.raises(ResultsError, match="cannot write"):
         animate(results / "wheel_drop.h5", "/proc/page.html")
-
-
-def dom(page):
-    """The page as Chromium, without a network, leaves it."""
-    options = "--headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --disable-sync"
-    command = [CHROMIUM, *options.split(), f"--user-data-dir={page.parent / 'profile'}", "--window-size=1000,600"]
-    ended = subprocess.run([*command, "--dump-dom", page.as_uri()], capture_output=True, text=True, timeout=120)
-    return ended.stdout
 
 
 @browser

@@ -324,7 +324,7 @@ def test_the_same_numbers_give_the_same_picture(path, tmp_path):
 def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
     other = every_kind.write(tmp_path / "other.h5", overrides=("parameters.wave=0.7", "time.step=1e-3"))
     runs = open_runs([path, other])
-    assert [run.label for run in runs] == ["as in the deck", "wave = 0.7, time.step = 1e-3"]
+    assert [run.label for run in runs] == ["wave = 0.4", "wave = 0.7, time.step = 0.001"]
     shown = sheets.default_sheets(runs)
     wheels = next(sheet for sheet in shown if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
@@ -427,3 +427,24 @@ def test_a_file_without_saved_times(tmp_path, monkeypatch):
     with pytest.raises(ResultsError, match="no saved times"):
         list(post([path]))
     assert "nothing yet" in info(path) and "no step" in info(path)
+
+
+def test_labels_are_the_values_that_differ(tmp_path):
+    """Of one deck: what the overrides set, or the deck where there is none; equal numbers written otherwise are one."""
+    given = [(), ("parameters.wave=0.50", "nodes.tip.fixed=true"), ("parameters.wave=5e-1", "nodes.tip.fixed=false")]
+    opened = [
+        mecano.open_results(every_kind.write(tmp_path / f"{i}.h5", overrides=overrides, kinds={}))
+        for i, overrides in enumerate(given)
+    ]
+    both = [("0.4", "false"), ("0.5", "true"), ("0.5", "false")]
+    assert labels(opened) == [f"wave = {wave}, tip.fixed = {fixed}" for wave, fixed in both]
+    assert labels(opened[1:]) == ["tip.fixed = true", "tip.fixed = false"]
+
+
+def test_labels_of_different_decks_are_their_parameters(tmp_path, monkeypatch):
+    files = []
+    for i, wave in enumerate((0.4, 0.7)):
+        monkeypatch.setitem(every_kind.DECK, "parameters", {"wave": wave, "same": 1.0})
+        monkeypatch.setattr(every_kind, "DECK_TEXT", f"wave: {wave}\n")
+        files.append(every_kind.write(tmp_path / f"{i}.h5", kinds={}))
+    assert labels([mecano.open_results(file) for file in files]) == ["wave = 0.4", "wave = 0.7"]

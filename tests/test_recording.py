@@ -35,6 +35,18 @@ def both(request, tmp_path_factory):
         yield whole, thin, every, peaking
 
 
+MODELS = {"double_pendulum": (2.0, 16, 2), "wheel_drop": (20.0, 6, 6), "strut": (500.0, 5, 1)}
+
+
+def test_the_model_is_counted_in_the_file(both):
+    """Mass [kg], unknowns, mobility: two bodies of 1 kg on two pins, a free rim, a head that only rises and falls."""
+    model = both[0].model
+    name = both[0].metadata["deck_path"].rpartition("/")[2].removesuffix(".yaml")
+    assert (model["mass"], model["unknowns"], model["mobility"]) == MODELS[name]
+    assert model["unknowns"] == model["degrees_of_freedom"] + model["multipliers"]
+    assert model["redundant_constraints"] == 0
+
+
 def test_saving_does_not_change_the_steps(both):
     whole, thin, _, _ = both
     assert np.array_equal(whole.steps, thin.steps) and len(whole.steps) > 100

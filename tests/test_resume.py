@@ -21,6 +21,7 @@ import mecano
 from mecano import keeper
 from mecano.errors import ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
+from mecano.results.seal import seal_file
 from mecano.results.verify import verify
 from mecano.run import resume, run
 
@@ -391,6 +392,14 @@ class TestVerify:
         path.write_bytes(path.read_bytes()[:-bytes_gone])
         with pytest.raises(ResultsError, match="cut short|last bytes"):
             verify(path)
+
+    def test_a_file_that_was_changed_on_purpose_gets_new_sums(self, path):
+        with h5py.File(path, "r+") as file:
+            file["more"] = list(range(1000))
+        with pytest.raises(ResultsError):
+            verify(path)
+        seal_file(path)
+        assert "every byte is as it was written" in verify(path)
 
     def test_a_killed_run(self, tmp_path):
         """Rows before the last checkpoint are checked by its sums."""

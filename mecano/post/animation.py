@@ -12,27 +12,23 @@ from pathlib import Path
 import numpy as np
 
 from mecano.errors import ResultsError, UsageError
-from mecano.model.mesh import piece_names
-from mecano.post.ground import ground_path
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
-from mecano.post.shapes import WHEEL, Motion, shapes
+from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel, event_marks
 from mecano.post.sheets import default_sheets, overview
 
 MOST_FRAMES = 600
+FILMS = (".gif", ".mp4")
 MOST_PLOTS = 4
 STEPS_OF_ROUNDING = 65535
-FAR = 3.0  # sizes: the view follows a mechanism that travels farther
-COLOURED = (("stress", "Pa", ("stress",)), ("axial force", "N", ("force", "tension")))
-"""Name on the page, unit, outputs of elements; of the section force of a beam the first component."""
 
 
 def animate(path, page, plots=(), title=None):
-    """Write the ``page`` that plays the results file ``path``; the Path written.
+    """Write the ``page`` that plays the results file ``path``, or a film where its name ends so; the Path written.
 
-    ``plots``: texts as of ``mecano post --plot``, over time; without any, the first of the overview.
+    ``plots``: texts as of ``mecano post --plot``, over time; without any, the first of the overview. A film has none.
 
     Raises
     ------
@@ -42,13 +38,19 @@ def animate(path, page, plots=(), title=None):
         The file cannot be read or holds nothing that moves, or the page cannot be written.
     """
     page = Path(page)
+    if page.suffix in FILMS:
+        from mecano.post.film import film  # matplotlib, which the page does without
+
+        if plots:
+            raise UsageError(f"--animate {page}: a film has no plots; a page, .html, has")
+        return film(path, page, title)
     if page.suffix not in (".html", ".htm"):
-        raise UsageError(f"--animate {page}: the name of a page ends with .html")
+        raise UsageError(f"--animate {page}: the name ends with .html, {' or '.join(FILMS)}")
     [run] = open_runs([path])
-    rows = _rows(run)
+    scene = scene_of(run, MOST_FRAMES)
     data = {
-        "title": title or run.title, **_motion(run, rows),
-        "plots": [_plot(panel, rows) for panel in _panels(run, plots)],
+        "title": title or run.title, **_motion(scene),
+        "plots": [_plot(panel, scene.rows) for panel in _panels(run, plots)],
         "events": [[mark.time, f"{mark.element}: {mark.text}"] for mark in event_marks([run])],
     }  # fmt: skip
     template = resources.files("mecano.post").joinpath("animation.html").read_text(encoding="utf-8")
@@ -61,68 +63,21 @@ def animate(path, page, plots=(), title=None):
     return page
 
 
-def _rows(run):
-    """Numbers of the saved times that are played, evenly chosen."""
-    count = len(run.results.time)
-    if not count:
-        raise ResultsError(f"{run.results.path}: no saved times yet")
-    return np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
-
-
-def _motion(run, rows):
+def _motion(scene):
     """Times, shapes, colours and grounds, as the page wants them."""
-    drawn = shapes(Motion(run, rows))
-    if not drawn:
-        raise ResultsError(f"{run.results.path}: nothing to be drawn, no node has a position")
-    cloud = np.concatenate([s.points[:, -1:] if s.style == WHEEL else s.points for s in drawn], axis=1)
-    middle = 0.5 * (cloud.min(axis=1) + cloud.max(axis=1))
-    size = max(float(np.abs(s.points - middle[:, None]).max()) for s in drawn) or 1.0
-    coloured = [_colours(run, shape, rows) for shape in drawn]
-    gravity = run.deck.get("gravity")
+    middle, size = scene.middle, scene.size
     return {
-        "times": _floats(run.results.time[rows]), "axis": [run.results.axis.path, run.results.axis.unit],
-        "middle": _floats(middle), "size": size, "follow": bool(np.ptp(middle, axis=0).max() > FAR * size),
-        "up": 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity))),
+        "times": _floats(scene.times), "axis": scene.axis, "middle": _floats(middle), "size": size,
+        "follow": scene.follow, "up": scene.up, "quantities": scene.ranges,
         "shapes": [
             {
                 "style": shape.style, "name": shape.name, "points": _rounded((shape.points - middle[:, None]) / size),
                 "count": shape.points.shape[1], "colours": {what: _floats(values) for what, values in colours.items()},
             }
-            for shape, colours in zip(drawn, coloured, strict=True)
+            for shape, colours in zip(scene.shapes, scene.colours, strict=True)
         ],
-        "quantities": list(_ranges(coloured)),
-        "grounds": [_floats(line) for line in _grounds(run, drawn)],
+        "grounds": [_floats(line) for line in scene.grounds],
     }  # fmt: skip
-
-
-def _colours(run, shape, rows):
-    """What an element can be coloured by: name -> values (instants, pieces)."""
-    d, found = run.deck.get("elements", {}).get(shape.name), {}
-    for what, _, outputs in COLOURED if d else ():
-        for output in outputs:
-            paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
-            if all(path in run.paths for path in paths):
-                values = np.stack([run.results.find(path).values[rows] for path in paths], axis=1)
-                if values.ndim == 2 or d["type"] == "beam":
-                    found[what] = values.reshape(*values.shape[:2], -1)[..., 0]
-    return found
-
-
-def _ranges(coloured):
-    """Name, unit, lowest and highest value of everything that something can be coloured by."""
-    for what, unit, _ in COLOURED:
-        arrays = [colours[what] for colours in coloured if what in colours]
-        if arrays:
-            yield [what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)]
-
-
-def _grounds(run, drawn):
-    """Lines (k, 3) on the ground along the way of each wheel."""
-    for shape in drawn:
-        d = run.deck.get("elements", {}).get(shape.name, {})
-        if shape.style == WHEEL and "ground" in d:
-            radius = np.ptp(shape.points[0, :-1], axis=0).max() * 0.5
-            yield from ground_path(run.deck, run.deck["grounds"][d["ground"]], shape.points[:, -1], radius)
 
 
 def _panels(run, plots):

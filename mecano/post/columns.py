@@ -1,17 +1,19 @@
-"""The numbers of a sheet as comma-separated values, in SI units."""
+"""The numbers of curves as comma-separated values, in SI units."""
 
 import csv
 from itertools import zip_longest
 
+from mecano.post.quantity import STEPS
 
-def write_columns(path, sheet):
-    """Write all curves of a sheet, a column each, after the column that they are plotted over; names with units.
+
+def write_columns(path, curves, run_labels=()):
+    """Write curves, a column each, after the column that they are plotted over; names with units, and of several runs.
 
     Columns that several curves share stand there once. Shorter ones, of other files or step sizes, end earlier.
     """
     columns = {}
-    for curve in sheet.curves:
-        run = sheet.run_labels[curve.run] if sheet.run_labels else ""
+    for curve in curves:
+        run = run_labels[curve.run] if run_labels else ""
         for quantity in (curve.x, curve.y):
             key = (run, quantity.clock, quantity.path)
             columns.setdefault(key, (_heading(quantity, run), quantity.values))
@@ -27,5 +29,6 @@ def write_table(path, rows):
 
 def _heading(quantity, run):
     unit = "" if quantity.unit in ("", "-") else f" [{quantity.unit}]"
-    name = quantity.path.replace("/", ".") + unit
+    path = "solver.time" if (quantity.path, quantity.clock) == ("time", STEPS) else quantity.path
+    name = path.replace("/", ".") + unit
     return f"{run}: {name}" if run else name

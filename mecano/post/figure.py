@@ -8,13 +8,14 @@ from matplotlib.figure import Figure
 from mecano.post.draw_panel import Look, draw_panel
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.sheet import Panel
-from mecano.post.style import GREY, SETTINGS
+from mecano.post.style import GREY, SETTINGS, legend_columns
 
 PANEL = (4.6, 2.35)  # inches
 SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
 ROOM = 0.8  # for the headings
 PAD = 0.08
 COLUMNS = 3  # of the overview
+MOST_COLUMNS = 6  # of the legend
 
 
 def sheet_figure(sheet, title):
@@ -93,4 +94,5 @@ def _fill(figure, sheet, places, look):
         draw_panel(ax, panel, look, sheet.events, place.rowspan.start == min(rows, default=None))
     handles = look.handles()
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))
+        columns = legend_columns(handles, figure.get_figwidth())
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(columns, MOST_COLUMNS))

@@ -39,17 +39,18 @@ def one_line(runs):
         return f"{len(runs)} runs"
     results = runs[0].results
     return "; ".join(
-        [_status(results).partition(";")[0], _count(results), f"mecano {results.metadata['version_mecano']}"]
+        [_status(results).partition(";")[0], count(results), f"mecano {results.metadata['version_mecano']}"]
     )
 
 
-def _run(results):
+def facts(results):
+    """How a run went and where it comes from: (label, text) of each fact."""
     data = results.metadata
     versions = [f"{key.removeprefix('version_')} {data[key]}" for key in data if key.startswith("version_")]
     versions.sort(key=lambda text: not text.startswith("mecano"))
-    rows = [
+    return [
         ("title", data["title"] or "none"),
-        ("run", _count(results)),
+        ("run", count(results)),
         ("saved", _saved(results)),
         (
             "time spent",
@@ -62,11 +63,12 @@ def _run(results):
         *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
-        *(("remark", text) for text in results.remarks),
-        ("status", _status(results)),
     ]
+
+
+def _run(results):
     lines = [str(results.path)]
-    for label, text in rows:
+    for label, text in [*facts(results), *(("remark", text) for text in results.remarks), ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
     return lines
@@ -94,7 +96,8 @@ def _status(results):
     return f"{status}: {reason}" if reason else status
 
 
-def _count(results):
+def count(results):
+    """How many steps, rejected trials and iterations a run took, in words."""
     steps = results.steps
     if not len(steps):
         return "no step"

@@ -12,6 +12,7 @@ from mecano.post.mode_shapes import draw_modes
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets, overview
+from mecano.post.spectrum import spectrum_sheet
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, sweep_file
 from mecano.results.modes_file import format_of
@@ -21,7 +22,7 @@ OF_MODES = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep}
 LONGEST_STEM = 60
 
 
-def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None, at=None):
+def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None):
     """Make pictures of results files, several of them in one; yields the path of each file written.
 
     Files of modes and of sweeps are drawn one by one.
@@ -30,7 +31,9 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
     ----------
     paths : sequence of str or Path
     plots : sequence of str
-        "Y[,Y2]:X"; without any, the pictures that show this model.
+        "Y[,Y2]:X"; without any plot or spectrum, the pictures that show this model.
+    spectra : sequence of str
+        "Y[,Y2]": amplitudes over the frequency.
     output : str or Path
         A folder (that exists or ends with /), or the beginning of the names of the pictures, or with one plot its
         whole name ending with .png or .svg; the results file without its ending when absent.
@@ -46,22 +49,22 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
     Raises
     ------
     UsageError, UnknownNameError
-        A plot cannot be understood, or names what is not in the file.
+        A plot cannot be understood, or names what is not in the file; a spectrum is not of equal intervals.
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
     others = [path for path in paths if format_of(path) in OF_MODES]
     if others:
-        yield from _of_modes(paths, others, plots, output, kind)
+        yield from _of_modes(paths, others, [*plots, *spectra], output, kind)
         return
-    requests = [Request.parse(text) for text in plots]
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
     title = title or " | ".join(dict.fromkeys(run.title for run in runs))
     times = times_of(at) if at else []
-    if requests or times:
-        pictures = [(sheet, sheet_figure) for sheet in (requested_sheet(request, runs) for request in requests)]
+    asked = asked_sheets(plots, spectra, runs)
+    if asked or times:
+        pictures = [(sheet, sheet_figure) for sheet in asked]
     else:
         pictures = _default_pictures(runs)
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
@@ -74,10 +77,16 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
             yield _save_columns(sheet, target.with_suffix(".csv"))
 
 
+def asked_sheets(plots, spectra, runs):
+    """The sheets of texts "Y[,Y2]:X" and, over the frequency, "Y[,Y2]". Raises UsageError, UnknownNameError."""
+    plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
+    return plotted + [spectrum_sheet(text, runs) for text in spectra]
+
+
 def _of_modes(paths, others, plots, output, kind):
     """Pictures of files of modes and of sweeps, one each."""
     if plots or len(others) < len(paths):
-        raise UsageError(f"{others[0]} is a file of modes: it is drawn alone, without --plot")
+        raise UsageError(f"{others[0]} is a file of modes: it is drawn alone, without --plot or --spectrum")
     if len(paths) > 1 and output and not Path(output).is_dir():
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
@@ -139,7 +148,7 @@ def _save_columns(sheet, path):
         if sheet.table:
             write_table(path, sheet.table)
         else:
-            write_columns(path, sheet)
+            write_columns(path, sheet.curves, sheet.run_labels)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
     return path

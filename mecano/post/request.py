@@ -45,7 +45,7 @@ def requested_sheet(request, runs):
     panels = []
     for unit in dict.fromkeys(curve.y.unit for curve in curves):
         of_unit = tuple(curve for curve in curves if curve.y.unit == unit)
-        panels.append(with_peaks(Panel(_label(of_unit, subjects), of_unit), runs))
+        panels.append(with_peaks(Panel(curve_label(of_unit, subjects), of_unit), runs))
     heading = f"{', '.join(request.ys)} over {request.x}"
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     return Sheet(request.name, heading, tuple(panels), _marks(runs, subjects), labels)
@@ -61,7 +61,7 @@ def _marks(runs, subjects):
 def _curves(request, run, number):
     x = None if request.x == "time" else _one(run, request.x)
     for name in request.ys:
-        for y in _found(run, name):
+        for y in found(run, name):
             if x is not None and x.clock != y.clock:
                 known = f"{quoted(name)} is known at the {y.clock}, {quoted(request.x)} at the {x.clock}"
                 raise UsageError(f"{known}; plot both over time")
@@ -69,22 +69,24 @@ def _curves(request, run, number):
 
 
 def _one(run, name):
-    found = _found(run, name)
-    if len(found) > 1:
-        components = ", ".join(q.path.rpartition(".")[2] for q in found)
+    quantities = found(run, name)
+    if len(quantities) > 1:
+        components = ", ".join(q.path.rpartition(".")[2] for q in quantities)
         raise UsageError(f"{quoted(name)} has several numbers ({components}), the horizontal axis needs one")
-    return found[0]
+    return quantities[0]
 
 
-def _found(run, name):
+def found(run, name):
+    """Quantities of that name in a run; the UnknownNameError of a wrong one says in which file."""
     try:
         return find(run.results, name)
     except UnknownNameError as error:
         raise UnknownNameError(f"{run.results.path}: {error}") from None
 
 
-def _label(curves, subjects):
-    """Label of the vertical axis: what is shown, and of what if it is one thing."""
+def curve_label(curves, subjects=None):
+    """What curves show, and of what if that is one thing: of all ``subjects`` of a sheet, or of the curves."""
+    subjects = subjects or tuple(dict.fromkeys(curve.subject for curve in curves))
     whats = dict.fromkeys(curve.y.whole for curve in curves)
     text = ", ".join(whats)
     if len(text) > LONGEST_LABEL:

@@ -73,14 +73,15 @@ def open_runs(paths):
 
 
 def labels(opened):
-    """What tells files apart: overrides or parameters when they come from one deck, else the names of the files."""
+    """What tells files apart: parameters and overrides that differ, or the names of the files."""
     if len(opened) == 1:
         return [""]
     schemes = [_stems(opened), [str(results.path) for results in opened]]
     if len({results.deck_text for results in opened}) == 1:
-        schemes = [_overrides(opened), *schemes]
+        schemes.insert(0, _overrides(opened))
     else:
-        schemes.insert(1, _parameters(opened))
+        alike = len({frozenset(results.resolved.get("parameters", {})) for results in opened}) == 1
+        schemes.insert(0 if alike else 1, _parameters(opened))
     for scheme in schemes:
         if len(set(scheme)) == len(scheme):
             return scheme
@@ -88,16 +89,53 @@ def labels(opened):
 
 
 def _overrides(opened):
-    given = [results.metadata["overrides"] for results in opened]
-    common = set(given[0]).intersection(*given[1:])
-    texts = [", ".join(text.removeprefix("parameters.") for text in some if text not in common) for some in given]
-    return [text.replace("=", " = ") or "as in the deck" for text in texts]
+    """Values of all that was set differently; of a run that keeps the deck's value, that one."""
+    given = [dict(text.split("=", 1) for text in results.metadata["overrides"]) for results in opened]
+    paths = list(dict.fromkeys(path for some in given for path in some))
+    values = [
+        {path: _in_words(some[path] if path in some else _at(results.resolved, path)) for path in paths}
+        for some, results in zip(given, opened, strict=True)
+    ]
+    short = [path.removeprefix("parameters.") if path.startswith("parameters.") else _ending(path) for path in paths]
+    names = dict(zip(paths, short if len(set(short)) == len(paths) else paths, strict=True))
+    return _told([{names[path]: text for path, text in some.items()} for some in values])
+
+
+def _ending(path):
+    return ".".join(path.split(".")[-2:])
 
 
 def _parameters(opened):
     given = [results.resolved.get("parameters", {}) for results in opened]
+    return _told([{name: _in_words(value) for name, value in some.items()} for some in given])
+
+
+def _told(given):
+    """Texts "name = value, ..." of the values that differ; ``given``: name -> text of each file."""
     names = [name for name in dict.fromkeys(n for some in given for n in some) if len({g.get(name) for g in given}) > 1]
-    return [", ".join(f"{name} = {some[name]:g}" for name in names if name in some) for some in given]
+    return [", ".join(f"{name} = {some[name]}" for name in names if some.get(name)) for some in given]
+
+
+def _at(deck, path):
+    """The value of a resolved deck at the path of an override, None where it has none."""
+    for key in path.split("."):
+        if isinstance(deck, list) and key.isdecimal() and int(key) < len(deck):
+            deck = deck[int(key)]
+        elif isinstance(deck, dict) and key in deck:
+            deck = deck[key]
+        else:
+            return None
+    return deck
+
+
+def _in_words(value):
+    """A number shortly, so that 0.50 and 5e-1 are the same; any other text as it is, nothing for None."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    try:
+        return f"{float(value):g}"
+    except (TypeError, ValueError):
+        return "" if value is None else str(value)
 
 
 def _stems(opened):

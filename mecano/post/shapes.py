@@ -21,11 +21,15 @@ SLIDING = ("prismatic", "cylindrical", "planar", "screw", "gear_pair", "rack_and
 
 @dataclass(frozen=True)
 class Shape:
-    """One thing at some instants: ``points`` (instants, n, 3) [m]. Those of a wheel end with its centre."""
+    """One thing at some instants: ``points`` (instants, n, 3) [m]. Those of a wheel end with its centre.
+
+    ``nodes``: of each point the name of the node that is there, "" where there is none; empty where no point is one.
+    """
 
     style: str
     name: str
     points: np.ndarray
+    nodes: tuple = ()
 
 
 class Motion:
@@ -73,7 +77,7 @@ def shapes(motion):
             found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
     for name in motion.nodes:
         if motion.run.deck["nodes"].get(name, {}).get("fixed"):
-            found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
+            found.append(Shape(SUPPORT, name, motion.position(name)[:, None], (name,)))
     order = (WHEEL, GUIDE, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
 
@@ -86,13 +90,15 @@ def _body(motion, name, d):
         centre = motion.vector(path)
         if not points or np.abs(centre - points[0]).max(initial=0.0) > 1e-9:
             points.append(centre)
+            nodes.append("")
     if not points:
         return []
-    return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1))]
+    return [Shape(BODY if len(points) > 1 else MASS, name, np.stack(points, axis=1), tuple(nodes))]
 
 
 def _mass(motion, name, d):
-    return [Shape(MASS, name, motion.position(d["node"])[:, None])] if d["node"] in motion.nodes else []
+    node = d["node"]
+    return [Shape(MASS, name, motion.position(node)[:, None], (node,))] if node in motion.nodes else []
 
 
 def _rod(motion, name, d):
@@ -114,8 +120,13 @@ def _superelement(motion, name, d):
     inside = motion.inside(name, d)
     if inside is not None:
         points += list(np.moveaxis(inside, 1, 0))
-    chains = [[points[i] for i in chain if i < len(points)] for chain in lines(d)]
-    return [Shape(ROD, name, np.stack(chain, axis=1)) for chain in chains if len(chain) > 1]
+        nodes += [""] * inside.shape[1]
+    chains = [[i for i in chain if i < len(points)] for chain in lines(d)]
+    return [
+        Shape(ROD, name, np.stack([points[i] for i in chain], axis=1), tuple(nodes[i] for i in chain))
+        for chain in chains
+        if len(chain) > 1
+    ]
 
 
 def _spring(motion, name, d):
@@ -127,7 +138,7 @@ def _line(motion, name, d, style):
     if len(nodes) < 2:
         return []
     points = np.stack([motion.position(node) for node in nodes], axis=1)
-    return [Shape(style, name, points)] if np.ptp(points, axis=1).max(initial=0.0) > 1e-9 else []
+    return [Shape(style, name, points, tuple(nodes))] if np.ptp(points, axis=1).max(initial=0.0) > 1e-9 else []
 
 
 def _joint(motion, name, d):
@@ -139,7 +150,7 @@ def _joint(motion, name, d):
     points = motion.position(moving[-1])[:, None]
     held = len(moving) < len(nodes) and d["type"] not in SLIDING
     support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0))] if held else []
-    return [*support, Shape(JOINT, name, points)]
+    return [*support, Shape(JOINT, name, points, (moving[-1],))]
 
 
 def _curve(motion, name, d):
@@ -166,7 +177,8 @@ def _wheel(motion, name, d):
     radius = d["radius"] if "radius" in d else motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
     rim = centre[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
     rim = _flattened(rim, motion.run.deck["grounds"][d["ground"]])
-    return [Shape(WHEEL, name, np.concatenate([rim, centre[:, None]], axis=1))]
+    nodes = ("",) * RIM_POINTS + (d["node"],)
+    return [Shape(WHEEL, name, np.concatenate([rim, centre[:, None]], axis=1), nodes)]
 
 
 def _flattened(points, ground):

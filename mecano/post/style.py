@@ -74,12 +74,17 @@ def with_unit(label, unit):
     return f"{owner}:\n{what}" if colon else "\n[".join(text.rsplit(" [", 1))
 
 
+def legend_columns(handles, inches):
+    """How many columns of a legend fit into a width."""
+    longest = max(len(handle.get_label()) for handle in handles)
+    return min(len(handles), max(1, int(inches / (0.072 * longest + 0.44))))
+
+
 def legend_above(ax, handles, inches):
     """A legend above axes of that width, so that it hides nothing; returns its height in points."""
     if not handles:
         return 0.0
-    longest = max(len(handle.get_label()) for handle in handles)
-    columns = min(len(handles), max(1, int(inches / (0.072 * longest + 0.44))))
+    columns = legend_columns(handles, inches)
     ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2,
               borderpad=0.2, handlelength=1.6, columnspacing=1.2, labelspacing=0.3)  # fmt: skip
     return LINE_OF_TEXT * -(-len(handles) // columns)

@@ -19,10 +19,10 @@ THIN = ("cable", "bar")  # kinds drawn thinner
 SUPPORT_SIZE = 7
 
 
-def view():
-    """Matrix (2, 3) that projects inertial positions to the right and up of the picture."""
+def view(up=2):
+    """Matrix (2, 3) that projects inertial positions to the right and up of the picture; ``up``: the vertical axis."""
     ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
-    return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]])
+    return np.roll([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]], up - 2, axis=1)
 
 
 def times_of(text):

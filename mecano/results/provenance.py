@@ -22,7 +22,8 @@ class Source:
 
     ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
     and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
-    ``automatic`` what stood for values that the deck leaves automatic; ``remarks`` what the user was told at the start.
+    ``automatic`` what stood for values that the deck leaves automatic; ``model`` numbers that tell the model: mass,
+    unknowns, mobility...; ``remarks`` what the user was told at the start.
     """
 
     deck_text: str
@@ -32,6 +33,7 @@ class Source:
     overrides: tuple = ()
     includes: dict = field(default_factory=dict)
     automatic: dict = field(default_factory=dict)
+    model: dict = field(default_factory=dict)
     remarks: tuple = ()
 
     def texts(self):
@@ -42,6 +44,7 @@ class Source:
             "overrides": to_json(list(self.overrides)),
             "includes": to_json(self.includes),
             "automatic": to_json(self.automatic),
+            "model": to_json(self.model),
             "remarks": to_json(list(self.remarks)),
         }
 

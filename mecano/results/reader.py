@@ -21,7 +21,7 @@ from mecano.results.salvage import missing_bytes, open_cut, rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
-_KEPT = ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "remarks", "checkpoint")
+_KEPT = tuple("time events steps extremes resolved metadata automatic model remarks checkpoint".split())
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
@@ -268,6 +268,11 @@ class Results:
     def automatic(self):
         """What stood for the values that the deck leaves automatic: name -> number."""
         return json.loads(self._text("deck/automatic"))
+
+    @cached_property
+    def model(self):
+        """Numbers that tell the model: name -> number; older files have none."""
+        return json.loads(self._text("deck/model")) if "deck/model" in self._file else {}
 
     @cached_property
     def remarks(self):

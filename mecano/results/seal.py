@@ -30,6 +30,13 @@ def seal(descriptor, size):
     return sums + END.pack(MARK, size, _sum_of(size, sums))
 
 
+def seal_file(path):
+    """Put the sums behind a file that has just been written otherwise. Raises OSError."""
+    with open(path, "r+b") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.write(seal(file.fileno(), size))
+
+
 def block_sums(descriptor, size):
     """CRC-32 (n,) uint32 of each block of the first ``size`` bytes of an open file. Raises OSError."""
     sums = []

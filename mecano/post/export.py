@@ -1,0 +1,97 @@
+"""Results for other programs: comma-separated values, and points and cells for ParaView."""
+
+from pathlib import Path
+
+import h5py
+
+from mecano.errors import ResultsError, UsageError
+from mecano.post.columns import write_columns
+from mecano.post.grid import grid_of
+from mecano.post.quantity import time_of
+from mecano.post.request import found
+from mecano.post.runs import open_runs
+from mecano.post.sheet import Curve
+from mecano.results.vtk_group import add_grid, write_grid
+from mecano.results.whole_file import appearing
+from mecano.results.writer import refuse_existing
+
+OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
+
+
+def export(path, output=None, *, series=(), vtk=False, force=False):
+    """Write what a results file holds for other programs; returns the Path written.
+
+    Parameters
+    ----------
+    path : str or Path
+        The results file.
+    output : str or Path
+        Ends with .csv or .vtkhdf; when absent, columns go to the name of the results file with .csv, cells into the
+        results file itself.
+    series : sequence of str
+        What becomes columns, as in ``mecano post --plot``: outputs, components, patterns. All series when empty.
+    vtk : bool
+        Cells (VTKHDF), not columns.
+    force : bool
+        Replace what exists.
+
+    Raises
+    ------
+    UsageError, UnknownNameError
+        The name of ``output`` has another ending, or ``series`` names what is not there.
+    ResultsError
+        The file cannot be read, has no saved times, or what would be written exists or cannot be written.
+    """
+    target = Path(output) if output else None
+    _check(target, series, vtk)
+    [run] = open_runs([path])
+    with run.results:
+        if not len(run.results.time):
+            raise ResultsError(f"{path}: no saved times yet")
+        if target is None and vtk:
+            return _into_results(run, force)
+        target = target or run.results.path.with_suffix(OF_COLUMNS)
+        _refuse(run, target, force)
+        with appearing(target) as hidden:
+            (_write_cells if target.suffix == OF_CELLS else _write_all_columns)(hidden, run, series)
+    return target
+
+
+def _check(target, series, vtk):
+    if target and target.suffix not in (OF_COLUMNS, OF_CELLS):
+        raise UsageError(f"-o {target}: what is written is told by its ending, {OF_COLUMNS} or {OF_CELLS}")
+    if target and vtk and target.suffix == OF_COLUMNS:
+        raise UsageError(f"-o {target}: --vtk writes {OF_CELLS} files, or into the results file without -o")
+    if series and (vtk or (target and target.suffix == OF_CELLS)):
+        raise UsageError("--series chooses columns; cells always have all forces, moments and stresses")
+
+
+def _refuse(run, target, force):
+    if target.exists() and target.samefile(run.results.path):
+        raise UsageError(f"-o {target} is the results file itself")
+    if target.suffix == OF_CELLS:
+        refuse_existing(target, force)
+    elif target.exists() and not force:
+        raise ResultsError(f"{target} exists already; give another name, or --force to replace it")
+
+
+def _into_results(run, force):
+    """Add the cells to the results file, which no one may be writing."""
+    if run.results.status in ("running", "truncated"):
+        state = "is still being written" if run.results.status == "running" else "is cut short"
+        raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write a file of its own with -o")
+    grid = grid_of(run)
+    run.results.close()
+    add_grid(run.results.path, grid, force=force)
+    return run.results.path
+
+
+def _write_cells(path, run, _):
+    grid = grid_of(run)
+    with h5py.File(path, "w", libver=("v110", "v110")) as file:
+        write_grid(file, grid)
+
+
+def _write_all_columns(path, run, series):
+    quantities = [quantity for name in series or run.results.names() for quantity in found(run, name)]
+    write_columns(path, [Curve(time_of(y), y, 0, y.subject) for y in quantities])

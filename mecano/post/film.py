@@ -1,0 +1,132 @@
+"""A motion as a moving picture, GIF or MP4: the mechanism as lines, seen from a fixed direction."""
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib import animation, cm
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from mecano.errors import ResultsError, UsageError
+from mecano.post.runs import open_runs
+from mecano.post.scene import scene_of
+from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
+from mecano.post.wire import view
+
+WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+FRAMES, PER_SECOND = 150, 15
+SIZE, DOTS = (8.0, 6.0), 90  # inches, per inch
+MARGIN = 1.08
+LINES = {ROD: ("#0072b2", 2.4), SPRING: ("#d55e00", 1.6), BODY: ("#444444", 3.0), WHEEL: ("#333333", 1.5)}
+MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
+COLOURS = "viridis"
+
+
+def film(path, target, title=None):
+    """Write the film ``target`` (.gif or .mp4) of the results file ``path``; the Path written.
+
+    Lines have the colour of the stress, or else of the axial force, where the file has it.
+
+    Raises
+    ------
+    UsageError
+        What writes such films is not installed.
+    ResultsError
+        The file cannot be read or holds nothing that moves, or the film cannot be written.
+    """
+    target = Path(target)
+    writer = WRITERS[target.suffix]
+    if not animation.writers.is_available(writer):
+        raise UsageError(f"--animate {target}: {target.suffix} films need {writer}, which is not installed; .html does")
+    [run] = open_runs([path])
+    with matplotlib.rc_context(SETTINGS):
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            _write(scene_of(run, FRAMES), target, writer, title or run.title)
+        except OSError as error:
+            raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    return target
+
+
+def _write(scene, target, writer, title):
+    figure = Figure(figsize=SIZE)
+    ax = figure.add_subplot()
+    picture = _Picture(scene, ax, title)
+    picture.show(0)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # it would be found anew for each frame, in half of the time
+    moving = animation.FuncAnimation(figure, picture.show, frames=len(scene.times), blit=False)
+    moving.save(target, writer=writer, fps=PER_SECOND, dpi=DOTS)
+
+
+class _Picture:
+    """The axes of the film, and what is exchanged in them from frame to frame."""
+
+    def __init__(self, scene, ax, title):
+        self._scene, self._ax, self._projection = scene, ax, view(scene.up)
+        self._limits()
+        ax.set_axis_off()
+        ax.set_aspect("equal")
+        ax.set_title(title, loc="left", fontweight="bold")
+        for line in scene.grounds:
+            ax.plot(*self._flat(line).T, color="#c8b89a", linewidth=1.0, zorder=1)
+        self._time = ax.text(0.0, 0.0, "", transform=ax.transAxes, color=INK)
+        self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style not in MARKS}
+        self._marks = {i: self._mark(shape) for i, shape in enumerate(scene.shapes) if shape.style in MARKS}
+        self._colours = self._coloured()
+
+    def _flat(self, points):
+        return points @ self._projection.T
+
+    def _limits(self):
+        """The whole motion, or as much of it as the mechanism needs when the view goes along."""
+        scene = self._scene
+        shift = scene.middle[:, None] if scene.follow else 0.0
+        flat = np.concatenate([self._flat(s.points - shift).reshape(-1, 2) for s in scene.shapes])
+        low, high = flat.min(axis=0), flat.max(axis=0)
+        self._middle, self._half = 0.5 * (low + high), 0.5 * MARGIN * np.maximum(high - low, 1e-3 * np.ptp(flat))
+
+    def _line(self, shape):
+        colour, width = LINES.get(shape.style, (GREY, 1.0))
+        return self._ax.add_collection(LineCollection([], colors=colour, linewidths=width, capstyle="round", zorder=3))
+
+    def _mark(self, shape):
+        marker, size, colour = MARKS[shape.style]
+        face = "white" if shape.style == JOINT else PALE if shape.style == SUPPORT else colour
+        [mark] = self._ax.plot([], [], marker, color=colour, markersize=size, markerfacecolor=face, zorder=4)
+        return mark
+
+    def _coloured(self):
+        """(name, mapping of values to colours) of what the lines show, with its scale; None where there is nothing."""
+        known = [one for one in self._scene.ranges if one[3] > one[2]]
+        if not known:
+            return None
+        name, unit, low, high = known[0]
+        factor, shown = shown_unit(unit, np.array([low, high]))
+        mapping = cm.ScalarMappable(Normalize(low / factor, high / factor), COLOURS)
+        bar = self._ax.figure.colorbar(mapping, ax=self._ax, shrink=0.6, pad=0.02)
+        bar.set_label(with_unit(name, shown))
+        return name, factor, mapping
+
+    def show(self, frame):
+        """Put everything where it is at saved time number ``frame`` of the scene."""
+        scene = self._scene
+        centre = self._middle + (self._flat(scene.middle[frame]) if scene.follow else 0.0)
+        self._ax.set_xlim(centre[0] - self._half[0], centre[0] + self._half[0])
+        self._ax.set_ylim(centre[1] - self._half[1], centre[1] + self._half[1])
+        self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")
+        for i, line in self._lines.items():
+            points = self._flat(scene.shapes[i].points[frame])  # of a wheel the rim and a spoke
+            line.set_segments(np.stack([points[:-1], points[1:]], axis=1))
+            if self._colours:
+                line.set_color(self._colour(scene.colours[i], frame, len(points) - 1))
+        for i, mark in self._marks.items():
+            mark.set_data(*self._flat(scene.shapes[i].points[frame]).T)
+
+    def _colour(self, values, frame, count):
+        """Colours of so many pieces of a line; grey where it has no such values."""
+        name, factor, mapping = self._colours
+        return mapping.to_rgba(np.resize(values[name][frame] / factor, count)) if name in values else GREY

@@ -1,0 +1,124 @@
+"""The mechanism as points and cells over time: what ParaView shows and colours.
+
+Every node is a point, and so are the rims of wheels, centres of mass and the nodes inside superelements. An element
+between two nodes, or each element of a divided member, is a line; a wheel its rim and a spoke; a body a line through
+its points; a joint or a point mass a dot.
+"""
+
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.model.mesh import piece_names
+from mecano.post.shapes import BODY, JOINT, SUPPORT, WHEEL, Motion, shapes
+from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
+
+UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
+PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of these where they are single numbers
+AXIAL = ("force", "tension")  # outputs that are forces along the line of an element; of a beam the first component
+
+
+def grid_of(run):
+    """The Grid of a run, at all saved times. Raises ResultsError where there is nothing to be seen."""
+    motion = Motion(run, slice(None))
+    drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
+    if not drawn or not len(run.results.time):
+        raise ResultsError(f"{run.results.path}: nothing to be seen, no saved time or no node with a position")
+    points = _Points(motion)
+    cells, owners = [], []
+    for shape in drawn:
+        for owner, cell in _cells(run, shape, points.numbers(shape)):
+            cells.append(cell)
+            owners.append(owner)
+    positions = points.positions()
+    point_data = {
+        "displacement": Field("m", "displacement since the start, inertial", positions - positions[:1]),
+        "velocity": Field("m/s", "velocity, inertial", points.velocities()),
+    }
+    names = list(dict.fromkeys(owners))
+    return Grid(
+        run.results.time, Field("m", "position, inertial", positions), tuple(cells), point_data, _data(run, owners),
+        np.array([names.index(owner) for owner in owners]), {"node": motion.nodes, "owner": names},
+    )  # fmt: skip
+
+
+class _Points:
+    """The points: first the nodes, then what shapes have besides."""
+
+    def __init__(self, motion):
+        self._motion = motion
+        self._positions = [motion.position(node) for node in motion.nodes]
+        self._velocities = [motion.vector(f"nodes/{node}/velocity") for node in motion.nodes]
+        self._number = {node: i for i, node in enumerate(motion.nodes)}
+
+    def numbers(self, shape):
+        """Numbers of the points of a shape; those that are no nodes are added."""
+        rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, BODY) else None
+        return [
+            self._number[node] if node else self._added(shape.points[:, i], rigid)
+            for i, node in enumerate(shape.nodes or ("",) * shape.points.shape[1])
+        ]  # fmt: skip
+
+    def _added(self, positions, rigid):
+        """Number of a new point, which turns with the node ``rigid``, if with any: v + omega x r."""
+        velocities = np.full(positions.shape, np.nan)
+        if rigid is not None:
+            i, omega = self._number[rigid], self._motion.vector(f"nodes/{rigid}/angular_velocity")
+            velocities = self._velocities[i] + np.cross(omega, positions - self._positions[i])
+        self._positions.append(positions)
+        self._velocities.append(velocities)
+        return len(self._positions) - 1
+
+    def positions(self):
+        """All positions (times, points, 3) [m]."""
+        return np.stack(self._positions, axis=1)
+
+    def velocities(self):
+        """All velocities (times, points, 3) [m/s]; nan inside superelements."""
+        return np.stack(self._velocities, axis=1)
+
+
+def _cells(run, shape, points):
+    """(owner in the file, cell) of each cell of a shape."""
+    owner = f"elements/{shape.name}"
+    if shape.style == JOINT or owner not in run.things:
+        owner = f"joints/{shape.name}"
+    pieces = piece_names(shape.name, run.things[owner])
+    if len(pieces) > 1:
+        for piece, ends in zip(pieces, zip(points[:-1], points[1:], strict=True), strict=True):
+            yield f"elements/{piece}", (LINE, ends)
+    else:
+        yield owner, ({1: VERTEX, 2: LINE}.get(len(points), POLY_LINE), tuple(points))
+
+
+def _data(run, owners):
+    """Forces, moments and stresses of the owners of the cells: name -> Field."""
+    shape, found, cells_of = (len(run.results.time), len(owners)), {}, {}
+    for i, owner in enumerate(owners):
+        cells_of.setdefault(owner, []).append(i)
+    for path, series in run.results.series.items():
+        owner, _, output = path.rpartition("/")
+        cells = cells_of.get(owner)
+        if not cells or series.unit not in UNITS or series.shape not in ((), (3,)):
+            continue
+        values = run.results.find(path).values[:, None]
+        name = output if series.shape else PLAIN.get(output, output)
+        _fill(found, name, series, cells, values, shape)
+        if series.unit == "N" and output in AXIAL and owner.startswith("elements/"):
+            along = _along(run, owner, values)
+            if along is not None:
+                _fill(found, "axial_force", series, cells, along, shape)
+    return found
+
+
+def _along(run, owner, values):
+    """The part of a force along the line of an element; None where it has no such line."""
+    if values.ndim == 2:
+        return values
+    return values[..., 0] if run.pieces[owner]["type"] == "beam" else None
+
+
+def _fill(found, name, series, cells, values, shape):
+    if name not in found:
+        doc = "axial force, > 0 in tension" if name == "axial_force" else series.doc
+        found[name] = Field(series.unit, doc, np.full((*shape, *values.shape[2:]), np.nan))
+    found[name].values[:, cells] = values

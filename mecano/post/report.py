@@ -1,0 +1,219 @@
+"""What a report of one run holds, as data: sections of tables, texts and pictures. report_page.py makes a page."""
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+import yaml
+
+from mecano.contract import SECTIONS
+from mecano.errors import ResultsError
+from mecano.post.figure import overview_figure, sheet_figure
+from mecano.post.info import ENERGIES, count, facts, one_line
+from mecano.post.pictures import asked_sheets
+from mecano.post.sheets import default_sheets, overview
+
+MOST_EVENTS = 200
+MOST_EXTREMES = 400
+LONGEST_LIST = 24  # entries of a list of the deck that are shown
+HEALTH = {
+    "step_size": "size of the step", "iterations": "Newton iterations", "rejected": "rejected trials of a step",
+    "error_over_tolerance": "estimated error over what is allowed", "force_residual": "force residual over its scale",
+    "constraint_residual": "constraint residual over its scale",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under columns; the columns from number ``first_number`` on are numbers."""
+
+    columns: tuple
+    rows: list
+    first_number: int = 1
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph, or ``verbatim`` text, which is folded away."""
+
+    text: str
+    verbatim: bool = False
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of matplotlib that shows what ``title`` says."""
+
+    title: str
+    figure: object
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parts under a heading."""
+
+    heading: str
+    parts: tuple
+
+
+@dataclass(frozen=True)
+class Report:
+    """A whole report: title, how the run ended (a word and why), sections."""
+
+    title: str
+    status: str
+    reason: str
+    sections: tuple
+
+
+def report_of(run, title=None, plots=(), spectra=()):
+    """The Report of a run; ``plots`` and ``spectra``, texts as of ``mecano post``, are its first pictures.
+
+    Raises ResultsError where it has no saved times, UsageError, UnknownNameError for a wrong plot.
+    """
+    results = run.results
+    if not len(results.time):
+        raise ResultsError(f"{results.path}: no saved times yet")
+    asked, sheets = asked_sheets(plots, spectra, [run]), default_sheets([run])
+    sections = (
+        Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
+        Section("Run", tuple(_run(results))), Section("Solution", tuple(_health(results))),
+        Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
+        Section("Pictures", tuple(_pictures([*asked, *sheets]))), Section("Extremes", tuple(_extremes(results))),
+        Section("Deck", tuple(_deck(results))),
+    )  # fmt: skip
+    reason = results.reason.strip()
+    return Report(title or run.title, results.status, reason, tuple(s for s in sections if s.parts))
+
+
+def number(value):
+    """A number as it stands in tables, without a negative zero."""
+    return f"{value + 0.0:.5g}"
+
+
+def _model(run):
+    """Nodes and things by kind; mass, unknowns, mobility; what the user was told."""
+    rows = [("nodes", str(len(run.deck.get("nodes", {}))))]
+    for section in SECTIONS:
+        kinds = Counter(d["type"] for d in run.deck.get(section, {}).values())
+        told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        rows.append((section, f"{sum(kinds.values())}: {told}" if kinds else "none"))
+    for name, value in run.results.model.items():
+        rows.append((name.replace("_", " "), f"{value:.6g} kg" if name == "mass" else f"{value:g}"))
+    rows.append(("gravity", ", ".join(number(g) for g in run.deck.get("gravity") or (0.0,) * 3) + " m/s2"))
+    yield Table(("", ""), rows, 2)
+    for text in run.results.remarks:
+        yield Text(f"Remark: {text}")
+
+
+def _run(results):
+    """Where the results come from, without what other sections tell."""
+    yield Table(("", ""), [row for row in facts(results) if row[0] not in ("title", "run", "energy")], 2)
+
+
+def _health(results):
+    """The solver history: smallest, mean and largest of its columns, and when the extremes were met."""
+    steps, unit = results.steps, results.axis.unit
+    if not len(steps):
+        yield Text("No step was accepted.")
+        return
+    rows = []
+    for column, told in HEALTH.items():
+        if column in steps.dtype.names and np.any(steps[column]):
+            values, own = steps[column], results.step_columns[column][0]
+            low, high = int(np.argmin(values)), int(np.argmax(values))
+            low_high = [(number(values[i]), number(steps["time"][i])) for i in (low, high)]
+            rows.append((f"{told} [{own}]" if own else told, *low_high[0], number(values.mean()), *low_high[1]))
+    at = f"at {results.axis.path} [{unit}]" if unit else f"at {results.axis.path}"
+    yield Text(f"{count(results)}.")
+    yield Table(("", "smallest", at, "mean", "largest", at), rows)
+
+
+def _energy(results):
+    """Each energy at the start and end, and how well they balance."""
+    names = [name for name in (*ENERGIES, "balance") if f"energy/{name}" in results.series]
+    rows, extremes = [], results.extremes
+    for name in names:
+        values, extreme = results.find(f"energy/{name}").values, extremes[f"energy/{name}"]
+        spread = extreme.maximum - extreme.minimum
+        rows.append((name, *map(number, (values[0], values[-1], values[-1] - values[0], spread))))
+    if rows:
+        yield Table(("energy [J]", "start", "end", "change", "range over all steps"), rows)
+    spreads = [extremes[f"energy/{name}"].maximum - extremes[f"energy/{name}"].minimum for name in names]
+    if "balance" in names and max(spreads[:-1], default=0.0) > 0.0:
+        yield Text(
+            f"The balance, kinetic + potential + dissipated - given, varies by {spreads[-1]:.3g} J: "
+            f"{spreads[-1] / max(spreads[:-1]):.2g} of the largest change of an energy. An exact solution keeps it."
+        )
+
+
+def _events(results):
+    """What happened when; of shocks the impulse and the energy lost."""
+    events = results.events
+    shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
+    columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "mode", "impulse", "energy lost [J]")
+    if shown:
+        yield Table(columns if shocks else columns[:4], [_event(event)[: None if shocks else 4] for event in shown], 4)
+    if len(shown) < len(events):
+        yield Text(f"These are the first {len(shown)} of {len(events)}.")
+    if shocks:
+        yield Text(f"Shocks took {sum(event.energy_lost for event in events):.6g} J in all.")
+
+
+def _event(event):
+    modes = f"{event.before} to {event.after}" if event.before != event.after else ""
+    told = (number(event.time), event.element, event.name.replace("_", " "), modes)
+    if not event.impulse_unit:
+        return (*told, "", "")
+    return (*told, f"{number(event.impulse)} {event.impulse_unit}", number(event.energy_lost))
+
+
+def _extremes(results):
+    """Extremes over all accepted steps, but of nodes and of what is zero throughout."""
+    found = [
+        (
+            name.replace("/", "."),
+            e.unit.strip("-"),
+            *map(number, (e.minimum, e.minimum_time, e.maximum, e.maximum_time)),
+        )
+        for name, e in results.extremes.items()
+        if not name.startswith("nodes/") and (e.minimum or e.maximum)
+    ]  # fmt: skip
+    at = f"at [{results.axis.unit}]" if results.axis.unit else "at"
+    if found:
+        yield Table(("over all accepted steps", "unit", "min", at, "max", at), found[:MOST_EXTREMES], 2)
+    if len(found) > MOST_EXTREMES:
+        yield Text(f"These are the first {MOST_EXTREMES} of {len(found)}; mecano info --names shows all.")
+
+
+def _overview(run, sheets):
+    if sheets:
+        yield Picture("Overview", overview_figure(overview(sheets), run.title, one_line([run])))
+
+
+def _pictures(sheets):
+    for sheet in sheets:
+        title, _, rest = sheet.heading.partition(": ")
+        yield Picture(sheet.heading, sheet_figure(replace(sheet, heading=rest), title))
+
+
+def _deck(results):
+    """The deck as written, what was set besides, and all values that were understood."""
+    for text in results.metadata["overrides"]:
+        yield Text(f"Set on the command line: {text}")
+    yield Text(results.deck_text, True, "As written")
+    plain = _shortened(results.resolved)
+    resolved = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110)
+    yield Text(resolved, True, "As understood, with all defaults")
+
+
+def _shortened(value):
+    """Plain data whose long lists say how long they are."""
+    if isinstance(value, dict):
+        return {key: _shortened(one) for key, one in value.items()}
+    if isinstance(value, list):
+        whole = len(value) <= LONGEST_LIST
+        kept = [_shortened(one) for one in (value if whole else value[:3])]
+        return kept if whole else [*kept, f"... {len(value)} entries"]
+    return value

@@ -1,0 +1,94 @@
+"""A report as one page for any browser and for paper: everything in it, nothing asked for outside."""
+
+import base64
+import io
+import re
+from html import escape
+from importlib import resources
+from pathlib import Path
+
+import matplotlib
+
+from mecano.errors import ResultsError, UsageError
+from mecano.post.report import Picture, Table, report_of
+from mecano.post.runs import open_runs
+from mecano.post.style import SETTINGS
+from mecano.results.whole_file import appearing
+
+
+def write_report(path, page, title=None, plots=(), spectra=()):
+    """Write the ``page`` that reports on the results file ``path``; the Path written.
+
+    ``plots``, ``spectra``: texts as of ``mecano post``, shown before the pictures that every report has.
+
+    Raises
+    ------
+    UsageError, UnknownNameError
+        The page has no name of its own, or a plot cannot be understood or names what is not in the file.
+    ResultsError
+        The file cannot be read or has no saved times, or the page cannot be written.
+    """
+    page = Path(page)
+    if page.suffix not in (".html", ".htm"):
+        raise UsageError(f"--report {page}: the name of a page ends with .html")
+    [run] = open_runs([path])
+    try:
+        page.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ResultsError(f"cannot write {page}: {error.strerror}") from error
+    with run.results:
+        text = page_of(report_of(run, title, plots, spectra))
+    with appearing(page) as hidden:
+        hidden.write_text(text, encoding="utf-8")
+    return page
+
+
+def page_of(report):
+    """The page as text."""
+    template = resources.files("mecano.post").joinpath("report.html").read_text(encoding="utf-8")
+    filled = {
+        "title": escape(report.title), "status": escape(report.status), "reason": escape(report.reason),
+        "contents": "".join(f'<a href="#{_anchor(s)}">{escape(s.heading)}</a>' for s in report.sections),
+        "sections": "\n".join(_section(s) for s in report.sections),
+    }  # fmt: skip
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: filled[match[1]], template)
+
+
+def _section(section):
+    parts = "\n".join(_part(part) for part in section.parts)
+    return f'<section id="{_anchor(section)}">\n<h2>{escape(section.heading)}</h2>\n{parts}\n</section>'
+
+
+def _anchor(section):
+    return section.heading.lower().replace(" ", "-")
+
+
+def _part(part):
+    if isinstance(part, Table):
+        return _table(part)
+    if isinstance(part, Picture):
+        return f'<figure><img alt="{escape(part.title)}" src="{_image(part.figure)}"></figure>'
+    if part.verbatim:
+        return f"<details><summary>{escape(part.title)}</summary><pre>{escape(part.text)}</pre></details>"
+    return f"<p>{escape(part.text)}</p>"
+
+
+def _table(table):
+    def row(texts, tag):
+        cells = (
+            f"<{tag}{' class=number' if i >= table.first_number else ''}>{escape(text)}</{tag}>"
+            for i, text in enumerate(texts)
+        )
+        return f"<tr>{''.join(cells)}</tr>"
+
+    head = f"<thead>{row(table.columns, 'th')}</thead>" if any(table.columns) else ""
+    body = "\n".join(row(texts, "td") for texts in table.rows)
+    return f"<table>{head}<tbody>\n{body}\n</tbody></table>"
+
+
+def _image(figure):
+    """The figure as an address that holds it: vector graphics, which stay sharp on paper."""
+    stream = io.BytesIO()
+    with matplotlib.rc_context(SETTINGS):
+        figure.savefig(stream, format="svg", metadata={"Date": None})
+    return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}"

@@ -1,0 +1,87 @@
+"""Spectra: how large the oscillations of a quantity are at each frequency.
+
+Amplitudes, one-sided, of the values less their mean under a Hann window, corrected by the mean of the window: a sine
+of amplitude A shows a peak of height A, where its frequency is a multiple of 1/duration; in between, up to 15 % less.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.deck.wording import quoted
+from mecano.errors import UsageError
+from mecano.post.quantity import Quantity
+from mecano.post.request import GRAMMAR, Request, curve_label, found
+from mecano.post.sheet import Curve, Panel, Sheet
+
+FEWEST = 8  # values of which a spectrum says anything
+UNEVEN = 1e-6  # of the interval: larger differences are no rounding
+FLOOR = 1e-8  # of the largest amplitude: what is smaller is rounding, and is not shown
+
+
+def spectrum_sheet(text, runs):
+    """The sheet of the spectra of "Y[,Y2]", a panel for each unit. Raises UsageError, UnknownNameError."""
+    request = Request.parse(text)
+    if request.x != "time":
+        raise UsageError(f"--spectrum {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")
+    curves = [
+        _spectrum(quantity, run, number)
+        for number, run in enumerate(runs)
+        for name in request.ys
+        for quantity in found(run, name)
+    ]
+    panels = []
+    for unit in dict.fromkeys(curve.y.unit for curve in curves):
+        own = tuple(curve for curve in curves if curve.y.unit == unit)
+        panels.append(Panel(curve_label(own), own, logarithmic=True, note=_peak(own)))
+    lines = ", ".join(dict.fromkeys(f"{curve.x.values[0]:.4g} Hz" for curve in curves))
+    heading = f"Amplitudes over the frequency: Hann window, mean removed, a line every {lines}"
+    labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
+    return Sheet(f"spectrum_{request.name}", heading, tuple(panels), run_labels=labels)
+
+
+def _spectrum(quantity, run, number):
+    interval, values = _evenly(quantity, run)
+    frequencies, sizes = amplitudes(values, interval)
+    x = Quantity("frequency", "Hz", "frequency", f"{quantity.path} {number}", frequencies, frequencies)
+    shown = np.where(sizes > FLOOR * sizes.max(initial=0.0), sizes, np.nan)
+    return Curve(x, replace(quantity, clock=x.clock, time=frequencies, values=shown), number, quantity.subject)
+
+
+def amplitudes(values, interval):
+    """Frequencies [Hz] and amplitudes (n // 2,) of values (n,) every ``interval`` [s]; without that at 0 Hz."""
+    count = len(values)
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    sizes = 2.0 * np.abs(np.fft.rfft((values - values.mean()) * window)) / window.sum()
+    if count % 2 == 0:
+        sizes[-1] *= 0.5  # at half the rate of saving there is one line, not one of each sign
+    return np.fft.rfftfreq(count, interval)[1:], sizes[1:]
+
+
+def _evenly(quantity, run):
+    """Interval [s] and values of a quantity; without the last one where the run ended between two saved times."""
+    where, gaps = f"{quoted(quantity.path)} in {run.results.path}", np.diff(quantity.time)
+    if quantity.axis[1] != "s":
+        raise UsageError(f"{where} is over the {quantity.axis[0]}: a spectrum needs times")
+    if len(gaps) > 1 and gaps[-1] < (1.0 - UNEVEN) * gaps[0]:
+        gaps = gaps[:-1]
+    values = quantity.values[: len(gaps) + 1]
+    if len(values) < FEWEST:
+        raise UsageError(f"{where} has {len(values)} values: too few for a spectrum")
+    if np.ptp(gaps) > UNEVEN * gaps.mean():
+        raise UsageError(
+            f"{where} is known every {gaps.min():.3g} to {gaps.max():.3g} s: a spectrum needs equal intervals; run "
+            "again with 'output: {every: ...}' in the deck"
+        )
+    if not np.all(np.isfinite(values)):
+        raise UsageError(f"{where} is not finite everywhere")
+    return float(gaps.mean()), values
+
+
+def _peak(curves):
+    """The highest line of a single curve in words."""
+    if len(curves) > 1 or not np.any(np.isfinite(curves[0].y.values)):
+        return ""
+    [curve] = curves
+    i = int(np.nanargmax(curve.y.values))
+    return f"{curve.y.values[i]:.3g} {curve.y.unit} at {curve.x.values[i]:.3g} Hz"

@@ -1,0 +1,151 @@
+"""The group /VTKHDF: a motion as points and cells over time, for ParaView and whatever else reads with VTK.
+
+Format VTKHDF 2.2, UnstructuredGrid with Steps: the values of one saved time after the other in each dataset. What
+joins the points never changes, so it is there once. Reference: docs.vtk.org, VTKHDF file format.
+"""
+
+import shutil
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.seal import seal_file
+from mecano.results.table import describe, name_axes
+from mecano.results.whole_file import appearing
+
+GROUP = "VTKHDF"
+VERSION = (2, 2)  # the first that allows other groups beside it
+VERTEX, LINE, POLY_LINE = 1, 3, 4
+TEXT = h5py.string_dtype("ascii")  # that of UTF-8, which the bytes may well be, crashes VTK 9.7
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+CHUNK_NUMBERS = 2**15  # 256 KB
+LENGTHS = "length_"  # of the scales of all axes
+
+
+@dataclass(frozen=True)
+class Field:
+    """Data at the points or cells: ``values`` (times, n) or (times, n, 3), nan where it is not known; unit, meaning."""
+
+    unit: str
+    doc: str
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Points that move, and cells between them.
+
+    Attributes
+    ----------
+    times : (n,) array
+        Saved times [s], of statics what stands for them.
+    points : Field
+        Positions (n, p, 3) [m], inertial.
+    cells : tuple of (int, tuple of int)
+        Type of each of the c cells and numbers of its points.
+    point_data, cell_data : dict
+        Name -> Field of (n, p, ...) or (n, c, ...).
+    cell_owner : (c,) array of int
+        Number of the owner of each cell among the ``owner`` names.
+    names : dict
+        Lists of names: of the first points, of the owners.
+    """
+
+    times: np.ndarray
+    points: Field
+    cells: tuple
+    point_data: dict
+    cell_data: dict
+    cell_owner: np.ndarray
+    names: dict
+
+
+def write_grid(file, grid):
+    """Write a Grid as the group VTKHDF of an open h5py file, which must not have one."""
+    group = file.create_group(GROUP)
+    group.attrs["Version"] = np.array(VERSION, dtype="i8")
+    kind = b"UnstructuredGrid"
+    group.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+    _write_cells(group, grid)
+    _over_time(group, "Points", grid.points)
+    for part, fields in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
+        for name, field in fields.items():
+            _over_time(group, f"{part}/{name}", field)
+    _put(group, "CellData/owner", grid.cell_owner.astype("i8"))
+    for name, texts in grid.names.items():
+        _put(group, f"FieldData/{name}", np.array([text.encode() for text in texts], dtype=TEXT))
+    _write_steps(group.create_group("Steps"), group, grid)
+
+
+def add_grid(path, grid, *, force=False):
+    """Add a Grid to the results file ``path``, which keeps all else; nothing happens to it if that fails.
+
+    Raises ResultsError: it has such a group and ``force`` is not given, or the disk does not take it.
+    """
+    with appearing(path) as hidden:
+        shutil.copyfile(path, hidden)
+        with h5py.File(hidden, "r+", libver=("v110", "v110")) as file:
+            if GROUP in file and not force:
+                raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
+            if GROUP in file:
+                del file[GROUP]
+            write_grid(file, grid)
+        seal_file(hidden)
+
+
+def _write_cells(group, grid):
+    ends = np.cumsum([0, *(len(points) for _, points in grid.cells)])
+    whole = {
+        "NumberOfPoints": [grid.points.values.shape[1]], "NumberOfCells": [len(grid.cells)],
+        "NumberOfConnectivityIds": [ends[-1]], "Offsets": ends,
+        "Connectivity": [i for _, points in grid.cells for i in points],
+    }  # fmt: skip
+    for name, values in whole.items():
+        _put(group, name, np.array(values, dtype="i8"))
+    _put(group, "Types", np.array([kind for kind, _ in grid.cells], dtype="u1"))
+
+
+def _write_steps(steps, group, grid):
+    """Where in each dataset a saved time begins."""
+    count, n_points, n_cells = len(grid.times), grid.points.values.shape[1], len(grid.cells)
+    row = np.arange(count, dtype="i8")
+    none, one = np.zeros(count, dtype="i8"), np.ones(count, dtype="i8")
+    steps.attrs["NSteps"] = np.int64(count)
+    starts = {
+        "Values": np.asarray(grid.times, dtype="f8"), "PartOffsets": none, "NumberOfParts": one,
+        "PointOffsets": row * n_points, "CellOffsets": none[:, None], "ConnectivityIdOffsets": none[:, None],
+        "CellDataOffsets/owner": none,
+        **{f"PointDataOffsets/{name}": row * n_points for name in grid.point_data},
+        **{f"CellDataOffsets/{name}": row * n_cells for name in grid.cell_data},
+    }  # fmt: skip
+    for name, texts in grid.names.items():
+        starts[f"FieldDataOffsets/{name}"] = none
+        starts[f"FieldDataSizes/{name}"] = np.stack([one, len(texts) * one], axis=1)
+    for name, values in starts.items():
+        _put(steps, name, values, group)
+
+
+def _over_time(group, name, field):
+    """All values of a Field, those of one saved time after the other."""
+    shape = field.values.shape
+    flat = np.ascontiguousarray(field.values, dtype="f8").reshape(shape[0] * shape[1], *shape[2:])
+    rows = max(1, min(len(flat), CHUNK_NUMBERS // (flat.size // max(len(flat), 1) or 1)))
+    options = {"chunks": (rows, *flat.shape[1:]), **COMPRESSION} if flat.size else {}
+    describe(_put(group, name, flat, **options), units=field.unit, long_name=field.doc)
+
+
+def _put(group, name, values, top=None, **options):
+    """A dataset whose axes have scales in ``top``, for readers that ask for such (netCDF, xarray)."""
+    dataset = group.create_dataset(name, data=values, **options)
+    name_axes(dataset, *(_scale(top or group, length, axis) for axis, length in enumerate(dataset.shape)))
+    return dataset
+
+
+def _scale(group, length, axis):
+    """A scale without numbers, which takes no room; the axes of one dataset have different ones."""
+    name = f"{LENGTHS}{axis}_{length}"
+    if name not in group:
+        group.create_dataset(name, shape=(length,), dtype="u1").make_scale(name)
+    return group[name]

@@ -1,0 +1,51 @@
+"""Motions as films."""
+
+import every_kind
+import numpy as np
+import pytest
+from matplotlib import animation
+from PIL import Image, ImageSequence
+
+from mecano.elements import KINDS
+from mecano.errors import ResultsError, UsageError
+from mecano.post import film
+from mecano.post.animation import animate
+
+SHOWN = {name: KINDS[name] for name in ("beam", "wheel", "hinge")}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return every_kind.write(tmp_path_factory.mktemp("film") / "each.h5", kinds=SHOWN)
+
+
+@pytest.mark.parametrize("ending", [".gif", ".mp4"])
+def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
+    """The frames of a film differ, and the colour of the stress is in them."""
+    monkeypatch.setattr(film, "FRAMES", 4)
+    if not animation.writers.is_available(film.WRITERS[ending]):
+        pytest.skip("needs ffmpeg")
+    written = animate(path, tmp_path / "films" / f"motion{ending}")
+    if ending == ".mp4":
+        assert b"ftyp" in written.read_bytes()[:12]
+        return
+    with Image.open(written) as file:
+        frames = [np.asarray(one.convert("RGB"), float) for one in ImageSequence.Iterator(file)]
+    assert len(frames) == 4
+    for one, other in zip(frames[:-1], frames[1:], strict=True):
+        assert 1e-3 < np.mean(np.abs(one - other).max(axis=2) > 60) < 0.3
+    coloured = np.ptp(frames[0][:, : frames[0].shape[1] * 3 // 4], axis=2) > 60  # left of the scale
+    assert coloured.sum() > 50
+
+
+def test_what_cannot_be_filmed_is_told(path, tmp_path, monkeypatch):
+    with pytest.raises(UsageError, match="a film has no plots"):
+        animate(path, tmp_path / "a.gif", ["one_beam.stress"])
+    with pytest.raises(UsageError, match="ends with .html, .gif or .mp4"):
+        animate(path, tmp_path / "a.avi")
+    with pytest.raises(ResultsError, match="cannot write"):
+        animate(path, "/proc/films/a.gif")
+    monkeypatch.setattr(animation.writers, "is_available", lambda name: False)
+    with pytest.raises(UsageError, match="films need ffmpeg, which is not installed; .html does"):
+        animate(path, tmp_path / "a.mp4")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,166 @@
+"""The page that reports on one run."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+
+import every_kind
+import pytest
+from browser import browser, dom
+
+from mecano.elements import KINDS
+from mecano.errors import ResultsError, UsageError
+from mecano.post.report import Picture, Table, report_of
+from mecano.post.report_page import write_report
+from mecano.post.runs import open_runs
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+
+KIND = {"spring_damper": KINDS["spring_damper"]}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return every_kind.write(
+        tmp_path_factory.mktemp("report") / "each.h5", overrides=("parameters.wave=<0.7>",), kinds=KIND
+    )
+
+
+@pytest.fixture(scope="module")
+def report(path):
+    return report_of(open_runs([path])[0])
+
+
+@pytest.fixture(scope="module")
+def page(path):
+    return write_report(path, path.parent / "pages" / "report.html")
+
+
+class Structure(HTMLParser):
+    """Tags that are left open, and addresses that are asked for."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.addresses, self.headings = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+        self.addresses += [value for name, value in attributes if name in ("src", "href")]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open[-1:] == ["h2"]:
+            self.headings.append(data)
+
+
+def rows(report, heading):
+    [section] = [section for section in report.sections if section.heading == heading]
+    return [row for part in section.parts if isinstance(part, Table) for row in part.rows]
+
+
+def test_the_page_is_whole_and_asks_for_nothing_outside(page):
+    text = page.read_text()
+    found = Structure(text)
+    assert found.open == [] and "default-src 'none'" in text and "<script" not in text
+    assert all(address.startswith(("#", "data:image/svg+xml;base64,")) for address in found.addresses)
+    anchors = {address[1:] for address in found.addresses if address.startswith("#")}
+    assert anchors == set(re.findall('section id="([^"]+)"', text))
+    for address in found.addresses:
+        if address.startswith("data:"):
+            assert b"<svg" in base64.b64decode(address.partition(",")[2])
+    order = ["Overview", "Model", "Run", "Solution", "Energy", "Events", "Pictures", "Extremes", "Deck"]
+    assert found.headings == order
+
+
+@browser
+def test_a_browser_shows_all_pictures(page, tmp_path):
+    probe = """
+    <script>
+    onload = () => {
+      const shown = [...document.images].filter(image => image.complete && image.naturalWidth > 300).length;
+      const asked = performance.getEntriesByType("resource").filter(one => !one.name.startsWith("data:")).length;
+      document.title = JSON.stringify([shown, document.images.length, asked]);
+    };
+    </script>"""
+    probed, text = tmp_path / "probed.html", page.read_text()
+    probed.write_text(text.replace("img-src data:;", "img-src data:; script-src 'unsafe-inline';") + probe)
+    shown, count, asked = json.loads(re.search("<title>(.*?)</title>", dom(probed))[1])
+    assert shown == count == text.count("<img") > 3 and asked == 0
+
+
+def test_what_users_write_is_text(page):
+    assert "Set on the command line: parameters.wave=&lt;0.7&gt;" in page.read_text()
+
+
+def test_the_model_is_counted(report):
+    told = dict(rows(report, "Model"))
+    assert told["elements"] == "1: 1 spring_damper" and told["nodes"] == "2" and told["loads"] == "none"
+
+
+def test_the_solver_history_is_told_with_its_times(report):
+    """As every_kind.write fills the columns: 1 + i mod 3 iterations in step i, i mod 2 rejections, steps of 0.05 s."""
+    told = {row[0]: row[1:] for row in rows(report, "Solution")}
+    assert told["Newton iterations"] == ("1", "0.15", "2", "3", "0.1")
+    assert told["rejected trials of a step"] == ("0", "0.1", "0.5", "1", "0.05")
+    assert told["size of the step [s]"] == ("0.05", "0.05", "0.05", "0.05", "0.05")
+
+
+def test_energies_and_their_closure(report, path):
+    [run] = open_runs([path])
+    values = run.results["energy/kinetic"].values
+    told = {row[0]: row[1:] for row in rows(report, "Energy")}
+    expected = (values[0], values[-1], values[-1] - values[0], values.max() - values.min())
+    assert told["kinetic"] == tuple(f"{x:.5g}" for x in expected)
+    [section] = [section for section in report.sections if section.heading == "Energy"]
+    assert "of the largest change of an energy" in section.parts[1].text
+
+
+def test_events_have_impulses_only_where_there_are_shocks(report, tmp_path):
+    assert rows(report, "Events")[0] == ("0.5", "wheel 'one_wheel'", "touch down", "air to contact")
+    layout = Layout([Series("energy/kinetic", "J", "kinetic energy")])
+    with Writer.create(tmp_path / "shock.h5", layout, Source("mecano: 1\n", {})) as writer:
+        writer.append(0.0, [1.0])
+        writer.append_event(0.25, "hinge 'a'", "locks", "free", "locked", -1.5, "N m s", 2.0)
+        writer.append_event(0.5, "wheel 'b'", "lift_off", "contact", "air")
+    shocks = report_of(open_runs([tmp_path / "shock.h5"])[0])
+    assert rows(shocks, "Events") == [
+        ("0.25", "hinge 'a'", "locks", "free to locked", "-1.5 N m s", "2"),
+        ("0.5", "wheel 'b'", "lift off", "contact to air", "", ""),
+    ]
+
+
+def test_the_pictures_are_those_of_post(report):
+    shown = [part.title for section in report.sections for part in section.parts if isinstance(part, Picture)]
+    assert shown[:2] == ["Overview", "Mechanism"] and {"Springs and struts", "Solver"} <= {
+        s.partition(":")[0] for s in shown
+    }
+
+
+def test_pictures_that_are_asked_for_come_first(path):
+    asked = report_of(open_runs([path])[0], None, ["one_spring_damper.force"], ["one_spring_damper.rate"])
+    shown = [part.title for section in asked.sections for part in section.parts if isinstance(part, Picture)]
+    assert shown[1] == "one_spring_damper.force over time" and shown[2].startswith("Amplitudes over the frequency")
+
+
+def test_the_deck_is_there_as_written_and_as_understood(report, path):
+    parts = report.sections[-1].parts
+    written, understood = (part.text for part in parts if part.verbatim)
+    assert written == every_kind.DECK_TEXT
+    assert "one_spring_damper:" in understood and json.dumps(every_kind.WAVE) in understood
+
+
+def test_what_cannot_be_reported_is_told(path, tmp_path):
+    with pytest.raises(UsageError, match="ends with .html"):
+        write_report(path, tmp_path / "page.pdf")
+    with pytest.raises(ResultsError, match="cannot write"):
+        write_report(path, "/proc/pages/page.html")
+    with Writer.create(tmp_path / "empty.h5", Layout([]), Source("mecano: 1\n", {})):
+        pass
+    with pytest.raises(ResultsError, match="no saved times"):
+        write_report(tmp_path / "empty.h5", tmp_path / "page.html")

@@ -1,0 +1,78 @@
+"""Spectra of quantities in results files."""
+
+import numpy as np
+import pytest
+
+from mecano.errors import UnknownNameError, UsageError
+from mecano.post.pictures import post
+from mecano.post.runs import open_runs
+from mecano.post.spectrum import amplitudes, spectrum_sheet
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+
+
+def write(path, times, values, axis=None):
+    """A file with the force ``values`` of one spring."""
+    layout = Layout([Series("elements/spring/force", "N", "force")], **({"axis": axis} if axis else {}))
+    with Writer.create(path, layout, Source("mecano: 1\n", {})) as writer:
+        for t, value in zip(times, values, strict=True):
+            writer.append(t, np.array([value]))
+    return path
+
+
+def sheet(path, text="spring.force"):
+    return spectrum_sheet(text, open_runs([path]))
+
+
+def test_a_sine_has_a_line_as_high_as_its_amplitude():
+    """3 sin at 5 Hz and 0.2 cos at 40 Hz over 4 s, all on lines: exact under a Hann window but for rounding."""
+    time = 0.01 * np.arange(400)
+    values = 7.0 + 3.0 * np.sin(2 * np.pi * 5.0 * time) + 0.2 * np.cos(2 * np.pi * 40.0 * time)
+    frequencies, sizes = amplitudes(values, 0.01)
+    assert frequencies[0] == pytest.approx(0.25, rel=1e-14) and len(sizes) == 200
+    assert sizes[19] == pytest.approx(3.0, rel=1e-12) and sizes[159] == pytest.approx(0.2, rel=1e-12)
+    np.testing.assert_allclose(sizes[[18, 20]], 1.5, rtol=1e-12)  # the window spreads a line over its neighbours
+    others = np.delete(sizes, [18, 19, 20, 158, 159, 160])
+    assert others.max() < 1e-13
+
+
+def test_between_two_lines_a_sine_appears_15_percent_lower():
+    """The loss at half a line is 1 - 8/(3 pi) of a Hann window (Harris 1978, scalloping loss of 1.42 dB)."""
+    time = 1e-3 * np.arange(1000)
+    sizes = amplitudes(np.sin(2 * np.pi * 50.5 * time), 1e-3)[1]
+    assert sizes.max() == pytest.approx(8.0 / (3.0 * np.pi), rel=1e-3)
+
+
+def test_the_highest_line_of_all_is_half_the_rate_of_saving():
+    sizes = amplitudes(0.5 * (-1.0) ** np.arange(64), 0.1)[1]
+    assert sizes[-1] == pytest.approx(0.5, rel=1e-12)
+
+
+def test_the_picture_says_what_was_found(tmp_path):
+    time = np.append(0.01 * np.arange(200), 1.9931)  # the run ended between two saved times
+    path = write(tmp_path / "sine.h5", time, 2.0 * np.sin(2 * np.pi * 10.0 * time))
+    shown = sheet(path)
+    [panel] = shown.panels
+    assert panel.note == "2 N at 10 Hz" and panel.logarithmic and not panel.over_time
+    assert "Hann window, mean removed, a line every 0.5 Hz" in shown.heading
+    picture, columns = post([path], spectra=["spring.force"], columns=True)
+    assert (picture.name, columns.name) == ("sine_spectrum_spring.force.png", "sine_spectrum_spring.force.csv")
+    assert columns.read_text().startswith("frequency [Hz],elements.spring.force [N]\n0.5,")
+
+
+def test_what_has_no_spectrum_is_refused(tmp_path):
+    time = 0.01 * np.arange(40)
+    uneven = write(tmp_path / "uneven.h5", time**2, np.sin(time))
+    with pytest.raises(UsageError, match=r"uneven.h5 is known every 0.0001 to 0.0077 s: .* equal intervals.*output"):
+        sheet(uneven)
+    with pytest.raises(UsageError, match="5 values: too few"):
+        sheet(write(tmp_path / "short.h5", time[:5], time[:5]))
+    with pytest.raises(UsageError, match="not finite"):
+        sheet(write(tmp_path / "nan.h5", time, np.where(time > 0.2, np.nan, 1.0)))
+    with pytest.raises(UsageError, match="over the load factor"):
+        sheet(write(tmp_path / "static.h5", time, time, Series("load factor", "", "share of the loads")))
+    with pytest.raises(UsageError, match="over the frequency"):
+        sheet(uneven, "spring.force:spring.force")
+    with pytest.raises(UnknownNameError, match="did you mean spring.force"):
+        sheet(uneven, "spring.forse")
