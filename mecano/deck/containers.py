@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from mecano.deck.expressions import is_expression
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
+from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
@@ -135,7 +136,7 @@ def either(node, field, scope):
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
         return node.value
-    if type(node.value) is str and not is_expression(node.value):
+    if type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value):
         return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 

@@ -19,7 +19,7 @@ def law_or_name(node, field, scope):
     """A law as a tuple of (term, {field: value}); a Reference for a name; a number means the constant curve."""
     if type(node.value) is dict:
         return law(node, field, scope)
-    value = plain_number(node, scope)
+    value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
     if value is not None and field.type.name != "law":
