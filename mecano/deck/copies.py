@@ -14,15 +14,17 @@ from dataclasses import dataclass, field, replace
 from mecano.deck.compose import Node
 from mecano.deck.containers import filled, singular
 from mecano.deck.expressions import ExpressionError, has_inserts, inserted, is_expression
-from mecano.deck.parameters import Parameters, Refused
+from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
-from mecano.deck.repeat import rows
+from mecano.deck.repeat import VALUE, rows
 from mecano.deck.scope import INVALID
+from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError, Problem
 from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, mapping, named
 
-MOST_VALUES = 1_000_000
+MOST_VALUES = 400_000
+MOST_PLACED = 10_000
 DEEPEST = 12  # templates inside templates
 ZERO = (0.0, 0.0, 0.0)
 ARGUMENTS = Type("arguments", "a mapping of numbers and words")
@@ -75,7 +77,7 @@ class Copies:
         self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
         self.templates = self._templates(root)
         self.deck = Level(scope.parameters)
-        self.count = 0
+        self.count = self.count_placed = 0
         self.incomplete = False
         self._open = []  # names of the templates that are being placed
 
@@ -183,22 +185,28 @@ class Copies:
     def placed(self, name, key, node):
         """{section: {name: (key, node)}} of a copy of a template."""
         before = len(self.scope.problems)
+        self.count_placed += 1
+        if self.count_placed > MOST_PLACED:
+            raise DeckError([*self.scope.problems, Problem(f"more than {MOST_PLACED} templates are placed", key.mark)])
         with self._about(f"place {quoted(name)}", self.deck.parameters):
             self.scope.owner = key
-            values = filled(node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, self.scope)
+            values = filled(
+                node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, self.scope
+            )
             if values is INVALID:
                 self.incomplete = True
                 return {}
             template = self._template(values["template"], node.value["template"][1])
             if template is None:
                 return {}
-            parameters = self._parameters(template, values, key, node)
+            mark = replace(key.mark, stack=(), role="placed at")
+            level = Level(self._parameters(template, values, key, node), (*key.source.stack, mark))
+            self._work_out(level)
         if len(self.scope.problems) > before:
             self.incomplete = True
             return {}
-        mark = replace(key.mark, stack=(), role="placed at")
         self._open.append(values["template"])
-        found = self.sections(template, Level(parameters, (*key.source.stack, mark)))
+        found = self.sections(template, level)
         self._open.pop()
         return self._moved(found, name, Placement(values["position"], values["orientation"]))
 
@@ -237,7 +245,9 @@ class Copies:
         for name in given:
             if name not in defaults:
                 hint = self.scope.suggest(name, defaults)
-                self._refuse(node.value["with"][1].value[name][0], f"the template has no parameter {quoted(name)}", hint)
+                self._refuse(
+                    node.value["with"][1].value[name][0], f"the template has no parameter {quoted(name)}", hint
+                )
         missing = [name for name, value in defaults.items() if value.value is None and name not in given]
         if missing:
             self._refuse(key, f"missing 'with.{missing[0]}', a parameter of the template without a default")
@@ -248,6 +258,16 @@ class Copies:
             for name, value in given.items()
         }
         return Parameters({**defaults, **raised}, self.deck.parameters)
+
+    def _work_out(self, level):
+        """The numbers among the parameters of a copy, wrong ones told at their own places."""
+        for name, node in level.parameters.nodes.items():
+            if not is_word(node) and node.value is not None:
+                self.scope.parameters = level.parameters
+                at = Node(node.value, level.source(node.source), node.line, node.column, node.raw)
+                with level.parameters.working_on(name):
+                    value = number(at, replace(VALUE, name=name), self.scope)
+                level.parameters.values[name] = None if value is INVALID else value
 
     def _templates(self, root):
         """{name: node} of the templates, each a mapping of sections."""

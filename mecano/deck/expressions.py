@@ -68,7 +68,7 @@ def _insert(match, parameters):
     try:
         value = evaluate(f"={name}", parameters, bare=True)
     except ExpressionError as error:
-        column = match.start() + (1 if match[2] is None else 0) + error.column
+        column = match.start() + (1 + error.column if match[2] is None else 0)
         raise type(error)(error.message, column, error.near) from None
     if value != int(value):
         raise ExpressionError(f"a name takes whole numbers and words, and {match[0]} is {value:g}", match.start())

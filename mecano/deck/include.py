@@ -32,10 +32,11 @@ class Inclusion:
         self.folder, self.problems = folder, problems
         self.named = {field.name for field in sections if field.type.name == "named"}
         self.sections, self.files, self.beside = {}, {}, {}
-        self._open = []  # names of the files that are being read
+        self._open = []  # paths of the files that are being read
 
     def merged(self, root):
         """The tree of a deck with the sections of all included files."""
+        self._open = [os.path.realpath(root.source.file)]
         self.take(root, "")
         return Node(self.sections, root.source, root.line, root.column)
 
@@ -57,8 +58,9 @@ class Inclusion:
         if path is None or os.path.isabs(node.value):
             return self._refuse(node, f"file {quoted(node.value)} must lie in the folder of the deck")
         if path in self._open:
-            shown = [os.path.relpath(file, os.path.realpath(self.folder)) for file in [*self._open, path]]
-            return self._refuse(node, f"files include one another in a circle: {' -> '.join(shown)}")
+            circle = [*self._open[self._open.index(path) :], path]
+            shown = " -> ".join(os.path.relpath(file, os.path.realpath(self.folder)) for file in circle)
+            return self._refuse(node, f"files include one another in a circle: {shown}")
         if name in self.files:
             return None
         if len(self.files) >= MOST_FILES:

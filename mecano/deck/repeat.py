@@ -13,7 +13,7 @@ from mecano.schema import NUMBER, Field
 
 HOW = "write {i: 0..5}, {i: [0, 2, 5]}, or a list of rows such as [{side: left, y: 0.5}, {side: right, y: -0.5}]"
 RANGE = Field("", NUMBER, "-", "an end of a range")
-VALUE = Field("", NUMBER, ANY, "a value of repeat")
+VALUE = Field("", NUMBER, ANY, "a value of a copy")
 
 
 def rows(node, scope, most):

@@ -5,6 +5,7 @@ import os
 from dataclasses import dataclass
 
 from mecano.deck.compose import Node
+from mecano.deck.include import confined
 from mecano.deck.scalar import number
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.values import LARGEST
@@ -30,6 +31,7 @@ def table(name, node, scope):
 
     The file must lie in the folder of the deck or below it.
     """
+    name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
     if name not in scope.tables:
         scope.tables[name] = None
         source = _source(name, node, scope)
@@ -43,11 +45,9 @@ def table(name, node, scope):
 
 def within(name, node, scope):
     """The path of a file in the folder of the deck or below it; None with the problem noted when it is elsewhere."""
-    folder = os.path.realpath(scope.folder)
-    path = os.path.realpath(os.path.join(folder, name))
-    if os.path.isabs(name) or os.path.commonpath([folder, path]) != folder:
+    path = confined(scope.folder, name)
+    if path is None:
         scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
-        return None
     return path
 
 

@@ -133,6 +133,7 @@ def _name(powers, unit):
     return "of another dimension" if unit != "-" else "a number"
 
 
+@lru_cache(maxsize=1024)
 def unit_of(declared, i, count):
     """The unit of the item i of ``count``: of "m, m2" each of two has its own, else all have all."""
     units = declared.split(", ")

@@ -80,6 +80,8 @@ def items(node, field, scope, item_type):
     """A list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
+    if item_type is NUMBER and all(type(i.value) in (int, float) and abs(i.value) <= LARGEST for i in node.value):
+        return [float(item.value) for item in node.value]  # most of a large deck: no field is made for each
     check = scope.checks[item_type.name]
     values = [
         check(item, Field(f"{field.name}[{i}]", item_type, unit_of(field.unit, i, len(node.value)), field.doc), scope)
