@@ -74,7 +74,6 @@ def scope_of(root, kinds, terms, folder, problems):
 
 def written_out(root, sections, scope):
     """The tree with all copies of templates and repeated entries in it."""
-    before = len(scope.problems)
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import filled, singular
-from mecano.deck.expressions import ExpressionError, has_inserts, inserted, is_expression
+from mecano.deck.expressions import ExpressionError, has_inserts, inserted
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows

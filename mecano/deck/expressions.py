@@ -78,7 +78,8 @@ def _insert(match, parameters):
 def evaluate(text, parameters, bare=False):
     """The float that an expression stands for; ``parameters(name)`` gives the numbers of names.
 
-    ``bare``: names of parameters are written without a $. Raises ExpressionError, and what ``parameters`` raises for a name that it has no number for.
+    ``bare``: names of parameters are written without a $.
+    Raises ExpressionError, and what ``parameters`` raises for a name that it has no number for.
     """
     whole = WHOLE.fullmatch(text)
     if whole and ("-" not in whole[2] or parameters.known(whole[2])):

@@ -1,7 +1,7 @@
 """Numbers by name, in any order; those that need one another in a circle are refused.
 
-The section ``parameters`` of the deck has some, and so has each copy of a template or of an entry with ``repeat``, where
-they may also be words: ``side: left``.
+The section ``parameters`` of the deck has some, and so has each copy of a template or of an entry with ``repeat``,
+where they may also be words: ``side: left``.
 """
 
 from contextlib import contextmanager

@@ -36,6 +36,10 @@ NAMES = {
     "a torsional stiffness": "N m/rad", "a torsional damping": "N m s/rad", "a mass per length": "kg/m",
     "a bending stiffness": "N m2",
 }  # fmt: skip
+COMMON = (  # what may have been meant
+    "mm", "cm", "km", "kg", "ms", "mrad", "kN", "MN", "kPa", "MPa", "GPa", "mbar", "kJ", "kW", "kHz", "km/h", "m/s",
+    "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2", "kg/m3", "mm2", "cm2", "m2",
+)  # fmt: skip
 ANY = "unit of its use"
 
 
@@ -97,17 +101,10 @@ def _unit(unit, text):
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
     if found is None or not math.isfinite(found[0]):
-        near = difflib.get_close_matches(unit[:40], _known(), n=1, cutoff=0.5)
+        near = difflib.get_close_matches(unit[:40], (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=0.5)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         raise UnitError(f"'{unit[:40]}' in '{text[:60]}' is no unit{hint}")
     return found
-
-
-@lru_cache(maxsize=1)
-def _known():
-    return [*ALONE, *PREFIXED, "mm", "cm", "km", "kg", "ms", "mrad", "kN", "MN", "kPa", "MPa", "GPa", "mbar", "kJ", "kW",
-            "kHz", "km/h", "m/s", "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2",
-            "kg/m3", "mm2", "cm2", "m2"]  # fmt: skip
 
 
 @lru_cache(maxsize=1024)
