@@ -43,6 +43,8 @@ CHECKS = {
     "matrix": values.matrix,
     "matrix_6": values.matrix_6,
     "points": values.points,
+    "columns": values.columns,
+    "units": values.units,
     "node": values.node_name,
     "nodes": values.node_names,
     "ground": values.named,

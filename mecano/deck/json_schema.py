@@ -88,10 +88,10 @@ def _object(fields, doc="", **more):
     """A mapping of fields."""
     properties = {field.name: _property(field) for field in fields}
     required = [field.name for field in fields if field.required]
-    return {
-        "type": "object", "properties": {**more, **properties}, "additionalProperties": False,
-        **({"required": required} if required else {}), **({"description": doc.strip().split("\n\n")[0]} if doc else {}),
-    }  # fmt: skip
+    schema = {"type": "object", "properties": {**more, **properties}, "additionalProperties": False}
+    if required:
+        schema["required"] = required
+    return {**schema, "description": doc.strip().split("\n\n")[0]} if doc else schema
 
 
 def _kind(kind):
@@ -151,6 +151,7 @@ WRITTEN = {
     "curve": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "law_in_place": {"anyOf": [NUMBER, LAW]},
     "reduced": {"anyOf": [TEXT, {"type": "object"}]}, "rows": {"anyOf": [TEXT, _list(_list(NUMBER))]},
     "arguments": {"type": "object", "additionalProperties": {"type": ["number", "string"]}},
+    "columns": _list({"type": ["string", "integer"]}, 2, 2), "units": _list(TEXT, 2, 2),
     "files": {"anyOf": [TEXT, _list(TEXT)]}, "template": {"$ref": "#/definitions/template"},
 }  # fmt: skip
 MADE = {

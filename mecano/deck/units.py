@@ -59,13 +59,18 @@ def converted(text, declared):
     ("unit of the value"). Raises UnitError.
     """
     match = QUANTITY.fullmatch(text)
-    value, powers = _unit(match[2], text)
+    return float(match[1]) * factor_of(match[2], declared)
+
+
+def factor_of(unit, declared):
+    """The value in SI units of a unit for a field that is declared with another; as ``converted``."""
+    value, powers = _unit(unit)
     wanted = _declared(declared)
     if wanted is not None and not any(_fits(powers, known) for known in wanted):
-        unit = "" if declared == "-" else f" [{declared}]"
+        shown = "" if declared == "-" else f" [{declared}]"
         expected = " or ".join(_name(known, declared) for known in wanted)
-        raise UnitError(f"{expected}{unit} is expected, and '{match[2]}' is {_name(powers, match[2])}")
-    return float(match[1]) * value
+        raise UnitError(f"{expected}{shown} is expected, and '{unit}' is {_name(powers, unit)}")
+    return value
 
 
 @lru_cache(maxsize=1024)
@@ -96,14 +101,14 @@ def _simple(name):
     return None
 
 
-def _unit(unit, text):
+def _unit(unit):
     found = parsed(unit)
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
     if found is None or not math.isfinite(found[0]):
         near = difflib.get_close_matches(unit[:40], (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=0.5)
         hint = f"; did you mean '{near[0]}'?" if near else ""
-        raise UnitError(f"'{unit[:40]}' in '{text[:60]}' is no unit{hint}")
+        raise UnitError(f"'{unit[:40]}' is no unit{hint}")
     return found
 
 

@@ -154,6 +154,23 @@ def points(node, field, scope):
     return INVALID if odd else items(node, field, scope, PAIR)
 
 
+def columns(node, field, scope):
+    """Two columns of a table: headers, or numbers from 1."""
+    return _pair(node, field, scope, (str, int))
+
+
+def units(node, field, scope):
+    """Two units."""
+    return _pair(node, field, scope, (str,))
+
+
+def _pair(node, field, scope, types):
+    items = node.value if type(node.value) is list else ()
+    if len(items) != 2 or any(type(item.value) not in types for item in items):
+        return scope.refuse_value(node, field)
+    return [item.value for item in items]
+
+
 def node_name(node, field, scope):
     """The name of a node, looked up later."""
     if type(node.value) is not str:
