@@ -7,7 +7,7 @@ FILES = Type("files", "the name of a file, or a list of names")
 TEMPLATE = Type("template", "a mapping of 'parameters' with their defaults, 'place', and sections of names")
 REPEAT = Field(
     "repeat", Type("repeat", "names with ranges or lists, or a list of rows"), "-",
-    "of any named entry: one copy for each value, which stands in its name as in 'post$i', 'post$(i + 1)'", None,
+    "of any named entry: one copy for each value, named with it: post$i, post$(i+1)", None,
 )  # fmt: skip
 LANGUAGE = (
     Field(

@@ -83,10 +83,11 @@ def items(node, field, scope, item_type):
     if item_type is NUMBER and all(type(i.value) in (int, float) and abs(i.value) <= LARGEST for i in node.value):
         return [float(item.value) for item in node.value]  # most of a large deck: no field is made for each
     check = scope.checks[item_type.name]
-    values = [
-        check(item, Field(f"{field.name}[{i}]", item_type, unit_of(field.unit, i, len(node.value)), field.doc), scope)
-        for i, item in enumerate(node.value)
-    ]
+    own = item_type is NUMBER  # each number of a list may have a unit of its own, lists in a list have the same
+    values = []
+    for i, item in enumerate(node.value):
+        unit = unit_of(field.unit, i, len(node.value)) if own else field.unit
+        values.append(check(item, Field(f"{field.name}[{i}]", item_type, unit, field.doc), scope))
     return INVALID if INVALID in values else values
 
 
