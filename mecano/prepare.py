@@ -112,7 +112,7 @@ def remarks(prepared, start=None):
 
 def amount_warnings(prepared):
     """Texts on more steps or results than can have been meant."""
-    row = 1 + sum(column.size for column in Sampler(prepared.system).columns)
+    row = 1 + Sampler(prepared.system).row.size
     return warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 

@@ -179,7 +179,9 @@ class Copies:
         if word:
             return Word(word.value, node, word.rise if type(word) is Word else 0)
         value = scope.evaluated(node)
-        self.incomplete |= value is INVALID
+        if value is INVALID:
+            self.incomplete = True
+            return node
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
     def placed(self, name, key, node):

@@ -17,6 +17,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.maths.distinct import distinct
+
 # Columns of the table of fronts
 FIRST = 0  # position, in elimination order, of the first unknown that the front eliminates
 PIVOTS = 1  # number of unknowns that it eliminates
@@ -140,7 +142,7 @@ def _structures(graph):
     for j in range(n):
         own = graph.indices[graph.indptr[j] : graph.indptr[j + 1]]
         parts = [own[own > j]] + [structures[c][1:] for c in children[j]]
-        structure = np.unique(np.concatenate(parts)) if children[j] else parts[0]
+        structure = distinct(np.concatenate(parts)) if children[j] else parts[0]
         structures.append(structure)
         if len(structure):
             parent[j] = structure[0]
