@@ -10,6 +10,7 @@ from mecano.cli import commands
 from mecano.deck.new import starter, starters, write_text
 from mecano.deck.read import read_deck
 from mecano.errors import ResultsError, UsageError
+from mecano.model.sampler import Sampler, row_size
 from mecano.prepare import prepare
 
 
@@ -19,7 +20,9 @@ def test_starters_run(name, tmp_path):
     path = tmp_path / f"{name}.yaml"
     write_text(path, starter(name))
     deck = read_deck(path)
-    assert deck.values["title"] and prepare(deck).displacement < 1e-12
+    prepared = prepare(deck)
+    assert deck.values["title"] and prepared.displacement < 1e-12
+    assert row_size(prepared.system) == Sampler(prepared.system).row.size
     results = tmp_path / "results.h5"
     short = (
         [] if deck.values["static"] else ["time.end=0.01", "time.adaptive=null", "time.step=1e-3", "output.every=step"]

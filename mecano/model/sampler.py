@@ -46,6 +46,12 @@ ENERGIES = (
 )
 
 
+def row_size(system):
+    """How many numbers the row of a System has."""
+    nodes = sum(not node.internal for node in system.nodes) * sum(math.prod(shape) for *_, shape in NODE_OUTPUTS)
+    return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
+
+
 class Sampler:
     """Builds the row; ``columns`` describe it."""
 

@@ -94,7 +94,8 @@ def _ties(rows, cols, nodes, n_q, n_nodes):
 def _quotient(block_rows, block_cols, n_blocks):
     """Symmetric graph of blocks, without loops, as a CSR matrix with sorted indices."""
     off = block_rows != block_cols
-    i, j = block_rows[off], block_cols[off]
+    pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # some 36 entries each, of nodes with 6 unknowns
+    i, j = np.divmod(pairs, max(n_blocks, 1))
     ends = np.concatenate([i, j]), np.concatenate([j, i])
     graph = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=(n_blocks, n_blocks)).tocsr()
     graph.sort_indices()
