@@ -142,6 +142,9 @@ class Pattern:
     def accept(self, error, h):
         return True
 
+    def holds(self, error, h):
+        return False
+
     def after(self, error, h):
         self.taken += 1
         return self.step * self.factors[self.taken % len(self.factors)]

@@ -19,7 +19,7 @@ from mecano.model.loops import residual
 from mecano.model.state import History
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import finish, predict, tangents
+from mecano.solve.increments import finish, largest_change, predict, tangents
 from mecano.solve.kept_tangent import SHARE, keep
 from mecano.solve.newton import (
     CONVERGED,
@@ -35,9 +35,11 @@ from mecano.solve.newton import (
     WORST,
     iterate,
 )
+from mecano.solve.resolved import resolved
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+FREE = 1e6  # times the weight of the masses: no stiffness has a say
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
@@ -84,6 +86,7 @@ class StepInfo:
     iterations: int
     norms: tuple  # force, constraint, increment over their tolerances
     error: float  # local error, relative to the length scale (or rad); nan if not ok
+    began: History  # what the step began with
     message: str = ""
 
 
@@ -134,6 +137,9 @@ class GeneralizedAlpha:
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
         a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
         returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
+
+        The accelerations of the history are those that a step of h can follow (resolved.py): those of a member that
+        swings much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
@@ -146,31 +152,69 @@ class GeneralizedAlpha:
         if self.compliance is not None:
             s = consistent.give_way(s, self.compliance)
         nothing = np.zeros(self.system.n)
-        return s, self._history(consistent, s, s.a.copy(), h, nothing, nothing, 0)
+        return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
 
     def restart(self, s, history, h):
-        """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers)."""
+        """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers).
+
+        Of the shift of the accelerations to where steps of h keep them, a longer step takes what it can follow.
+        """
         c = self.coefficients
         consistent = Consistent(self.system, self.linear, s, self.compliance)
         ratio, n_q = h / history.h, self.system.n_q
-        a = history.a.copy()
-        a[:n_q] += (c.am - c.af) * (ratio - 1.0) * history.slope[:n_q]
+        a, shift = history.a.copy(), np.zeros_like(history.a)
+        shift[:n_q] = (c.am - c.af) * (ratio - 1.0) * history.slope[:n_q]
+        if not history.known:  # no step has been made: as at the start
+            a, shift = np.zeros_like(a), s.a
+        elif ratio <= 1.0:
+            a, shift = a + shift, np.zeros_like(shift)
         bend = ratio**2 * history.bend
         slope = ratio * (history.slope + 0.5 * history.bend) - 0.5 * bend
-        return self._history(consistent, s, a, h, slope, bend, history.known)
+        return self._history(consistent, s, a, shift, h, slope, bend, history.known)
 
-    def _history(self, consistent, s, a, h, slope, bend, known):
-        """Shift the constrained parts of a and v to where the method keeps them."""
+    def _history(self, consistent, s, a, more, h, slope, bend, known):
+        """History with the accelerations ``a``, changed in place, and what steps of h can follow of ``more`` (n_all,).
+
+        The constrained parts of accelerations and velocities are shifted to where the method keeps them.
+        """
         c, n_q = self.coefficients, self.system.n_q
-        v_shift = np.zeros_like(a)
+        v_shift, whole = np.zeros_like(a), a + more
         if self.system.n_l:
             rate = consistent.jerk_rate(s, h)
-            consistent.project_acceleration(s, a, -(c.am - c.af) * h * rate)
+            for part in (a, whole):
+                consistent.project_acceleration(s, part, -(c.am - c.af) * h * rate)
             shifted = s.copy()
             consistent.project_velocity(shifted, c.error * h * h * np.where(self._exact_rates, 0.0, rate))
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
-        return History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
+        history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
+        if more.any():
+            a[:n_q] += self._resolved(s, history, (whole - a)[:n_q])
+        return history
+
+    def _resolved(self, s, history, a):
+        """What steps of the size in ``history`` can follow of the accelerations ``a`` (n_q,) at ``s``."""
+        scales = self._scales(history, history.h)
+        here = s.copy()
+        self._factor(here, scales)
+        return resolved(self.system, self.linear, here, a, scales[-1])
+
+    def bounded_error(self, s, history, info, duration):
+        """Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
+
+        A run of ``duration`` [s] in such steps adds up Ce h^2 da in each, T da in all. Of a mode of circular frequency
+        omega this is too much: da/omega^2 is no more than its amplitude. The harmonic sum of both is
+        (K + M/T)^-1 M da; what it is smaller by than T da, both along the constraints, is taken off the error.
+        """
+        n_q, kind, nothing = self.system.n_q, self.system.numbering.kind, np.zeros(self.system.n_q)
+        change, here = (history.a - info.began.a)[:n_q], s.copy()
+        weight, sizes = 1.0 / (duration * self.coefficients.error * history.h), []
+        for w in (weight, FREE * weight):
+            self._factor(here, (*self._scales(history, history.h)[:2], 0.0, w))
+            part = resolved(self.system, self.linear, here, change, w)
+            sizes.append(largest_change(nothing, part, kind, n_q, self.length))
+        bounded, whole = sizes
+        return info.error * min(bounded / whole, 1.0) if whole > 0.0 else info.error
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""
@@ -200,15 +244,15 @@ class GeneralizedAlpha:
         reached = tuple(report[FORCES : INCREMENT + 1].tolist())
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
-            return s, history, StepInfo(False, iterations, reached, np.nan, message)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, message)
         a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
         change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
         if turn > MOST_TURN:
-            return s, history, StepInfo(False, iterations, reached, np.nan, TURNS_TOO_FAR)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
-        return s, new, StepInfo(True, iterations, reached, self.coefficients.error * h * h * change)
+        return s, new, StepInfo(True, iterations, reached, self.coefficients.error * h * h * change, history)
 
     def _guesses(self, s0, history):
         """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.

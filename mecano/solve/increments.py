@@ -119,22 +119,32 @@ def finish(
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
     displacements, or of a scalar; and the largest component of a rotation increment [rad].
     """
-    worst = square = turn = 0.0
+    turn = 0.0
     for i in range(n_q):
         a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
         if kind[i] == ROTATION:
-            change, turn = a_out[i] - a0[i], max(turn, abs(z[i]))
-        else:
-            change = (a_out[i] - a0[i]) / length
-        begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
-        square = change * change + (0.0 if begins else square)
-        worst = max(worst, square)
+            turn = max(turn, abs(z[i]))
         slope_out[i] = acceleration[i] - acceleration0[i]
     for i in range(n_q, n):
         slope_out[i] = z[i] - z0[i]
     for i in range(n):
         bend_out[i] = slope_out[i] - slope[i] if known else 0.0
-    return math.sqrt(worst), turn
+    return largest_change(a0, a_out, kind, n_q, length), turn
+
+
+@njit(cache=True)
+def largest_change(x0, x, kind, n_q, length):
+    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar.
+
+    It counts over ``length`` for displacements and scalars.
+    """
+    worst = square = 0.0
+    for i in range(n_q):
+        change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
+        begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
+        square = change * change + (0.0 if begins else square)
+        worst = max(worst, square)
+    return math.sqrt(worst)
 
 
 def displaced(s, dq, of):

@@ -15,6 +15,7 @@ STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
 MOST_NAMES = 8  # named in a remark
+PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
 STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
@@ -107,12 +108,19 @@ class March:
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion.t, h)
-        if self.control.accept(info.error, h):
+        if self._within(trial, h):
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
         return self.control.retry(info.error, h)
+
+    def _within(self, trial, h):
+        """True when the error of the ``trial`` is accepted; what swings is bounded where the plain estimate is not."""
+        info = trial[2]
+        if not self.control.accept(info.error, h):
+            info.error = self.method.bounded_error(*trial, self.control.duration)
+        return self.control.accept(info.error, h)
 
     def _step(self, run, h):
         return self.method.step(run.motion, self._history_for(run, h), h)
@@ -134,6 +142,8 @@ class March:
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
+        if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
+            info.error = self.method.bounded_error(*trial, self.control.duration)
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
@@ -166,7 +176,9 @@ class March:
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
 
     def _accept_event(self, run, found, rejected):
-        h, (s, history, info), hit = found
+        h, trial, hit = found
+        self._within(trial, h)
+        s, history, info = trial
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)

@@ -31,6 +31,10 @@ class FixedStep:
         """Always."""
         return True
 
+    def holds(self, error, h):
+        """Never: no error keeps a fixed step from growing."""
+        return False
+
     def after(self, error, h):
         """The next step size after an accepted step of size h."""
         return min(self.step, GROWTH * h)
@@ -59,6 +63,10 @@ class AdaptiveStep:
     def accept(self, error, h):
         """True when the error is within its share, or the step was cut to less than the minimum to meet a time."""
         return error <= self.allowed(h) or h < self.minimum
+
+    def holds(self, error, h):
+        """True when the error keeps an accepted step of size h from growing."""
+        return h < self.maximum and self._factor(error, h) < HOLD
 
     def after(self, error, h):
         """The next step size after an accepted step of size h."""

@@ -1,0 +1,27 @@
+r"""What a step can follow of accelerations: their smooth part, and little of what swings faster than the step.
+
+.. math:: \begin{bmatrix} S & k B^T \\ k B & 0 \end{bmatrix} \begin{bmatrix} y \\ \mu \end{bmatrix} =
+   \begin{bmatrix} c_M M a \\ 0 \end{bmatrix}, \qquad S = K + c_C C + c_M M
+
+with the effective tangent S of a step of size h: a mode of circular frequency omega keeps the share
+1/(1 + beta' omega^2 h^2) of its acceleration. A slow one keeps all but O(h^2); of one far too fast for the step, whose
+displacement d has the acceleration omega^2 d, remains d/(beta' h^2): what displaces it by d in one step.
+"""
+
+import numpy as np
+
+
+def resolved(system, linear, s, a, cM):
+    """Part (n_q,) of the accelerations ``a`` (n_q,) that a step can follow, along the constraints.
+
+    ``linear`` holds the factored effective tangent, ``s`` is the state of the masses; cM [1/s^2] is their weight in it.
+    The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.
+    """
+    n_q = system.n_q
+    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+    among = (system.rows < n_q) & (system.cols < n_q)
+    rows, columns, masses = system.rows[among], system.cols[among], system.data[:-1][among]
+    forces, x = np.zeros(system.n), np.zeros(system.n)
+    forces[:n_q] = np.bincount(rows, masses * a[columns], n_q)
+    linear.resolve(cM * forces, x)
+    return x[:n_q]
