@@ -108,12 +108,13 @@ class March:
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion.t, h)
+        plain = info.error
         if self._within(trial, h):
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
-        return self.control.retry(info.error, h)
+        return self.control.retry(plain, h)  # only steps that resolve what swings make its error smaller
 
     def _within(self, trial, h):
         """True when the error of the ``trial`` is accepted; what swings is bounded where the plain estimate is not."""

@@ -6,6 +6,7 @@ Recorded in docs/examples/reflector.md.
 """
 
 import os
+import re
 import resource
 import sys
 import time
@@ -20,23 +21,33 @@ import numpy as np
 from mecano.deck.read import deck_of_bytes
 from mecano.model.sampler import Sampler
 from mecano.prepare import march_of, prepare
+from mecano.solve.interpolate import interpolate
 
 WRITER = Path(__file__).parent.parent.parent / "inputs" / "make_reflector.py"
-STEPS = 0.02, 0.01, 0.005, 0.002, 0.001  # [s]; the last is the reference
+FIXED = "{{end: 4, step: {}, rho_inf: 0.0}}"
+ADAPTIVE = "{{end: 4, step: 0.01, adaptive: {{tolerance: {}}}, rho_inf: {}}}"
+TIMES = {
+    **{f"fixed {h:g} s": FIXED.format(h) for h in (0.02, 0.01, 0.005)},
+    **{f"{tol:g}, rho_inf {rho}": ADAPTIVE.format(tol, rho) for rho in (0.0, 0.5) for tol in (1e-2, 3e-3, 1e-3)},
+}
+REFERENCE = ADAPTIVE.format(3e-5, 0.0)
 MODULES = 1, 7, 19, 37
 WINDER = "payout_tension: $payout_tension, "
+EVERY = 0.05  # [s]: times at which nodes are compared
 EARLY = 0.5  # [s] of a growing reflector
 ANGLES = np.arange(0.25, 2.76, 0.25)  # [rad] of a motor hinge
 MOTORS = tuple(f"face0_{i}_{level}" for i in range(1, 7) for level in ("low", "high"))
 
 
-def deck(*arguments, without=""):
-    """A checked deck, from whose text ``without`` is taken out."""
+def deck(*arguments, without="", time=None):
+    """A checked deck, from whose text ``without`` is taken out, with another section ``time``."""
     spec = spec_from_file_location("make_reflector", WRITER)
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     text = module.deck(module.options(arguments))
-    return deck_of_bytes(text.replace(without, "").encode() if without else text.encode(), "reflector")
+    text = text.replace(without, "") if without else text
+    text = re.sub("^time: .*$", f"time: {time}", text, flags=re.MULTILINE) if time else text
+    return deck_of_bytes(text.encode(), "reflector")
 
 
 class Deployment:
@@ -45,12 +56,16 @@ class Deployment:
     def __init__(self, deck, end=None):
         begun = time.process_time()
         prepared = prepare(deck)
-        march, self.happenings, rows = march_of(prepared), [], []
-        sampler = Sampler(prepared.system)
+        march, self.happenings, rows, self.nodes = march_of(prepared), [], [], []
+        sampler, of = Sampler(prepared.system), prepared.system.numbering
         self.columns = {c.path: c for c in sampler.columns}
 
         def observe(accepted):
             self.happenings += accepted.happenings
+            while (t := EVERY * (1 + len(self.nodes))) <= accepted.run.motion.t:
+                self.nodes.append(
+                    interpolate(accepted.before, accepted.run.motion, t, of).z[of.x[:, None] + np.arange(3)]
+                )
             if accepted.h and not end:
                 rows.append((accepted.run.motion.t, sampler.take(accepted.run).copy()))
 
@@ -94,27 +109,28 @@ def shocks():
 
 
 def precision():
-    """CPU and errors for several steps, against the last."""
-    runs = {h: Deployment(deck("--step", str(h))) for h in STEPS}
-    best = runs[STEPS[-1]]
+    """CPU and errors for several steps and tolerances, against the reference."""
+    best = Deployment(deck(time=REFERENCE))
+    print(f"reference: {best.run.steps} steps, march {best.march:.1f} s", flush=True)
     stress = [path for path in best.columns if path.endswith("/stress") and "ing/" in path]
-    places = [path for path in best.columns if path.endswith("/position")]
-    for h, run in runs.items():
+    for name, text in TIMES.items():
+        run = Deployment(deck(time=text))
         lag = max(abs(run.locks()[name][0] - t) for name, (t, *_) in best.locks().items())
         peak = [max(one[path].max() for path in stress) for one in (run, best)]
-        grid = np.linspace(0.0, 4.0, 81)[1:]
-        off = max(np.abs(_at(run, path, grid) - _at(best, path, grid)).max() for path in places)
-        moment = [max(abs(i) for _, i, _ in one.locks().values()) for one in (run, best)]
+        off = max(np.abs(mine - its).max() for mine, its in zip(run.nodes, best.nodes, strict=True))
+        rates = [_rates(one) for one in (run, best)]
+        change = max(abs(rates[0][name] / rate - 1.0) for name, rate in rates[1].items())
         print(
-            f"step {h:g} s  {run.run.steps} steps, {run.run.rejected} rejected  march {run.march:.2f} s  "
-            f"nodes {off:.1e} m  locks {lag * 1e3:.2f} ms, largest impulse {moment[0] / moment[1] - 1:+.1%}  "
-            f"stress {peak[0] / peak[1] - 1:+.1%}  complete {max(t for t, *_ in run.locks().values()):.4f} s"
+            f"{name}  {run.run.steps} steps, {run.run.rejected} rejected  march {run.march:.2f} s  "
+            f"nodes {off:.1e} m  locks {lag * 1e3:.2f} ms, rates {change:.1%}  "
+            f"stress {peak[0] / peak[1] - 1:+.1%}  complete {max(t for t, *_ in run.locks().values()):.4f} s",
+            flush=True,
         )
 
 
-def _at(run, path, grid):
-    values = run[path]
-    return np.array([np.interp(grid, run.time, values[:, i]) for i in range(values.shape[1])])
+def _rates(run):
+    """Rate of each hinge [rad/s] at its lock, before the shock."""
+    return {name: run[f"joints/{name}/rate"][run.time == t][0] for name, (t, *_) in run.locks().items()}
 
 
 def growth():
