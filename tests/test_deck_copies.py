@@ -350,3 +350,13 @@ def test_an_error_in_a_file_tells_where_it_is_included(tmp_path):
         f"  included at {path}:2:27\n"
         "1 error"
     )
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1 " + "a" * 1_000_000, "1" + " m" * 500_000, "$(" * 500_000, "$i" * 500_000, "x$(" + "()" * 500_000],
+    ids=range(5),
+)
+def test_long_texts_are_refused_at_once(text):
+    (problem, *_) = problems_of(CHAIN.replace("'2 + $i'", f"'{text}'"))
+    assert len(problem) < 400

@@ -48,6 +48,8 @@ def has_inserts(text):
 
 def inserted(text, parameters):
     """A name with the whole numbers and words in their places; raises as ``evaluate``."""
+    if len(text) > LONGEST:
+        raise _wrong(text, f"has more than {LONGEST} characters")
     parts, end = [], 0
     for match in INSERT.finditer(text):
         parts += [text[end : match.start()], _insert(match, parameters)]

@@ -9,9 +9,11 @@ import math
 import re
 from functools import lru_cache
 
+from mecano.deck.scalar import number
+
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 QUANTITY = re.compile(rf"({NUMBER})\s*([A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*|1/[^\s,\[\]]+)\s*")
-FACTOR = re.compile(r"([A-Za-zµμ°%]+[A-Za-z]*?|1)(?:\^?(-?[0-9])|([²³]))?")
+FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
 LENGTH, MASS, TIME, ANGLE, NONE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 0)
@@ -41,6 +43,7 @@ COMMON = (  # what may have been meant
     "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2", "kg/m3", "mm2", "cm2", "m2",
 )  # fmt: skip
 ANY = "unit of its use"
+LONGEST = 60  # characters of a unit
 
 
 class UnitError(Exception):
@@ -48,8 +51,8 @@ class UnitError(Exception):
 
 
 def is_quantity(text):
-    """True when a text begins as a quantity: a number, then what may be a unit."""
-    return QUANTITY.fullmatch(text) is not None
+    """True when a text is a number and behind it what may be a unit; a number in quotes is none."""
+    return QUANTITY.fullmatch(text) is not None and number(text) is None
 
 
 def converted(text, declared):
@@ -64,6 +67,8 @@ def converted(text, declared):
 
 def factor_of(unit, declared):
     """The value in SI units of a unit for a field that is declared with another; as ``converted``."""
+    if len(unit) > LONGEST:
+        raise UnitError(f"'{unit[:40]}...' is no unit")
     value, powers = _unit(unit)
     wanted = _declared(declared)
     if wanted is not None and not any(_fits(powers, known) for known in wanted):
