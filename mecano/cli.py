@@ -181,14 +181,15 @@ def _names(text):
 @commands.command()
 @click.argument("deck", type=click.Path())
 @overrides
-def check(deck, overrides):
+@click.option("--all", "every", is_flag=True, help="Name all that can move, however many there are.")
+def check(deck, overrides, every):
     """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
     from mecano.summary import summary
 
-    _show(summary(checked))
+    _show(summary(checked, every))
 
 
 @commands.command()
@@ -235,11 +236,12 @@ def post(results, plots, at, output, kind, columns, title, page):
     "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
     help="Outputs with units and meanings, of a pattern such as 'wheel.*' or all.",
 )  # fmt: skip
-def info(results, pattern):
+@click.option("--events", is_flag=True, help="List all events, each in a line of its own.")
+def info(results, pattern, events):
     """Say what is in a results file and how the run went: status, steps, events, extremes."""
     from mecano.post.info import info as text
 
-    _show(text(results, pattern))
+    _show(text(results, pattern, events))
 
 
 @commands.command(name="list")

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from mecano.contract import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
 from mecano.model.sampler import Sampler
-from mecano.prepare import chosen, march_of, prepare, remarks
+from mecano.prepare import chosen, march_of, prepare, remarks, some
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
@@ -99,14 +100,19 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         recorder = Recorder(prepared, writer, sampler, march.control)
         march.observers = (recorder, *observers)
         recorder.first(start)
-        final = march.to(values["end"], start)
+        try:
+            final = march.to(values["end"], start)
+        except ConvergenceError as error:
+            raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
         warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
+        warnings += open_latches(deck, sampler.take(final), sampler)
         for text in warnings:
             announce(text)
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
 
 
+MOST_LATCHES = 8  # named in a warning
 NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
 
 
@@ -132,11 +138,26 @@ def exceeded(deck, sampler, extremes):
     ]
 
 
+def open_latches(deck, row, sampler):
+    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
+    columns, found = {column.path: column.start for column in sampler.columns}, []
+    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
+    for name, d in latched.items():
+        if not row[columns[f"joints/{name}/latched"]]:
+            ((quantity, wanted),) = d["latch"].items()
+            rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
+            at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
+            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
+    if found:
+        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"
+
+
 def watched(deck, sampler, what):
     """What the kinds of the elements watch, "limits" or "ends": [(name, values, output, its column, value, text)]."""
     columns = {column.path: column.start for column in sampler.columns}
     return [
-        (name, d, output, columns[f"elements/{name}/{output}"], value, text)
-        for name, d in deck.values["elements"].items()
+        (name, d, output, columns[f"{section}/{name}/{output}"], value, text)
+        for section in SECTIONS
+        for name, d in deck.values[section].items()
         for output, value, text in getattr(KINDS[d["type"]], what)(d)
     ]

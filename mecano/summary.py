@@ -9,13 +9,17 @@ from mecano.prepare import amount_warnings, prepare, some
 from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
-MOST_NAMES = 12  # names printed of one mechanism
+MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
+MOST_SHARING = 3  # names of nodes that share an unknown
 WIDTH = 110
 INDENT = " " * 17
 
 
-def summary(deck):
-    """The summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled."""
+def summary(deck, every=False):
+    """The summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled.
+
+    Of many free unknowns and mechanisms the first only, unless ``every`` one is asked for.
+    """
     prepared = prepare(deck)
     system, analysis = prepared.system, prepared.analysis
     values = deck.values
@@ -32,11 +36,7 @@ def summary(deck):
     if not analysis.complete:
         return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
     lines.append(f"mobility         {analysis.mobility}")
-    alone = [name for group in analysis.mechanisms for name in group.names if len(group.names) == 1]
-    texts = [f"{len(alone)} unknown(s) that no constraint ties: {some(_by_nodes(alone), MOST_NAMES)}"] if alone else []
-    for group in (group for group in analysis.mechanisms if len(group.names) > 1):
-        texts.append(f"mechanism of {group.count} degree(s) of freedom: {some(group.names, MOST_NAMES)}")
-    for text in texts:
+    for text in _free(analysis.mechanisms, every):
         lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
@@ -53,19 +53,50 @@ def _mass(system):
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
 
 
+def _free(mechanisms, every):
+    """What can move, in words: unknowns that nothing ties, and mechanisms."""
+    most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
+    alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
+    if alone:
+        yield f"{len(alone)} unknown(s) that no constraint ties: {some(_by_nodes(alone), most)}"
+    groups = [group for group in mechanisms if len(group.names) > 1]
+    for group in groups[:shown]:
+        yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"
+    if more := groups[shown:]:
+        degrees = sum(group.count for group in more)
+        yield f"and {len(more)} more mechanism(s) of {degrees} degree(s) of freedom together: mecano check DECK --all"
+
+
 def _by_nodes(names):
-    """Names of unknowns ("node a: displacement x"); a node all of whose unknowns are there is one, a member too."""
+    """Names of unknowns ("node a: displacement x"); all of one sort of a node are one, all of a node, a member too."""
     nodes, found, inside = {}, [], Counter()
     for name in names:
         nodes.setdefault(name.partition(": ")[0], []).append(name)
     for node, own in nodes.items():
         if len(own) < 6:
-            found += own
+            found += _by_sort(node, own)
         elif "." in node:
             inside[node.removeprefix("node ").rpartition(".")[0]] += 1
         else:
-            found.append(f"{node}: all")
+            found.append(f"{_few(node)}: all")
     return found + [f"all of the {count} node(s) inside '{member}'" for member, count in inside.items()]
+
+
+def _by_sort(node, names):
+    """Names of some unknowns of a node; three displacements or rotations are one."""
+    sorts = {}
+    for name in names:
+        what = name.partition(": ")[2]
+        sorts.setdefault(what.rpartition(" ")[0], []).append(what)
+    for sort, own in sorts.items():
+        shown = [sort.removesuffix(" about material")] if len(own) == 3 else own
+        yield from (f"{_few(node)}: {what}" for what in shown)
+
+
+def _few(node):
+    """The first of the nodes that share an unknown, and how many more there are."""
+    names = node.split(", ")
+    return node if len(names) <= MOST_SHARING else f"{', '.join(names[:2])} and {len(names) - 2} more"
 
 
 def _statics(prepared):

@@ -32,6 +32,9 @@ VALUES = {
     "attached": [],
     "axis": [0.0, 1.0, 0.0],
     "radius": 0.3,
+    "center": [0.0, 0.0, 0.0],
+    "semi_axis_1": [0.3, 0.0, 0.0],
+    "semi_axis_2": [0.0, 0.3, 0.0],
     "file": {"positions": [[0.0, 0.0, 0.0], [1.0, 0.0, 0.3]]},  # a superelement without nodes inside
     "tire_law": "tyre",
     "ground": "runway",

@@ -14,7 +14,7 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
@@ -208,6 +208,8 @@ def turned_values(kind, values, Q, shift):
             out[field.name] = Q @ np.asarray(value, float)
         if value is not None and field.type == POINT:
             out[field.name] = Q @ np.asarray(value, float) + shift
+        if value is not None and field.type == list_of(POINT):
+            out[field.name] = [list(Q @ point + shift) for point in value]
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
         if value is not None and field.type == WHEEL:

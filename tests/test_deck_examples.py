@@ -21,6 +21,7 @@ nodes:
   slider: {position: [1, 0, 1]}
   wheel: {position: [0, 0, 0.3]}
 elements:
+  girder: {type: beam, nodes: [crank, slider], section: pipe, mesh: 2}
   masses$i: {repeat: [{i: 1, at: crank}, {i: 2, at: rod}, {i: 3, at: slider}, {i: 4, at: wheel}, {i: 5, at: pin}],
     type: rigid_body, node: $at, mass: 1, inertia: [1, 1, 1]}
 laws:

@@ -43,6 +43,22 @@ def test_screw_is_driven_by_its_moment():
     assert march[f"{jack}/angle"][-1] > 4.0 * np.pi
 
 
+def test_screw_locks_and_rebounds():
+    """At 20 mm it locks with the impulse (J + m h^2) omega/h, or comes back from a stop with half its rate."""
+    h, inertia = 0.02 / (2.0 * np.pi), 0.01 + 50.0 * (0.02 / (2.0 * np.pi)) ** 2
+    second = (2.0 - 50.0 * 9.81 * h) / inertia
+    rate = np.sqrt(2.0 * second * 0.02 / h)
+    march = March(input_deck("screw_jack", "joints.jack.latch.displacement=0.02"))
+    (lock,) = march.happenings
+    close((lock.impulse, lock.lost), (-inertia * rate / h, 0.5 * inertia * rate**2))
+    close(march["joints/jack/angle"][-1], 2.0 * np.pi, 10.0)
+    march = March(input_deck("screw_jack", "joints.jack.stops={upper: 0.02, restitution: 0.5}", "time.end=0.6"))
+    (met,) = march.happenings
+    assert met.name == "meets upper stop"
+    back = march.time > met.t + 1e-9
+    close(march["joints/jack/rate"][back], -0.5 * rate + second * (march.time[back] - met.t), rate)
+
+
 def test_gears_share_one_inertia():
     """Rates of an inertia reduced to the driven gear; the teeth and the bearings carry what accelerates the others."""
     march = March(input_deck("gears"))

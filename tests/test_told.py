@@ -180,3 +180,12 @@ def test_friction_at_rest_is_told_to_be_a_damper():
 def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
     said = " ".join(summary(input_deck(name)).split())
     assert f" mass {mass} kg " in said and loose in said
+
+
+def test_check_names_the_first_of_many_mechanisms():
+    deck = input_deck("reflector")
+    short, long = summary(deck), summary(deck, every=True)
+    assert "269 unknown(s) that no constraint ties: node post0_high, face0_1_high_a and 5 more: displacement" in short
+    assert "and 74 more mechanism(s) of 139 degree(s) of freedom together" in short.replace("\n    ", " ")
+    assert len(short.splitlines()) < 45 and "more" not in long.replace("5 more", "").replace("2 more", "")
+    assert long.count("mechanism of") == 78

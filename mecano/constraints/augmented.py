@@ -31,6 +31,21 @@ def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
 
 
 @njit
+def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
+    """Add to a constraint of ``add_constraint``, which returned g, its part by one more unknown, at the index ``at``.
+
+    ``slope`` and ``curvature`` are its first and second derivative by that unknown.
+    """
+    f[at] += g * slope
+    K[at, at] += penalty * slope * slope + g * curvature
+    K[at, row] -= k * slope
+    K[row, at] -= k * slope
+    for i, b in blocks:
+        add_col(K, i, at, penalty * slope, b)
+        add_row(K, at, i, penalty * slope, b)
+
+
+@njit
 def let_go(f, K, row, k, multiplier):
     """One constraint that does not hold in the present mode: no reaction. Its levels are not written."""
     f[row] -= multiplier

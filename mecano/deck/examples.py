@@ -24,6 +24,10 @@ EXAMPLES = {
         "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m}",
     "rack_and_pinion":
         "rack: {type: rack_and_pinion, nodes: [ground, rod], axis: [0, 1, 0], direction: [1, 0, 0], radius: 50 mm}",
+    "point_on_curve":
+        "cam: {type: point_on_curve, nodes: [ground, slider], center: [1 m, 0, 0.8 m], semi_axis_1: [0, 0, 200 mm], "
+        "semi_axis_2: [100 mm, 0, 0]}",
+    "slider_on_beam": "collar: {type: slider_on_beam, node: rod, line: [crank, girder.1, slider]}",
     "prescribed_position":
         "shaker: {type: prescribed_position, node: slider, direction: [1, 0, 0], "
         "value: {sine: {amplitude: 2 mm, frequency: 5 Hz}}}",

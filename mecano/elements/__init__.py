@@ -17,6 +17,7 @@ from mecano.elements.paper_wheel import PAPER_WHEEL
 from mecano.elements.planar import PLANAR
 from mecano.elements.plane_contact import PLANE_CONTACT
 from mecano.elements.point_mass import POINT_MASS
+from mecano.elements.point_on_curve import POINT_ON_CURVE
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
 from mecano.elements.prismatic import PRISMATIC
@@ -27,6 +28,7 @@ from mecano.elements.rigid_rod import RIGID_ROD
 from mecano.elements.rigid_wheel import RIGID_WHEEL
 from mecano.elements.screw import SCREW
 from mecano.elements.skate import SKATE
+from mecano.elements.slider_on_beam import SLIDER_ON_BEAM
 from mecano.elements.spherical import SPHERICAL
 from mecano.elements.spring_damper import SPRING_DAMPER
 from mecano.elements.superelement import SUPERELEMENT
@@ -39,7 +41,7 @@ KINDS = {
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, RIGID_ROD,
-        GEAR_PAIR, RACK_AND_PINION,
+        GEAR_PAIR, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,

@@ -8,7 +8,8 @@ The axis goes through node b and is that of a; axes across it are chosen as for 
 :math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b along
 the axis; with it comes the moment :math:`-P F/(2\pi)` about the axis, for the thread has no friction.
 
-Option: ``turning_law`` gives a moment about the axis from the angle and its rate.
+Options: ``turning_law`` gives a moment about the axis from the angle and its rate; a ``latch`` and
+``stops`` at values of the displacement (docs/shocks.md).
 """
 
 import math
@@ -21,6 +22,7 @@ from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import flipped, not_across, triad
 from mecano.constraints.pair import AXIS_1, pair_parts, triads_together
 from mecano.constraints.slide import slide
+from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, put, vec
@@ -47,11 +49,12 @@ def prepare(d, nodes, context):
 
 
 def parts(d, nodes, context):
-    """A cylindrical joint and the thread; the law of the angle."""
+    """A cylindrical joint and the thread; the law of the angle, latch and stops."""
     p = prepare(d, nodes, context)
     thread = {"mu": p["mu"], "xi": p["xi"], "sigma": p["mu"][2], "offset": p["start"][2], "travel": p["travel"]}
     guide = pair_parts(p, HELD, None, context)
-    return [*guide, Part(GEARED_SLIDE, (0, 1), thread), *turning_parts(d, p, context)]
+    thread = Part(GEARED_SLIDE, (0, 1), thread)
+    return [*guide, thread, *turning_parts(d, p, context), *slide_end_parts(d, p)]
 
 
 def check(d, nodes):
@@ -70,11 +73,15 @@ def not_zero(value):
 
 
 def sample(rng):
-    """A random axis beside the first node, either hand, the law."""
+    """A random axis beside the first node, either hand, the options."""
     nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
     law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
     d = {"axis": rng.normal(size=3), "pitch": 4.0}
-    return [(d, nodes, ""), ({**d, "pitch": -3.0, "turning_law": law, "natural_angle": 0.2}, nodes, "")]
+    return [
+        (d, nodes, ""),
+        ({**d, "pitch": -3.0, "turning_law": law, "natural_angle": 0.2}, nodes, ""),
+        ({**d, "latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}, nodes, ""),
+    ]
 
 
 SCREW = Kind(
@@ -89,6 +96,7 @@ SCREW = Kind(
         Field("pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed", check=not_zero),
         AXIS_1,
         *TURNING_FIELDS,
+        *SLIDE_END_FIELDS,
     ),
     outputs=(
         Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
@@ -98,7 +106,7 @@ SCREW = Kind(
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
     ),
-    optional=(("turning_law", TWIST_LAW, ""),),
+    optional=(("turning_law", TWIST_LAW, ""), ("latch", SLIDE_LATCH, ""), ("stops", SLIDE_STOP, "")),
     prepare=prepare,
     parts=parts,
     check=check,

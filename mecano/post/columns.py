@@ -15,10 +15,14 @@ def write_columns(path, sheet):
         for quantity in (curve.x, curve.y):
             key = (run, quantity.clock, quantity.path)
             columns.setdefault(key, (_heading(quantity, run), quantity.values))
+    rows = zip_longest(*(map(repr, values.tolist()) for _, values in columns.values()), fillvalue="")
+    write_table(path, [[heading for heading, _ in columns.values()], *rows])
+
+
+def write_table(path, rows):
+    """Write rows, the heading among them."""
     with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heading for heading, _ in columns.values())
-        writer.writerows(zip_longest(*(map(repr, values.tolist()) for _, values in columns.values()), fillvalue=""))
+        csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def _heading(quantity, run):

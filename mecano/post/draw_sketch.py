@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
-from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.shapes import BODY, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
 
 LETTERS = "xyz"
@@ -125,6 +125,7 @@ DRAW = {
     BODY: _draw_body,
     MASS: _draw_mass,
     ROD: _draw_rod,
+    GUIDE: _draw_rod,
     SPRING: _draw_spring,
     WHEEL: _draw_wheel,
     JOINT: _draw_joint,

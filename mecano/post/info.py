@@ -6,6 +6,7 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.errors import UnknownNameError
+from mecano.post.happenings import groups
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.results.reader import open_results
@@ -17,9 +18,10 @@ ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
 
-def info(path, pattern=None):
+def info(path, pattern=None, every_event=False):
     """Text on a results file; with a pattern such as "wheel.*" on the outputs that fit it, "*" on all.
 
+    Events that are alike at one instant stand in one line, the first ones only, unless ``every_event`` is asked for.
     Files of modes are told as a whole. Raises ResultsError, UnknownNameError when no output fits.
     """
     if is_other(path):
@@ -27,7 +29,8 @@ def info(path, pattern=None):
     with open_results(path) as results:
         if pattern is not None:
             return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])
-        return "\n".join([*_run(results), "", *_holds(results), "", *_events(results), "", *_extremes(results)])
+        events = _events(results, every_event)
+        return "\n".join([*_run(results), "", *_holds(results), "", *events, "", *_extremes(results)])
 
 
 def one_line(runs):
@@ -141,22 +144,30 @@ def _holds(results):
     return lines
 
 
-def _events(results):
-    events = results.events
-    if not events:
+def _events(results, every):
+    """Events that are alike at one instant, a line for each of them where ``every`` is asked for."""
+    found = [one for group in groups(results) for one in (group.single if every else [group])]
+    if not found:
         return ["Events: none"]
-    lines = [f"Events: {len(events)}" + (f", the first {MOST_EVENTS}" if len(events) > MOST_EVENTS else "")]
-    shown, lost = events[:MOST_EVENTS], sum(event.energy_lost for event in events)
-    if any(event.impulse_unit for event in events):
-        lines[0] += f"; {lost:.6g} J lost in shocks"
-    width = max(len(event.element) for event in shown)
-    for event in shown:
-        change = f"  ({event.before} -> {event.after})" if event.before != event.after else ""
-        if event.impulse_unit:
-            change += f"  impulse {event.impulse:.6g} {event.impulse_unit}, {event.energy_lost:.6g} J lost"
-        at, name = f"{event.time:12.6g} {results.axis.unit:1}", event.name.replace("_", " ")
-        lines.append(f"  {at}  {event.element:<{width}}  {name}{change}")
-    return lines
+    shown = found if every else found[:MOST_EVENTS]
+    lines = [f"Events: {len(results.events)}"]
+    if len(shown) < len(found):
+        lines[0] += f", the first {sum(len(group.events) for group in shown)}; mecano info FILE --events lists all"
+    if any(group.is_shock for group in found):
+        lines[0] += f"; {sum(group.lost for group in found):.6g} J lost in shocks"
+    width = max(len(group.title) for group in shown)
+    return lines + [_event(group, results.axis.unit, width) for group in shown]
+
+
+def _event(group, unit, width):
+    first, number = group.events[0], len(group.events)
+    text = first.name.replace("_", " ")
+    if first.before != first.after:
+        text += f"  ({first.before} -> {first.after})"
+    if group.is_shock:
+        each, all_ = ("up to ", " in all") if number > 1 else ("", "")
+        text += f"  impulse {each}{group.impulse:.6g} {first.impulse_unit}, {group.lost:.6g} J lost{all_}"
+    return f"  {group.time:12.6g} {unit:1}  {group.title:<{width}}  {text}"
 
 
 def _names(results, pattern):

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.columns import write_columns
+from mecano.post.columns import write_columns, write_table
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
@@ -70,7 +70,7 @@ def post(paths, plots=(), *, output=None, kind="png", columns=False, title=None,
         yield _save(wire_figure(run, times, title), target)
     for (sheet, draw), target in zip(pictures, targets, strict=False):
         yield _save(draw(sheet, title), target)
-        if columns and sheet.curves and draw is sheet_figure:
+        if sheet.table or (columns and sheet.curves and draw is sheet_figure):
             yield _save_columns(sheet, target.with_suffix(".csv"))
 
 
@@ -136,7 +136,10 @@ def _save(figure, path):
 
 def _save_columns(sheet, path):
     try:
-        write_columns(path, sheet)
+        if sheet.table:
+            write_table(path, sheet.table)
+        else:
+            write_columns(path, sheet)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
     return path

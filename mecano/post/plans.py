@@ -85,6 +85,34 @@ SLIDES = Plan(
     "slides", "Displacements of joints", ("prismatic", "cylindrical", "prescribed_position"),
     (View("displacement", ("displacement",)), View("velocity", ("velocity",))),
 )  # fmt: skip
+GEARS = Plan(
+    "gears", "Gears, racks, screws", ("gear_pair", "rack_and_pinion", "screw"),
+    (
+        View("angle", ("angle", "angle_a", "angle_b")),
+        View("angular velocity", ("rate", "rate_a", "rate_b")),
+        View("displacement", ("displacement",)),
+        View("force", ("force.magnitude",)),
+    ),
+)  # fmt: skip
+PLANES = Plan(
+    "planes", "Sliding in planes", ("planar",),
+    (
+        View("displacement along mu_2", ("displacement.y",), against="displacement.x"),
+        View("displacement", ("displacement.x", "displacement.y")),
+        View("velocity", ("velocity.x", "velocity.y")),
+        View("angle", ("angle",)),
+    ),
+)  # fmt: skip
+CURVES = Plan(
+    "curves", "Points on curves and beams", ("point_on_curve", "slider_on_beam"),
+    (
+        View("place on the curve", ("position",)),
+        View("normal force", ("normal_force",)),
+        View("speed along the curve", ("speed",)),
+        View("pressure angle", ("pressure_angle",)),
+    ),
+    lead=2,
+)  # fmt: skip
 BODIES = Plan(
     "bodies", "Bodies: centres of mass, rotation", ("rigid_body", "point_mass"),
     (
@@ -112,7 +140,7 @@ LOADS = Plan(
     ),
 )  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS)
 
 
 def plans(kinds):

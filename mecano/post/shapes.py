@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.elements.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.recovered import lines, nodes_inside, recover
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
+GUIDE = "guide"  # a curve, of whose points none is a place of its own
 RIM_POINTS = 49
 NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
 
@@ -72,7 +74,7 @@ def shapes(motion):
     for name in motion.nodes:
         if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None]))
-    order = (WHEEL, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
+    order = (WHEEL, GUIDE, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
 
 
@@ -140,6 +142,19 @@ def _joint(motion, name, d):
     return [*support, Shape(JOINT, name, points)]
 
 
+def _curve(motion, name, d):
+    """The curve, carried by its node, and a dot at the point on it."""
+    (a, b), points = d["nodes"], drawn(d)
+    if b not in motion.nodes:
+        return []
+    dot = motion.position(b)[:, None]
+    if a in motion.run.deck["nodes"]:
+        start = np.array(motion.run.deck["nodes"][a]["position"], float)
+        carried = np.stack([motion.turned(a, point - start) for point in points], axis=1)
+        points = motion.position(a)[:, None] + carried
+    return [Shape(GUIDE, name, np.broadcast_to(points, (len(dot), *points.shape[-2:]))), Shape(JOINT, name, dot)]
+
+
 def _wheel(motion, name, d):
     if d["node"] not in motion.nodes:
         return []
@@ -166,6 +181,7 @@ def _flattened(points, ground):
 
 SHAPES = {
     "beam": _beam,
+    "point_on_curve": _curve,
     "rigid_body": _body,
     "point_mass": _mass,
     "spring_damper": _spring,

@@ -101,6 +101,8 @@ class Sheet:
         Of all runs; empty for one run.
     lead : int
         How many of its panels are as important as the first of another sheet.
+    table : tuple of tuple
+        Lines, a heading first, that are written beside the picture in the place of the numbers of its curves.
     """
 
     name: str
@@ -109,6 +111,7 @@ class Sheet:
     events: tuple = ()
     run_labels: tuple = ()
     lead: int = field(default=1, compare=False)
+    table: tuple = ()
 
     @property
     def subjects(self):

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.post.deployment import deployment_sheet
 from mecano.post.drop_test import drop_sheet
+from mecano.post.happenings import shock_sheet
 from mecano.post.members import member_sheets
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
@@ -34,12 +36,15 @@ def default_sheets(runs):
         *member_sheets(runs),
         *planned,
         drop_sheet(runs),
+        deployment_sheet(runs),
         _energies(runs),
         _solver(runs),
     ]
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     marks = event_marks(runs)
-    return [replace(sheet, events=marks, run_labels=labels) for sheet in sheets if sheet.panels]
+    sheets = [replace(sheet, events=marks) for sheet in sheets]
+    sheets.append(shock_sheet(runs))  # whose curves are the events
+    return [replace(sheet, run_labels=labels) for sheet in sheets if sheet.panels]
 
 
 def overview(sheets):

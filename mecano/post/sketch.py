@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.post.ground import ground_line
-from mecano.post.shapes import WHEEL, Motion, shapes
+from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes
 
 MOST_ROWS = 300  # saved times looked at
 INSTANTS = 7
@@ -95,8 +95,9 @@ def _axes(points, gravity):
 
 
 def _cloud(moving):
-    """Points (instants, n, 3) of all shapes, of wheels only the centre."""
-    return np.concatenate([s.points[:, -1:] if s.style == WHEEL else s.points for s in moving], axis=1)
+    """Points (instants, n, 3) of all shapes, of wheels only the centre, of guides none."""
+    places = [s.points[:, -1:] if s.style == WHEEL else s.points for s in moving if s.style != GUIDE]
+    return np.concatenate(places, axis=1)
 
 
 def _instants(times, cloud):

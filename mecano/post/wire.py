@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
 from mecano.post.figure import plain_figure
-from mecano.post.shapes import BODY, ROD, SPRING, WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, GUIDE, ROD, SPRING, WHEEL, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
@@ -40,7 +40,7 @@ def wire_figure(run, times, title):
     """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
-    lines = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL)]
+    lines = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL, GUIDE)]
     if not lines:
         raise UsageError("--at: nothing in these results is drawn as a line")
     projection = view()

@@ -1,6 +1,6 @@
-"""Deployable reflectors: shocks and deployment margin of one module, work and precision, growth with their number.
+"""Deployable reflectors: work and precision of one module, growth with their number.
 
-    python tests/benchmarks/reflector.py shocks | precision | growth
+    python tests/benchmarks/reflector.py precision | growth
 
 Recorded in docs/examples/reflector.md.
 """
@@ -35,8 +35,6 @@ MODULES = 1, 7, 19, 37
 WINDER = "payout_tension: $payout_tension, "
 EVERY = 0.05  # [s]: times at which nodes are compared
 EARLY = 0.5  # [s] of a growing reflector
-ANGLES = np.arange(0.25, 2.76, 0.25)  # [rad] of a motor hinge
-MOTORS = tuple(f"face0_{i}_{level}" for i in range(1, 7) for level in ("low", "high"))
 
 
 def deck(*arguments, without="", time=None):
@@ -86,28 +84,6 @@ class Deployment:
         return {h.element.split("'")[1]: (h.t, h.impulse, h.lost) for h in self.happenings if h.name == "locks"}
 
 
-def shocks():
-    """Table of the shocks, and of the torque of the motors over what resists."""
-    done = Deployment(deck())
-    for h in done.happenings:
-        if h.impulse:
-            print(f"{h.t:.5f} s  {h.element:28s} {h.name:22s} {h.impulse:11.4g} {h.unit:5s} {h.lost:.3e} J")
-    rates = [done[f"joints/{name}/rate"] for name in MOTORS]
-    given = sum(-done[f"joints/{name}/law_moment"] * rate for name, rate in zip(MOTORS, rates, strict=True))
-    cables = [path.rpartition("/")[0] for path in done.columns if path.endswith("/natural_length")]
-    taken = sum(done[f"{c}/tension"] * np.gradient(done[f"{c}/length"], done.time) for c in cables)
-    angle, first = done["joints/face0_1_high/angle"], min(t for t, *_ in done.locks().values())
-    before = (done.time > 0.05) & (done.time < first - 0.01)
-    for wanted in ANGLES:
-        i = int(np.abs(np.where(before, angle, -9.0) - wanted).argmin())
-        resisting = taken[i] / sum(rate[i] for rate in rates)
-        torque = -done["joints/face0_1_high/law_moment"][i]
-        print(
-            f"angle {angle[i]:.3f} rad  motor {torque:.4f} N m  resisting {resisting:.4f} N m  "
-            f"margin {given[i] / taken[i]:.2f}"
-        )
-
-
 def precision():
     """CPU and errors for several steps and tolerances, against the reference."""
     best = Deployment(deck(time=REFERENCE))
@@ -148,4 +124,4 @@ def growth():
 
 
 if __name__ == "__main__":
-    {"shocks": shocks, "precision": precision, "growth": growth}[sys.argv[1]]()
+    {"precision": precision, "growth": growth}[sys.argv[1]]()

@@ -1,0 +1,166 @@
+"""Curves on which a point is guided: an ellipse, a circle or a helix; a spline through points.
+
+Along a circle or a helix s is the length of the curve (point_on_curve.py has the equations). A closed spline goes on
+for any number of turns, an open one has no curvature at its ends and goes on straight beyond them.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from mecano.maths.vec import add, scale, vec
+
+CURVE_RECORD = {
+    "pieces": "i", "table": "i", "length": (), "closed": (),
+    "center": 3, "semi_axis_1": 3, "semi_axis_2": 3, "advance": 3,
+}  # fmt: skip
+SAMPLES = 64  # of a turn or a piece, to find the nearest point
+ROUNDS = 20
+FLAT = 1e-6  # of the size of a curve: how far its points may be off a plane
+KEYS = ("center", "semi_axis_1", "semi_axis_2", "advance")
+
+
+@njit
+def curve_at(p, laws, s):
+    """Place X (3,) [m] at s [m], its first and second derivative by s, in the axes of the curve."""
+    if p.pieces > 0:
+        return _spline_at(p, laws, s)
+    a, b, h = vec(p.semi_axis_1, 0), vec(p.semi_axis_2, 0), vec(p.advance, 0)
+    u, rate = s / p.length, 1.0 / p.length
+    cosine, sine = math.cos(u), math.sin(u)
+    around = add(scale(cosine, a), scale(sine, b))
+    along = add(add(scale(-sine, a), scale(cosine, b)), h)
+    return add(add(vec(p.center, 0), around), scale(u, h)), scale(rate, along), scale(-rate * rate, around)
+
+
+@njit
+def _spline_at(p, laws, s):
+    if p.closed > 0.0:
+        s -= p.length * math.floor(s / p.length)
+    inside = min(max(s, 0.0), p.length)
+    i, end = 0, p.pieces
+    while end - i > 1:
+        middle = (i + end) // 2
+        if laws[p.table + middle] <= inside:
+            i = middle
+        else:
+            end = middle
+    u, first = inside - laws[p.table + i], p.table + p.pieces + 1 + 12 * i
+    c_0, c_1, c_2, c_3 = vec(laws, first), vec(laws, first + 3), vec(laws, first + 6), vec(laws, first + 9)
+    X = add(c_0, scale(u, add(c_1, scale(u, add(c_2, scale(u, c_3))))))
+    slope = add(c_1, scale(u, add(scale(2.0, c_2), scale(3.0 * u, c_3))))
+    if s != inside:
+        return add(X, scale(s - inside, slope)), slope, scale(0.0, c_2)
+    return X, slope, add(scale(2.0, c_2), scale(6.0 * u, c_3))
+
+
+@njit
+def overrun(p, s):
+    """How far s is beyond the ends of an open curve [m]; 0 on it."""
+    if p.pieces == 0 or p.closed > 0.0:
+        return 0.0
+    return max(-s, s - p.length, 0.0)
+
+
+def prepare_curve(d, frame, x, laws):
+    """Record of the curve of deck values, in axes (rows of ``frame``, from the point x (3,)); its table to ``laws``."""
+    if d["points"] is None:
+        center, a, b, h = _ellipse(d)
+        return {
+            "center": frame @ (center - x), "semi_axis_1": frame @ a, "semi_axis_2": frame @ b, "advance": frame @ h,
+            "length": _length(a, b, h),
+        }  # fmt: skip
+    spline = _spline(d)
+    coefficients = spline.c[::-1].transpose(1, 0, 2) @ frame.T  # of powers 0 to 3 of the distance from each point
+    coefficients[:, 0] -= frame @ x
+    table = laws.append(spline.x)
+    laws.append(coefficients)
+    return {"pieces": len(coefficients), "table": table, "length": spline.x[-1], "closed": float(d["closed"])}
+
+
+def _ellipse(d):
+    """Centre, semi-axes and advance per radian, inertial."""
+    center, a, b, h = (np.zeros(3) if d[key] is None else np.array(d[key], float) for key in KEYS)
+    return center, a, b, h / (2.0 * math.pi)
+
+
+def _length(a, b, h):
+    return math.sqrt(0.5 * (a @ a + b @ b) + h @ h)
+
+
+def _places(d):
+    """Points (n, 3) of the spline, of a closed one the first at the end again."""
+    places = np.array(d["points"], float)
+    return np.concatenate([places, places[:1]]) if d["closed"] else places
+
+
+def _spline(d):
+    from scipy.interpolate import CubicSpline  # decks without splines need not wait for it
+
+    places = _places(d)
+    knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    return CubicSpline(knots, places, bc_type="periodic" if d["closed"] else "natural")
+
+
+def nearest(d, x):
+    """s [m] of the point of a curve of deck values that is nearest to x (3,), inertial."""
+    place, slope, grid = _to_search(d, x)
+    s = min(grid, key=lambda at: np.sum((place(at) - x) ** 2))
+    for _ in range(ROUNDS):
+        s += (x - place(s)) @ slope(s) / (slope(s) @ slope(s))
+    return s
+
+
+def drawn(d):
+    """Points (n, 3) [m] of the curve as it is at the start, inertial; of a helix one turn. ``d`` may lack defaults."""
+    d = {"points": None, "closed": False, **dict.fromkeys(KEYS), **d}
+    place, _, grid = _to_search(d, np.array(d["center"] if d["points"] is None else d["points"][0], float))
+    return np.array([place(s) for s in grid])
+
+
+def _to_search(d, x):
+    """X(s), X'(s), and s at which to look for the nearest point."""
+    if d["points"] is not None:
+        spline = _spline(d)
+        return spline, spline.derivative(), np.linspace(0.0, spline.x[-1], 1 + SAMPLES * (len(spline.x) - 1))
+    center, a, b, h = _ellipse(d)
+    length, turn = _length(a, b, h), h @ (x - center) / (h @ h) if h.any() else 0.0
+
+    def place(s):
+        return center + np.cos(s / length) * a + np.sin(s / length) * b + s / length * h
+
+    def slope(s):
+        return (np.cos(s / length) * b - np.sin(s / length) * a + h) / length
+
+    return place, slope, length * (turn + np.linspace(-math.pi, math.pi, 1 + SAMPLES))
+
+
+def normal_of(d):
+    """Unit normal (3,) of the plane of a curve, inertial; None where it lies in none, or in many."""
+    if d["points"] is None:
+        normal = np.cross(d["semi_axis_1"], d["semi_axis_2"])
+        return normal / np.linalg.norm(normal) if d["advance"] is None or not np.any(d["advance"]) else None
+    around = np.array(d["points"], float)
+    _, sizes, axes = np.linalg.svd(around - around.mean(axis=0), full_matrices=True)
+    flat = len(around) > 2 and sizes[1] > FLAT * sizes[0] and sizes[2] <= FLAT * sizes[0]
+    return axes[2] if flat else None
+
+
+def check_curve(d):
+    """Texts: what keeps the values from being a curve."""
+    names = [name for name in KEYS if d[name] is not None]
+    if d["points"] is None:
+        missing = [name for name in KEYS[:3] if d[name] is None]
+        if missing:
+            return [f"missing '{missing[0]}'; or give 'points'"]
+        across = np.cross(d["semi_axis_1"], d["semi_axis_2"])
+        if not np.linalg.norm(across) > FLAT * np.linalg.norm(d["semi_axis_1"]) * np.linalg.norm(d["semi_axis_2"]):
+            return ["'semi_axis_2' must not be parallel to 'semi_axis_1', and neither be zero"]
+        return ["'closed' is of 'points' only"] if d["closed"] else []
+    if names:
+        return [f"'{names[0]}' and 'points' exclude one another"]
+    if len(d["points"]) < 2 + d["closed"]:
+        return [f"'points' must be at least {2 + d['closed']}"]
+    steps = np.linalg.norm(np.diff(_places(d), axis=0), axis=1)
+    return ["'points' must not follow one another at one place"] if not steps.min() > 0.0 else []

@@ -1,0 +1,86 @@
+"""Deployment margin: what the motors of a structure that unfolds have to spare.
+
+Motors are hinges with a law and a latch. Against the mean of their angles, from the start to the first lock:
+
+    torque       work of their laws per angle, the mean of all motors
+    resisting    work done against everything else per angle: energy stored (weight, springs, deformation), dissipated,
+                 taken by prescribed motion and winders; what is left of the torque accelerates
+    margin       torque over resisting torque
+
+All are means over small intervals of the angle, between saved times, so that small swings do not matter.
+"""
+
+import numpy as np
+
+from mecano.post.quantity import Quantity
+from mecano.post.sheet import Curve, Panel, Sheet
+
+ANGLES = "angles of the motors"  # to which quantities belong
+INTERVALS = 40
+LEAST = 1e-3  # of the largest torque: resistance below that is none
+
+
+def deployment_sheet(runs):
+    """The sheet of the deployment margin; without panels where no motor turns."""
+    torques, margins, told = [], [], []
+    for number, run in enumerate(runs):
+        found = _torques(run, motors(run))
+        if found is not None:
+            angle, torque, resisting, times = found
+            curve = _Curves(number, times, angle)
+            torques += [curve.of("torque", "N m", torque), curve.of("resisting", "N m", resisting)]
+            resists = resisting > LEAST * np.abs(torque).max()
+            margin = np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
+            if resists.any():
+                margins.append(curve.of("margin", "-", margin))
+                least = int(np.nanargmin(margin))
+                told.append(f"least {margin[least]:.3g} at {angle[least]:.3g} rad")
+    panels = [Panel("torque of a motor", tuple(torques))] if torques else []
+    panels += [Panel("deployment margin", tuple(margins), note="; ".join(told))] if margins else []
+    return Sheet("deployment", "Deployment: motors over what resists, to the first lock", tuple(panels))
+
+
+def motors(run):
+    """Names of the hinges with a law and a latch -> the sign of the way to the latch."""
+    joints = run.deck.get("joints", {}).items()
+    driven = ((name, d) for name, d in joints if d["type"] == "hinge" and d.get("turning_law") and d.get("latch"))
+    return {name: float(np.sign(d["latch"]["angle"])) for name, d in driven}
+
+
+class _Curves:
+    """Curves of a run over the angle of its motors."""
+
+    def __init__(self, number, times, angle):
+        self.number, self.times = number, times
+        self.x = Quantity("motors/angle", "rad", "mean angle of the motors", ANGLES, times, angle)
+
+    def of(self, name, unit, values):
+        """One quantity."""
+        return Curve(self.x, Quantity(f"motors/{name}", unit, name, ANGLES, self.times, values), self.number, "motors")
+
+
+def _torques(run, found):
+    """Angle (n,), mean torque, mean resisting torque, times, in the middle of intervals; None where nothing turns."""
+    results = run.results
+    rows = results.time <= min((event.time for event in results.events if event.name == "locks"), default=np.inf)
+    if not found or np.count_nonzero(rows) < 3:
+        return None
+    time = results.time[rows]
+    angle = sum(sign * results.find(f"joints/{name}/angle").values[rows] for name, sign in found.items())
+    power = sum(_power(results, name)[rows] for name in found)
+    given = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))])
+    energy = {name: results.find(f"energy/{name}").values[rows] for name in ("potential", "dissipated", "given")}
+    spent = given + energy["potential"] + energy["dissipated"] - energy["given"]
+    reached = np.maximum.accumulate(angle)
+    grid = np.linspace(reached[0], reached[-1], INTERVALS + 1)
+    if not grid[-1] > grid[0]:
+        return None
+    at = np.interp(grid, reached, time)
+    torque, resisting = (np.diff(np.interp(at, time, work)) / np.diff(grid) for work in (given, spent))
+    middle = 0.5 * (at[1:] + at[:-1])
+    return 0.5 * (grid[1:] + grid[:-1]) / len(found), torque, resisting, middle
+
+
+def _power(results, name):
+    """Power [W] that a motor gives to the mechanism."""
+    return -results.find(f"joints/{name}/law_moment").values * results.find(f"joints/{name}/rate").values

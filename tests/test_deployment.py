@@ -1,0 +1,114 @@
+"""Structures that unfold and lock: what is told and shown of it, and what is told when it does not."""
+
+import csv
+
+import numpy as np
+import pytest
+from marching import deck, input_deck
+
+from mecano.errors import ConvergenceError
+from mecano.post import pictures
+from mecano.post.deployment import deployment_sheet
+from mecano.post.happenings import groups, shock_sheet
+from mecano.post.info import info
+from mecano.post.runs import open_runs
+from mecano.post.sheets import default_sheets
+from mecano.results.reader import open_results
+from mecano.run import run
+
+
+@pytest.fixture(scope="module")
+def panel(tmp_path_factory):
+    """The panel of inputs/, lifted against a gravity of 1 m/s2 by its spring."""
+    path = tmp_path_factory.mktemp("deployment") / "panel.h5"
+    run(input_deck("panel_lock", "gravity=[0, -1, 0]", "output.every=1e-3"), path)
+    return path
+
+
+def test_margin_is_torque_over_weight(panel):
+    """2 (pi/2 - angle) N m of the spring against 0.5 cos(angle) N m of the weight: from 2 pi down to 4."""
+    torque, margin = deployment_sheet(open_runs([panel])).panels
+    angle = margin.curves[0].x.values
+    assert angle[0] < 0.03 and angle[-1] > 1.5
+    motor, resisting = (curve.y.values for curve in torque.curves)
+    np.testing.assert_allclose(motor, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting, 0.5 * np.cos(angle), rtol=0, atol=5e-3)
+    wide = angle < 1.3
+    np.testing.assert_allclose(margin.curves[0].y.values[wide], (motor / (0.5 * np.cos(angle)))[wide], rtol=0.01)
+    assert margin.note.startswith("least ") and margin.curves[0].y.unit == "-"
+
+
+def test_shocks_are_a_table_and_a_sheet(panel, tmp_path, monkeypatch):
+    (lock,) = open_results(panel).events
+    names = [sheet.name for sheet in default_sheets(open_runs([panel]))]
+    assert {"deployment", "shocks"} <= set(names)
+    monkeypatch.setattr(pictures, "default_sheets", lambda runs: [shock_sheet(runs)])
+    written = {path.name: path for path in pictures.post([panel], output=f"{tmp_path}/")}
+    assert {"panel_shocks.png", "panel_shocks.csv"} <= set(written)
+    with open(written["panel_shocks.csv"], newline="") as file:
+        heading, line = csv.reader(file)
+    assert heading[1] == "time [s]" and heading[5:] == ["impulse", "unit of the impulse", "energy lost [J]"]
+    assert line[2:5] == ["1", "hinge 'hinge'", "locks"] and line[6] == "N m s"
+    assert [float(line[i]) for i in (1, 5, 7)] == [lock.time, lock.impulse, lock.energy_lost]
+    sheet = shock_sheet(open_runs([panel]))
+    assert [panel.label for panel in sheet.panels] == ["largest impulse", "energy lost in shocks"]
+    assert sheet.panels[0].curves[0].y.values.min() == lock.impulse
+    assert sheet.panels[1].curves[0].y.values[-1] == lock.energy_lost
+
+
+def test_what_is_alike_at_one_instant_is_told_together(panel):
+    class Several:
+        time = np.array([0.0, 1.0])
+        events = [*open_results(panel).events] * 3
+
+    (group,) = groups(Several)
+    assert group.title == "3 hinge: hinge, hinge, hinge" and group.lost == 3 * group.events[0].energy_lost
+    assert "hinge 'hinge'  locks  (free -> locked)  impulse -" in info(panel)
+    assert info(panel) == info(panel, every_event=True)
+
+
+def test_a_torque_that_is_too_weak(tmp_path):
+    """A spring of 0.2 N m/rad stands still below the latch, where dampers have taken all that it gave."""
+    law = "{spring: {stiffness: 0.2}, damper: {coefficient: 0.5}}"
+    weak = input_deck("panel_lock", "gravity=[0, -1, 0]", f"joints.hinge.turning_law={law}", "time.end=12")
+    told = []
+    run(weak, tmp_path / "weak.h5", announce=told.append)
+    (text,) = told
+    results = open_results(tmp_path / "weak.h5")
+    angle = results["joints/hinge/angle"].values[-1]
+    assert 0.2 * (np.pi / 2.0 - angle) == pytest.approx(0.5 * np.cos(angle), rel=1e-3)
+    expected = f"1 of 1 latches never closed: hinge 'hinge' at {angle:.4g} of 1.571 rad, moving at "
+    assert text.startswith(expected) and abs(float(text.split()[-2])) < 1e-3
+    assert results.status == "complete" and text in results.reason
+
+
+def test_a_latch_that_holds_the_others_back(tmp_path):
+    """Of a linkage with one freedom the latch of the crank closes first; that of the rocker never does."""
+    latches = ("joints.hinge_a.latch.angle=-0.3", "joints.hinge_d.latch.angle=1.5", "time.end=1.5")
+    told = []
+    run(input_deck("four_bar", *latches), tmp_path / "held.h5", announce=told.append)
+    results = open_results(tmp_path / "held.h5")
+    assert [event.element for event in results.events if event.name == "locks"] == ["hinge 'hinge_a'"]
+    angle = results["joints/hinge_d/angle"].values[-1]
+    assert told[-1].startswith(f"1 of 2 latches never closed: hinge 'hinge_d' at {angle:.4g} of 1.5 rad, moving at ")
+    assert abs(float(told[-1].split()[-2])) < 1e-9
+
+
+STOPPED = """
+    mecano: 1
+    nodes: {panel: {position: [0, 0, 0]}, bead: {position: [0, 0, 1]}}
+    elements:
+      panel: {type: rigid_body, node: panel, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.083, 0.083]}
+      bead: {type: point_mass, node: bead, mass: 1.0}
+    joints:
+      knee: {type: hinge, nodes: [ground, panel], axis: [0, 1, 0], latch: {angle: 3.0}}
+      wire: {type: point_on_curve, nodes: [ground, bead], points: [[0, 0, 1], [0.1, 0, 0.9]]}
+    time: {end: 1.0, step: 0.01}
+"""
+
+
+def test_a_run_that_cannot_go_on_says_which_latches_are_open(tmp_path):
+    with pytest.raises(ConvergenceError, match="end of its curve\n1 of 1 latches never closed: hinge 'knee' at 0."):
+        run(deck(STOPPED), tmp_path / "stopped.h5")
+    results = open_results(tmp_path / "stopped.h5")
+    assert results.status == "failed" and "hinge 'knee' at 0." in info(results.path) and len(results.time) > 5
