@@ -38,6 +38,8 @@ def commands():
     mecano export deck.h5           write them as CSV, or for ParaView
     mecano info deck.h5             say what is in a file and how the run went
     mecano list, mecano explain     what a deck can contain
+    mecano new pendulum             a deck to begin with
+    mecano schema                   the grammar of decks, for editors
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
     output, 6 not finite, 7 out of memory, 130 and 143 interrupted with a valid file, 1 a bug in mecano.
@@ -285,6 +287,33 @@ def explain(name):
     from mecano.deck.catalogue import explain as text
 
     _show(text(name).rstrip())
+
+
+@commands.command()
+@click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
+def schema(output):
+    """Write the grammar of decks as JSON Schema, for editors that then complete, explain and check while you type."""
+    from mecano.deck.new import schema_text, write_text
+
+    if output:
+        write_text(output, schema_text(), replace=True)
+    else:
+        _show(schema_text())
+
+
+@commands.command()
+@click.argument("template", required=False)
+@click.argument("deck", required=False, type=click.Path())
+def new(template, deck):
+    """Write a commented deck to begin with, by default TEMPLATE.yaml here; without TEMPLATE: list them."""
+    from mecano.deck.new import list_of_starters, starter, write_text
+
+    if template is None:
+        _show(list_of_starters())
+        return
+    path = deck or f"{template}.yaml"
+    write_text(path, starter(template))
+    _show(f"{path}: try `mecano check {path}`, then `mecano run {path}`")
 
 
 def _show(text):

@@ -10,8 +10,9 @@ class Mark:
     file: str
     line: int
     column: int
-    stack: tuple = ()  # the marks of the including file or the template, outermost first
+    stack: tuple = ()  # the marks of the including file or the place of the template, outermost first
     text: str = field(default="", repr=False, compare=False)  # the whole line, to be printed with a caret
+    role: str = "in"  # of a mark in a stack: "included at", "placed at"
 
     def __str__(self):
         return f"{self.file}:{self.line}:{self.column}"

@@ -7,7 +7,7 @@ import numpy as np
 from mecano.deck.amounts import warnings
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
-from mecano.model.sampler import Sampler
+from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.results.layout import STEPS
 from mecano.solve.analysis import analyse
@@ -112,7 +112,7 @@ def remarks(prepared, start=None):
 
 def amount_warnings(prepared):
     """Texts on more steps or results than can have been meant."""
-    row = 1 + sum(column.size for column in Sampler(prepared.system).columns)
+    row = 1 + row_size(prepared.system)
     return warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 

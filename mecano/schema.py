@@ -16,22 +16,27 @@ class Type:
     name: str
     expects: str
     options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
+    moves: str = ""  # what the value is in inertial axes, "point", "direction" or "orientation", if it is one at all
 
 
 NUMBER = Type("number", "a number")
 INTEGER = Type("integer", "a whole number")
 BOOLEAN = Type("boolean", "true or false")
 TEXT = Type("text", "a text")
-VECTOR = Type("vector", "a list of 3 numbers")  # inertial components
+VECTOR = Type("vector", "a list of 3 numbers", moves="direction")  # inertial components
 NODE_VECTOR = Type("vector", "a list of 3 numbers, in the axes of the node")
-POINT = Type("vector", "a list of 3 numbers, a point")  # inertial
-DIRECTION = Type("direction", "a list of 3 numbers, not all zero")
+POINT = Type("vector", "a list of 3 numbers, a point", moves="point")  # inertial
+POSITION = Type("vector", "a list of 3 numbers", moves="point")  # inertial
+ORIENTATION = Type("vector", "a list of 3 numbers", moves="orientation")  # rotation vector from the inertial axes
+DIRECTION = Type("direction", "a list of 3 numbers, not all zero", moves="direction")
 INERTIA = Type("inertia", "3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz], or a 3x3 symmetric matrix")
 MATRIX_6 = Type("matrix_6", "6 numbers (a diagonal) or a 6x6 matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 NUMBERS = Type("numbers", "a list of numbers")
 POINTS = Type("points", "a list of [x, y] pairs")
+COLUMNS = Type("columns", "a list of 2 headers, or numbers of columns, from 1")
+UNITS = Type("units", "a list of 2 units")
 LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
 GROUND = Type("ground", "the name of a ground")
@@ -39,6 +44,10 @@ TIRE_LAW = Type("tire_law", "the name of a tire law")
 WHEEL = Type("wheel", "the name of a wheel")  # of the elements; its checked values take the place of the name
 
 SECTION = Type("section", "the name of a cross section")
+SECTION_OF = {  # name of a type -> the section of a deck whose names its values are
+    "node": "nodes", "nodes": "nodes", "law": "laws", "curve": "laws", "ground": "grounds", "tire_law": "tire_laws",
+    "wheel": "elements", "section": "sections",
+}  # fmt: skip
 REDUCED = Type("reduced", "a .yaml, .npz or .h5 file of reduced matrices, or a mapping as in such a file")
 ROWS = Type("rows", "a list of rows of numbers, or the name of a .mtx or .npy file")
 

@@ -15,6 +15,7 @@ from test_deck_physics import MOTOR, problems
 
 import mecano
 from mecano.cli import main
+from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.cross_section import SHAPES
@@ -311,7 +312,9 @@ class TestCatalogue:
     def test_list_names_everything(self, call):
         code, out, _ = call("list")
         listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
-        assert code == 0 and listed == {*KINDS, *TERMS, *SHAPES, *(section.name for section in SECTIONS)}
+        assert code == 0 and listed == {
+            *KINDS, *TERMS, *SHAPES, *(field.name for field in (*SECTIONS, *LANGUAGE, REPEAT))
+        }  # fmt: skip
 
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
     def test_explain_says_all_of_it(self, call, name):
@@ -331,7 +334,9 @@ class TestCatalogue:
         law = call("explain", "law")[1]
         example = law[law.index("  laws:\n") : law.index("  value: rising")]
         assert problems(f"{MOTOR}{dedent(example)}".replace("value: 1.0", "value: rising")) == []
-        assert "{sine: {amplitude: ..., frequency: ...}}" in call("explain", "sine")[1]
+        assert "shaking: {sine: {amplitude: 2 mm, frequency: 5 Hz}}" in call("explain", "sine")[1]
+        assert "with: a mapping of numbers and words" in call("explain", "place")[1]
+        assert "kt" in call("explain", "units")[1] and "0..5" in call("explain", "repeat")[1]
 
     def test_explain_unknown_names(self, call):
         code, out, err = call("explain", "hnge")

@@ -65,7 +65,7 @@ def test_kinds_in_words():
     text = describe(FAKE_KINDS["body"])
     assert text.startswith("body (section 'elements')\n\nA rigid body.\n\nFields\n")
     assert "  mass [kg]: a number; required\n      mass\n" in text
-    assert "  center_of_mass [m]: a list of 3 numbers; default [0.0, 0.0, 0.0]\n" in text
+    assert "  center_of_mass [m]: a list of 3 numbers, in the axes of the node; default [0.0, 0.0, 0.0]\n" in text
     assert "  attached: a list of node names; optional\n" in text
     assert "Outputs\n  velocity [m/s], 3 numbers\n      velocity of the centre of mass\n" in text
 

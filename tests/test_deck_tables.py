@@ -114,3 +114,76 @@ def test_a_table_used_twice_is_read_and_reported_once(tmp_path):
     assert len(info.value.problems) == 1
     (tmp_path / "tables" / "push.csv").write_text("0,0\n1,2\n")
     assert len(read_deck(tmp_path / "deck.yaml", **FAKE).files) == 1
+
+
+def read_columns(folder, data, more):
+    """The points of the load from a table, with further keys beside ``file``."""
+    (folder / "deck.yaml").write_text(DECK.replace("tables/push.csv", f"push.csv, {more}" if more else "push.csv"))
+    (folder / "push.csv").write_text(data)
+    deck = read_deck(str(folder / "deck.yaml"), **FAKE)
+    assert "file" not in deck.resolved()["loads"]["push"]["value"]["table"]
+    return deck.values["loads"]["push"]["value"][0][1]["points"]
+
+
+WIDE = "time [ms], note, load (kN), speed (of the head) [km/h]\n0, a, 1, 36\n500, b, 2.5, 72\n"
+
+
+@pytest.mark.parametrize(
+    ("data", "more", "points"),
+    [
+        ("t [ms],F [kN]\n0,0\n20,3\n", "", [[0.0, 0.0], [0.02, 3000.0]]),
+        (WIDE, "columns: [time, load]", [[0.0, 1000.0], [0.5, 2500.0]]),
+        (WIDE, "columns: [time, speed (of the head)]", [[0.0, 10.0], [0.5, 20.0]]),
+        (WIDE, "columns: [3, 1]", [[1000.0, 0.0], [2500.0, 0.5]]),
+        (WIDE, "columns: [1, 3], units: [s, N]", [[0.0, 1.0], [500.0, 2.5]]),
+        ("0,0\n20,3\n", "units: [mm, bar]", [[0.0, 0.0], [0.02, 3e5]]),
+        ("0;7;0\n20;7;3\n", "columns: [1, 3]", [[0.0, 0.0], [20.0, 3.0]]),
+        ("t (measured),F\n0,0\n1,3\n", "", [[0.0, 0.0], [1.0, 3.0]]),
+    ],
+)
+def test_columns_and_units(tmp_path, data, more, points):
+    assert read_columns(tmp_path, data, more) == [pytest.approx(point, rel=1e-15) for point in points]
+
+
+@pytest.mark.parametrize(
+    ("data", "more", "place", "text"),
+    [
+        (
+            WIDE,
+            "",
+            "push.csv:1:1",
+            "two columns are needed, got 4; choose with 'columns: [x, y]' from time, note, load, speed",
+        ),
+        (
+            "1,2,3\n",
+            "",
+            "push.csv:1:1",
+            "two columns are needed, got 3; choose with 'columns: [x, y]' from numbers from 1 to 3",
+        ),
+        (WIDE, "columns: [time, laod]", "deck.yaml:20:82", "the table has no column 'laod'; did you mean 'load'?"),
+        (WIDE, "columns: [0, 1]", "deck.yaml:20:76", "the table has 4 columns, numbered from 1, and no 0"),
+        ("1,2,3\n", "columns: [t, 1]", "deck.yaml:20:76", "the table has no column 't'; the table has no headers"),
+        (WIDE, "columns: [time, note]", "push.csv:2:4", "must be a finite number, got 'a'"),
+        (WIDE + "7\n", "columns: [time, load]", "push.csv:4:1", "the row has 1 columns, and column 3 is needed"),
+        ("t [fortnight],F\n0,0\n", "", "push.csv:1:4", "unit of a column: 'fortnight' is no unit; or give 'units"),
+        (
+            WIDE,
+            "columns: [time, load], units: [s, kn]",
+            "deck.yaml:20:100",
+            "unit of a column: 'kn' is no unit; did you mean",
+        ),
+        (WIDE, "columns: [time]", "deck.yaml:20:75", "'value.table.columns' must be a list of 2 headers"),
+        (
+            WIDE.replace("500", "0"),
+            "columns: [time, load]",
+            "push.csv:3:1",
+            "the points must have strictly increasing x",
+        ),
+    ],
+)
+def test_wrong_columns_and_units(tmp_path, data, more, place, text):
+    with pytest.raises(DeckError) as info:
+        read_columns(tmp_path, data, more)
+    problem, *_ = info.value.problems
+    assert str(problem.mark).removeprefix(f"{tmp_path}/") == place
+    assert f"{problem.message}; {problem.hint}".removeprefix("force 'push': ").startswith(text)

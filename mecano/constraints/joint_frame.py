@@ -18,7 +18,13 @@ def triad(axis, first=None):
         first = np.eye(3)[np.argmin(np.round(np.abs(mu_3), 6))]
     mu_1 = np.asarray(first, float) - (first @ mu_3) * mu_3
     mu_1 /= np.linalg.norm(mu_1)
-    return np.array([mu_1, np.cross(mu_3, mu_1), mu_3])
+    return np.array([mu_1, cross(mu_3, mu_1), mu_3])
+
+
+def cross(a, b):
+    """The vector product of two arrays (3,); numpy.cross, which is for any shape, takes ten times as long."""
+    (a_1, a_2, a_3), (b_1, b_2, b_3) = a.tolist(), b.tolist()
+    return np.array([a_2 * b_3 - a_3 * b_2, a_3 * b_1 - a_1 * b_3, a_1 * b_2 - a_2 * b_1])
 
 
 def flipped(R, mu, xi):

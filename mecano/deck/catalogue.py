@@ -4,7 +4,10 @@ import re
 from textwrap import wrap
 
 from mecano.deck.describe import WIDTH, describe, describe_section, describe_shape, describe_term, field_lines
+from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.plain_maths import plain_text
 from mecano.deck.sections import SECTIONS
+from mecano.deck.units import ALONE, PREFIXED, PREFIXES
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
 from mecano.elements.cross_section import SHAPES
@@ -26,8 +29,22 @@ LAWS = [
     "  value: 4.0                                      # a number: constant",
     "",
 ]
-_MATHS = re.compile(r":math:`([^`]*)`")
-_DISPLAY = re.compile(r"^\.\. math:: *", re.MULTILINE)
+WRITTEN = {
+    "include": ["  include: [laws.yaml, parts/wheel.yaml]"],
+    "repeat": ["  nodes:", "    p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}", "  elements:",
+               "    bar$i: {repeat: {i: 1..5}, type: bar, nodes: [p$(i - 1), p$i], axial_stiffness: 10 kN}"],
+    "templates": ["  templates:", "    leg:", "      parameters: {length: 1.0, hold: null} # null: must be given",
+                  "      nodes: {hip: {position: [0, 0, 0]}, toe: {position: [$length, 0, 0]}}",
+                  "      joints: {pin: {type: spherical, nodes: [$hold, hip]}}"],
+    "place": ["  place:", "    left: {template: leg, position: [0, 1, 0], orientation: [0, 0, 90 deg], "
+              "with: {hold: top, length: 2}}", "  # brings nodes left_hip and left_toe, and the joint left_pin"],
+}  # fmt: skip
+UNITS_TEXT = "\n".join([
+    "units (of numbers, as in 25 mm, 3 bar, 12 deg, 60 km/h, 2 kN/mm, 40 N m/rad)", "",
+    *wrap(f"with the prefixes {' '.join(filter(None, PREFIXES))}: {' '.join(PREFIXED)}", WIDTH),
+    *wrap(f"without: {' '.join(ALONE)}", WIDTH), "",
+    "Powers: m2 or m^2. Products: N m. A / divides by the one unit behind it: N/m/s. Without a unit: SI, radians.", "",
+])  # fmt: skip
 
 
 def catalogue():
@@ -39,6 +56,7 @@ def catalogue():
         groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
+    groups["to put decks together:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
     for title, entries in groups.items():
@@ -55,11 +73,13 @@ def explain(name):
 
     Raises UsageError for an unknown name, with the most similar one.
     """
-    sections = {section.name: section for section in SECTIONS}
+    if name == "units":
+        return UNITS_TEXT
+    sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
     name = ALSO.get(name, name)
     found = [(KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (sections, _section)]
-    texts = [_plain(text(known[name])) for known, text in found if name in known]
-    texts = texts or [_plain(text) for text in _inside(name)]
+    texts = [plain_text(text(known[name])) for known, text in found if name in known]
+    texts = texts or [plain_text(text) for text in _inside(name)]
     if not texts:
         known = [*KINDS, *SHAPES, *TERMS, *sections]
         hint = suggestion(name, known) or "`mecano list` names all"
@@ -73,7 +93,7 @@ def _section(section):
     names = list(TERMS) if section.name == "laws" else names
     written = LAWS if section.name == "laws" else []
     if not names:
-        return describe_section(section)
+        return "\n".join([describe_section(section), *WRITTEN.get(section.name, ())])
     listed = wrap(", ".join(names), WIDTH, initial_indent="  ", subsequent_indent="  ")
     return "\n".join([describe_section(section), *written, "Kinds", *listed, ""])
 
@@ -112,10 +132,5 @@ def _walk(fields, place):
 
 def _sentence(doc):
     """The first sentence of a documentation, in one line."""
-    first = " ".join(_plain(doc).strip().split("\n\n")[0].split())
+    first = " ".join(plain_text(doc).strip().split("\n\n")[0].split())
     return re.split(r"(?<=\.)\s(?=[A-Z])", first)[0]
-
-
-def _plain(doc):
-    """Documentation for a terminal: formulas without the markup around them."""
-    return _DISPLAY.sub("    ", _MATHS.sub(r"\1", doc))

@@ -1,17 +1,21 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
+from dataclasses import replace
+
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
+from mecano.deck.copies import Copies, arguments
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.units import ANY
 from mecano.deck.wording import found
 from mecano.elements.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
-from mecano.schema import Field
+from mecano.schema import TEXT, Field
 from mecano.schema import mapping as mapping_type
 
 VERSION = 1
@@ -21,7 +25,7 @@ def parameter(node, field, scope):
     """A number of the section ``parameters``, which the whole deck may use."""
     name = scope.owner.value
     with scope.parameters.working_on(name):
-        value = values.number(node, field, scope)
+        value = values.number(node, replace(field, unit=ANY), scope)
     scope.parameters.values[name] = None if value is INVALID else value
     return value
 
@@ -39,18 +43,21 @@ CHECKS = {
     "matrix": values.matrix,
     "matrix_6": values.matrix_6,
     "points": values.points,
+    "columns": values.columns,
+    "units": values.units,
     "node": values.node_name,
     "nodes": values.node_names,
-    "ground": values.name_in("grounds"),
-    "tire_law": values.name_in("tire_laws"),
-    "section": values.name_in("sections"),
-    "wheel": values.name_in("elements"),
+    "ground": values.named,
+    "tire_law": values.named,
+    "section": values.named,
+    "wheel": values.named,
     "reduced": reduced,
     "rows": rows,
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,
     "parameter": parameter,
+    "arguments": arguments,
     "mapping": mapping,
     "named": named,
     "list": list_,
@@ -60,13 +67,29 @@ CHECKS = {
 }
 
 
-def checked_values(root, sections, kinds, terms, folder, problems):
-    """(values, {file read: SHA-256}) of a composed deck; ``problems`` are those found so far.
+def scope_of(root, kinds, terms, folder, problems):
+    """The Scope of the check of a deck; ``problems`` are those found so far. Raises DeckError for another version."""
+    _check_version(root, problems)
+    kinds = {**kinds, **SHAPES}
+    return Scope(CHECKS, kinds, terms, folder, problems, parameters=Parameters(_written_parameters(root)))
+
+
+def written_out(root, sections, scope):
+    """The tree with all copies of templates and repeated entries in it."""
+    copies = Copies(root, sections, scope)
+    root = copies.written_out(root)
+    if copies.incomplete:
+        filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, root.value)
+        raise DeckError(scope.problems)
+    return root
+
+
+def checked_values(root, sections, scope):
+    """The values of a deck in which everything is written out, checked.
 
     Raises DeckError with all problems of the first step that finds any.
     """
-    _check_version(root, problems)
-    scope = Scope(CHECKS, {**kinds, **SHAPES}, terms, folder, problems, Parameters(_written_parameters(root)))
+    problems = scope.problems
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _check_process(root, sections, scope)
     _stop_at(problems)
@@ -78,7 +101,7 @@ def checked_values(root, sections, kinds, terms, folder, problems):
     _stop_at(problems)
     check_model(result, root, scope)
     _stop_at(problems)
-    return result, scope.files
+    return result
 
 
 def _written_parameters(root):

@@ -157,7 +157,8 @@ class Composer:
         if self.frames:
             frame = self.frames[-1]
             frame.size += size
-            frame.height = max(frame.height, height + 1)
+            if height >= frame.height:
+                frame.height = height + 1
 
     def attach(self, node):
         """Put a node into the collection around it, as a key, a value or an item."""

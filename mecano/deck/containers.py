@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from mecano.deck.expressions import is_expression
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
+from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
@@ -135,7 +136,7 @@ def either(node, field, scope):
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
         return node.value
-    if type(node.value) is str and not is_expression(node.value):
+    if type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value):
         return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 
@@ -157,22 +158,25 @@ def kind(node, field, scope):
     if type(node.value) is not dict:
         return scope.refuse_value(node, field)
     section = field.type.options[0]
-    known = [name for name, kind in scope.kinds.items() if kind.section == section]
     if "type" not in node.value:
-        return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(known))
+        return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(_kinds_of(section, scope)))
     type_node = node.value["type"][1]
     found = scope.kinds.get(type_node.value) if type(type_node.value) is str else None
     if found is None or found.section != section:
-        return _unknown_kind(type_node, found, known, section, scope)
+        return _unknown_kind(type_node, found, section, scope)
     scope.subject = f"{found.name} {scope.subject.partition(' ')[2]}"
     return filled(node, field, found.fields, scope, {"type": found.name})
 
 
-def _unknown_kind(type_node, found, known, section, scope):
+def _kinds_of(section, scope):
+    return [name for name, kind in scope.kinds.items() if kind.section == section]
+
+
+def _unknown_kind(type_node, found, section, scope):
     if type(type_node.value) is not str:
         return scope.refuse(type_node, f"'type' must be the name of a kind, got {scope.got(type_node)}")
     if found and found.section:
         text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
         return scope.refuse(type_node, text)
-    hint = scope.suggest(type_node.value, known)
+    hint = scope.suggest(type_node.value, _kinds_of(section, scope))
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

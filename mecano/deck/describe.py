@@ -4,6 +4,8 @@ import math
 from dataclasses import replace
 from textwrap import wrap
 
+from mecano.deck.examples import example_lines
+
 WIDTH = 100
 
 
@@ -20,7 +22,7 @@ def describe(kind):
     if kind.events:
         parts += ["", "Events"]
         parts += [f"  {event.name}: {event.doc}" for event in kind.events]
-    return "\n".join(parts) + "\n"
+    return "\n".join([*parts, *example_lines(kind.name, kind.section, WIDTH)]) + "\n"
 
 
 def _option(field, found):
@@ -37,17 +39,16 @@ def _option(field, found):
 def describe_shape(shape):
     """A shape of cross sections: its fields."""
     parts = [f"{shape.name} (section '{shape.section}')", "", shape.doc.strip(), "", "Fields"]
-    return "\n".join([*parts, *field_lines(shape.fields)]) + "\n"
+    example = example_lines(shape.name, shape.section, WIDTH)
+    return "\n".join([*parts, *field_lines(shape.fields), *example]) + "\n"
 
 
 def describe_term(term):
     """A term of a law: its fields."""
-    fields = ", ".join(f"{field.name}: ..." for field in term.fields if field.required or field.name == "points")
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
-    return (
-        "\n".join([f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)])
-        + f"\n\nWritten\n  {{{term.name}: {{{fields}}}}}; more of laws: mecano explain laws\n"
-    )
+    parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
+    example = example_lines(term.name, "laws", WIDTH)
+    return "\n".join([*parts, *example, "", "More of laws: mecano explain laws"]) + "\n"
 
 
 def describe_section(field):

@@ -1,22 +1,26 @@
 """Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; by an allow-list of what may stand there, nothing is executed.
 
 A text is an expression when it has a ``$`` or begins with ``=``. Names with a ``$`` are those of parameters; angles are
-plain numbers [rad].
+plain numbers [rad]. In the names of copies, values are inserted: ``post$(i + 1)``, ``post$i``.
 """
 
 import ast
 import math
 import operator
 import re
+from functools import lru_cache
 
 from mecano.deck.wording import quoted
 
 LONGEST, DEEPEST = 500, 50  # characters, levels of brackets and signs
 NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
+INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z0-9_]*)")
+INSERTED = re.compile(r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]")
+LONGEST_NAME = 200
 OPERATORS = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow, ast.UAdd: operator.pos, ast.USub: operator.neg,
+    ast.Mod: operator.mod, ast.Pow: operator.pow, ast.UAdd: operator.pos, ast.USub: operator.neg,
 }  # fmt: skip
 ANGLES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "degrees", "radians")
 FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log", "hypot")}
@@ -37,9 +41,46 @@ def is_expression(text):
     return "$" in text or text.startswith("=")
 
 
-def evaluate(text, parameters):
+def has_inserts(text):
+    """True when a text is a name into which values are inserted; no expression can look so."""
+    return INSERTED.search(text) is not None
+
+
+def inserted(text, parameters):
+    """A name with the whole numbers and words in their places; raises as ``evaluate``."""
+    if len(text) > LONGEST:
+        raise _wrong(text, f"has more than {LONGEST} characters")
+    parts, end = [], 0
+    for match in INSERT.finditer(text):
+        parts += [text[end : match.start()], _insert(match, parameters)]
+        end = match.end()
+    parts.append(text[end:])
+    if any("$" in part for part in parts):
+        raise ExpressionError(f"the name {quoted(text)} has a $ without a value behind it", text.find("$"))
+    if sum(map(len, parts)) > LONGEST_NAME:
+        raise ExpressionError(f"the name would have more than {LONGEST_NAME} characters")
+    return "".join(parts)
+
+
+def _insert(match, parameters):
+    name = (match[1] if match[2] is None else match[2]).strip()
+    word = parameters.word(name)
+    if word:
+        return word.value
+    try:
+        value = evaluate(f"={name}", parameters, bare=True)
+    except ExpressionError as error:
+        column = match.start() + (1 + error.column if match[2] is None else 0)
+        raise type(error)(error.message, column, error.near) from None
+    if value != int(value):
+        raise ExpressionError(f"a name takes whole numbers and words, and {match[0]} is {value:g}", match.start())
+    return str(int(value))
+
+
+def evaluate(text, parameters, bare=False):
     """The float that an expression stands for; ``parameters(name)`` gives the numbers of names.
 
+    ``bare``: names of parameters are written without a $.
     Raises ExpressionError, and what ``parameters`` raises for a name that it has no number for.
     """
     whole = WHOLE.fullmatch(text)
@@ -52,13 +93,13 @@ def evaluate(text, parameters):
     body = text.removeprefix("=")
     skipped = len(text) - len(body.lstrip())
     try:
-        tree = ast.parse(body.replace("$", "_").strip(), mode="eval")
+        tree = _tree(body.replace("$", "_").strip())
     except SyntaxError as error:
         raise _wrong(text, "cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise _wrong(text, "cannot be understood") from None
     try:
-        value = _Reading(text, skipped, parameters).value(tree.body, 0)
+        value = _Reading(text, skipped, parameters, bare).value(tree.body, 0)
     except ZeroDivisionError:
         raise _wrong(text, "divides by zero") from None
     except (ArithmeticError, ValueError):
@@ -68,6 +109,11 @@ def evaluate(text, parameters):
     return value
 
 
+@lru_cache(maxsize=1024)  # copies have the same expressions
+def _tree(body):
+    return ast.parse(body, mode="eval")
+
+
 def _wrong(text, what, column=0):
     return ExpressionError(f"the expression {quoted(text)} {what}", column)
 
@@ -75,8 +121,8 @@ def _wrong(text, what, column=0):
 class _Reading:
     """One walk through the tree of an expression."""
 
-    def __init__(self, text, skipped, parameters):
-        self.text, self.skipped, self.parameters = text, skipped, parameters
+    def __init__(self, text, skipped, parameters, bare):
+        self.text, self.skipped, self.parameters, self.bare = text, skipped, parameters, bare
 
     def value(self, tree, depth):
         """The float of a part of the tree."""
@@ -109,6 +155,8 @@ class _Reading:
         if match is None:
             if tree.id in CONSTANTS:
                 return CONSTANTS[tree.id]
+            if self.bare:
+                return self.parameters(tree.id, column)
             if self.text[column] == "$":
                 raise _wrong(self.text, "has a $ without the name of a parameter behind it", column)
             hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"

@@ -4,15 +4,20 @@ MAX_PRINTED = 50
 WINDOW = 100  # characters shown of a long line
 
 
-def problem_text(problem):
-    """One problem on several lines: ``file:line:column: message; hint``, the line of the deck, a caret."""
+def problem_text(problem, others=0):
+    """One problem on several lines: ``file:line:column: message; hint``, the line of the deck, a caret.
+
+    ``others`` copies of what is written there have the same problem.
+    """
     hint = f"; {problem.hint}" if problem.hint else ""
     if problem.mark is None:
         return f"{problem.message}{hint}"
     lines = [f"{problem.mark}: {problem.message}{hint}"]
+    if others:
+        lines[0] += f" (and {others} {'copy' if others == 1 else 'copies'} of it)"
     if problem.mark.text.strip():
         lines += _line_and_caret(problem.mark)
-    lines += [f"  in {outer}" for outer in reversed(problem.mark.stack)]
+    lines += [f"  {outer.role} {outer}" for outer in reversed(problem.mark.stack)]
     return "\n".join(lines)
 
 
@@ -25,10 +30,12 @@ def _line_and_caret(mark):
 
 
 def deck_error_text(error, limit=MAX_PRINTED):
-    """All problems of a DeckError by place, at most ``limit`` of them, and their number."""
-    problems = sorted(error.problems, key=_place)
-    parts = [problem_text(problem) for problem in problems[:limit]]
-    count = len(problems)
+    """All problems of a DeckError by place, at most ``limit`` of them, and their number; copies count once."""
+    copies = {}
+    for problem in sorted(error.problems, key=_place):
+        copies.setdefault((_place(problem), problem.message.partition(": ")[2] or problem.message), []).append(problem)
+    parts = [problem_text(same[0], len(same) - 1) for same in list(copies.values())[:limit]]
+    count = len(copies)
     total = "1 error" if count == 1 else f"{count} errors"
     parts.append(total if count <= limit else f"and {count - limit} more; {total}")
     return "\n".join(parts)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from mecano.deck.containers import filled
 from mecano.deck.scope import INVALID, Reference, place_of
-from mecano.deck.tables import table
+from mecano.deck.tables import Wanted, table
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
 from mecano.schema import NUMBER, Field, Type
@@ -19,7 +19,7 @@ def law_or_name(node, field, scope):
     """A law as a tuple of (term, {field: value}); a Reference for a name; a number means the constant curve."""
     if type(node.value) is dict:
         return law(node, field, scope)
-    value = plain_number(node, scope)
+    value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
     if value is not None and field.type.name != "law":
@@ -79,16 +79,20 @@ def fits(term, wanted):
 def _with_points(values, term, node, scope):
     """Read the points of a term from its file, if it has one; False when they cannot be had."""
     if values["file"] is None:
-        return True
+        useless = next((key for key in ("columns", "units") if values[key] is not None), None)
+        if useless:
+            scope.refuse(node.value[useless][0], f"{quoted(useless)} belongs to 'file'")
+        return useless is None
     if values["points"] is not None:
         scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
         return False
-    found = table(values["file"], node.value["file"][1], scope)
+    points = next(field for field in term.fields if field.name == "points")
+    columns, units = ([None, None] if values[key] is None else node.value[key][1].value for key in ("columns", "units"))
+    found = table(values["file"], node.value["file"][1], Wanted(columns, units, points.unit), scope)
     if found is None:
         return False
-    values["file"], values["points"] = None, found.points
-    check = next(field.check for field in term.fields if field.name == "points")
-    text = check(found.points) if check else None
+    values |= {"file": None, "columns": None, "units": None, "points": found.points}
+    text = points.check(found.points)
     if text:
         match = POINT_NUMBER.search(text)
         scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")

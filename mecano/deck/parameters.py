@@ -1,8 +1,13 @@
-"""The numbers of the section ``parameters``, in any order; those that need one another in a circle are refused."""
+"""Numbers by name, in any order; those that need one another in a circle are refused.
+
+The section ``parameters`` of the deck has some, and so has each copy of a template or of an entry with ``repeat``,
+where they may also be words: ``side: left``.
+"""
 
 from contextlib import contextmanager
 
 from mecano.deck.expressions import ExpressionError, evaluate, is_expression
+from mecano.deck.units import ANY, UnitError, converted, is_quantity
 
 
 class Refused(Exception):
@@ -14,17 +19,29 @@ class Circle(ExpressionError):
 
 
 class Parameters:
-    """Numbers by name, worked out when they are asked for."""
+    """Numbers and words by name, worked out when they are asked for."""
 
-    def __init__(self, nodes=None):
-        """``nodes``: {name: node of its value}."""
+    def __init__(self, nodes=None, outer=None):
+        """``nodes``: {name: node of its value}; ``outer``: the Parameters that hold where these have no such name."""
         self.nodes = nodes or {}
+        self.outer = outer
         self.values = {}  # name -> number, or None when it was refused
         self._open = []  # names that are being worked out
 
     def known(self, name):
-        """True when the deck has the parameter."""
-        return name in self.nodes
+        """True when there is such a parameter."""
+        return name in self.nodes or (self.outer is not None and self.outer.known(name))
+
+    def names(self):
+        """The names of all."""
+        return [*self.nodes, *(self.outer.names() if self.outer else ())]
+
+    def word(self, name):
+        """The node of a parameter that is a word, or None."""
+        if name not in self.nodes:
+            return self.outer.word(name) if self.outer else None
+        node = self.nodes[name]
+        return node if self.outer and is_word(node) else None
 
     @contextmanager
     def working_on(self, name):
@@ -38,10 +55,14 @@ class Parameters:
     def __call__(self, name, column=0):
         """The number of a parameter, asked for at a character of an expression; raises ExpressionError, Refused."""
         if name not in self.nodes:
-            raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.nodes))
+            if self.outer and self.outer.known(name):
+                return self.outer(name, column)
+            raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.names()))
         if name in self._open:
             circle = [*self._open[self._open.index(name) :], name]
             raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)
+        if self.word(name):
+            raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', no number", column)
         if name not in self.values:
             self.values[name] = self._worked_out(name, column)
         if self.values[name] is None:
@@ -52,7 +73,14 @@ class Parameters:
         value = self.nodes[name].value
         if type(value) in (int, float):
             return value
-        if type(value) is not str or not is_expression(value):
+        if type(value) is not str:
+            return None
+        if is_quantity(value):
+            try:
+                return converted(value, ANY)
+            except UnitError:
+                return None
+        if not is_expression(value):
             return None
         with self.working_on(name):
             try:
@@ -61,3 +89,8 @@ class Parameters:
                 raise Circle(error.message, column) from None
             except (ExpressionError, Refused):
                 return None
+
+
+def is_word(node):
+    """True when a value is a text that stands for no number."""
+    return type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value)

@@ -1,16 +1,21 @@
 """Text -> checked deck, in steps; each step is taken only when the one before found nothing wrong."""
 
 import os
+import re
 
-from mecano.deck.check import checked_values
+from mecano.deck.check import checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
+from mecano.deck.include import Inclusion
+from mecano.deck.language import LANGUAGE
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Unreadable, decoded, read_source
 from mecano.elements import KINDS
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
+
+BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that change what is copied
 
 
 def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
@@ -33,10 +38,18 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     if root is None or type(root.value) is not dict:
         what = "the deck is empty" if root is None or root.value is None else "a deck is a mapping of sections"
         raise DeckError([*problems, Problem(what, (root or Node(None, source)).mark, "begin with 'mecano: 1'")])
-    root = overridden(root, overrides, sections, problems)
     folder = os.path.dirname(source.file)
-    values, files = checked_values(root, sections, kinds, terms, folder, problems)
-    return Deck(source.file, source.text, digest, values, tuple(overrides), files, root)
+    language = (*sections, *LANGUAGE)
+    inclusion = Inclusion(folder, language, problems)
+    root = inclusion.merged(root)
+    first = [text for text in overrides if BEFORE_COPIES.match(text)]
+    root = overridden(root, first, language, problems)
+    scope = scope_of(root, kinds, terms, folder, problems)
+    scope.files, scope.included = inclusion.files, inclusion.beside
+    root = written_out(root, sections, scope)
+    root = overridden(root, [text for text in overrides if text not in first], sections, problems)
+    values = checked_values(root, sections, scope)
+    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, root)
 
 
 def deck_of_bytes(data, file, **options):

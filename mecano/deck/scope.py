@@ -38,6 +38,7 @@ class Scope:
     terms: dict
     folder: str  # of the deck, where tables are looked for
     problems: list
+    included: dict = field(default_factory=dict)  # file as shown -> its folder below that of the deck
     parameters: Parameters = field(default_factory=Parameters)
     references: list = field(default_factory=list)
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
@@ -91,9 +92,9 @@ class Scope:
         except Refused:
             return INVALID
         except ExpressionError as error:
-            return self._refuse_expression(node, error)
+            return self.refuse_expression(node, error)
 
-    def _refuse_expression(self, node, error):
+    def refuse_expression(self, node, error):
         """Note what is wrong with an expression, at its place in the line where that can be told."""
         hint = ""
         if error.near:

@@ -18,6 +18,8 @@ from mecano.schema import (
     INTEGER,
     NODES,
     NUMBER,
+    ORIENTATION,
+    POSITION,
     TEXT,
     VECTOR,
     Field,
@@ -71,15 +73,16 @@ def check_velocity(entry):
 
 
 NODE_FIELDS = (
-    Field("position", VECTOR, "m", "position at the start, inertial"),
+    Field("position", POSITION, "m", "position at the start, inertial"),
     Field(
-        "orientation", VECTOR, "rad", "rotation vector at the start, from the inertial axes to those of the node", ZERO
+        "orientation", ORIENTATION, "rad",
+        "rotation vector at the start, from the inertial axes to those of the node", ZERO,
     ),
     Field("fixed", BOOLEAN, "-", "whether the node is held where it is", False),
-)
+)  # fmt: skip
 
 PLANE_FIELDS = (
-    Field("point", VECTOR, "m", "a point of the plane"),
+    Field("point", POSITION, "m", "a point of the plane"),
     Field("normal", DIRECTION, "-", "normal of the plane, out of the ground"),
 )
 PROFILE_FIELDS = (

@@ -3,7 +3,7 @@
 import hashlib
 import re
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from pathlib import Path
 
 from mecano.errors import DeckError, Mark, Problem
@@ -21,12 +21,12 @@ class Source:
     file: str
     text: str
     begin: int = 0
-    stack: tuple = ()  # marks of the including file or the template, outermost first
+    stack: tuple = ()  # marks of the including file or the place of the template, outermost first
 
-    @cached_property
+    @property
     def lines(self):
         """The lines without their ends."""
-        return LINE_END.split(self.text)
+        return _lines(self.text)
 
     def mark(self, line, column):
         """The Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
@@ -40,6 +40,11 @@ class Source:
         """The Mark of a position in the text."""
         before = LINE_END.split(self.text[:position])
         return self.mark(len(before) - 1, len(before[-1]))
+
+
+@lru_cache(maxsize=4)  # the copies of a template are Sources of one text
+def _lines(text):
+    return LINE_END.split(text)
 
 
 class Unreadable(Exception):

@@ -1,53 +1,71 @@
-"""Tables in CSV files beside the deck: two columns of numbers, a header is optional, ``#`` begins a comment."""
+"""Tables in CSV files beside the deck: a header is optional, ``#`` begins a comment.
+
+Of a table with more than two columns ``columns`` says which are x and y, by their headers or numbers. A header may have
+the unit, as in ``force [kN]``; ``units`` gives units where it has none.
+"""
 
 import csv
 import os
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 
 from mecano.deck.compose import Node
+from mecano.deck.include import confined
 from mecano.deck.scalar import number
 from mecano.deck.source import Unreadable, read_source
+from mecano.deck.units import UnitError, factor_of, parsed, unit_of
 from mecano.deck.values import LARGEST
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError
 
+HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?")
+SEPARATED = "columns are separated by ',', ';' or tabs"
+
 
 @dataclass
 class Table:
-    """Points [x, y] of a file, and where each was written."""
+    """Points [x, y] of a file in SI units, and where each was written."""
 
-    points: list
-    rows: list  # number of the line of each point, from 0
     source: object
+    points: list = field(default_factory=list)
+    rows: list = field(default_factory=list)  # number of the line of each point, from 0
 
     def place(self, i):
         """A node at the point i."""
         return Node(None, self.source, self.rows[i] if i < len(self.rows) else 0)
 
 
-def table(name, node, scope):
-    """The Table of a file named in a deck at ``node``, or None with the problems noted; each file is read once.
+@dataclass
+class Wanted:
+    """What a law wants of a table: (node of a header or number, or None) and (node of a unit, or None) for x and y."""
+
+    columns: list
+    units: list
+    declared: str  # units of x and y in the deck
+
+    def key(self):
+        """What tells it from others of the same file."""
+        return tuple(node and node.value for node in (*self.columns, *self.units)), self.declared
+
+
+def table(name, node, wanted, scope):
+    """The Table of a file named in a deck at ``node``, or None with the problems noted; each is read once.
 
     The file must lie in the folder of the deck or below it.
     """
-    if name not in scope.tables:
-        scope.tables[name] = None
+    name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
+    key = (name, wanted.key())
+    if key not in scope.tables:
         source = _source(name, node, scope)
-        before = len(scope.problems)
-        found = _table(source, scope) if source else None
-        if found and not found.points and len(scope.problems) == before:
-            scope.refuse(Node(None, source), "the table has no points")
-        scope.tables[name] = found if len(scope.problems) == before else None
-    return scope.tables[name]
+        scope.tables[key] = _read(source, wanted, scope) if source else None
+    return scope.tables[key]
 
 
 def within(name, node, scope):
     """The path of a file in the folder of the deck or below it; None with the problem noted when it is elsewhere."""
-    folder = os.path.realpath(scope.folder)
-    path = os.path.realpath(os.path.join(folder, name))
-    if os.path.isabs(name) or os.path.commonpath([folder, path]) != folder:
+    path = confined(scope.folder, name)
+    if path is None:
         scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
-        return None
     return path
 
 
@@ -67,42 +85,117 @@ def _source(name, node, scope):
     return source
 
 
-def _table(source, scope):
-    subject, scope.subject = scope.subject, ""
-    found = Table([], [], source)
-    header_allowed = True
-    rows = csv.reader(source.lines, delimiter=_delimiter(source.lines), skipinitialspace=True)
-    try:
-        for cells in rows:
-            cells = [cell.strip() for cell in cells]
-            if not any(cells) or cells[0].startswith("#"):
-                continue
-            if header_allowed and all(number(cell) is None for cell in cells):
-                header_allowed = False
-                continue
-            header_allowed = False
-            _add_row(found, cells, rows.line_num - 1, scope)
-    except csv.Error as error:
-        scope.refuse(Node(None, source, rows.line_num - 1), f"not valid CSV: {error}")
+def _read(source, wanted, scope):
+    """The Table of a source, or None with the problems noted."""
+    before, subject = len(scope.problems), scope.subject
+    scope.subject = ""
+    found = _Reading(source, wanted, scope).table()
+    if not found.points and len(scope.problems) == before:
+        scope.refuse(Node(None, source), "the table has no points")
     scope.subject = subject
-    return found
+    return found if len(scope.problems) == before else None
+
+
+class _Reading:
+    """One walk through the rows of a table."""
+
+    def __init__(self, source, wanted, scope):
+        self.source, self.wanted, self.scope = source, wanted, scope
+        self.found = Table(source)
+        self.columns, self.factors = None, (1.0, 1.0)  # known from the first row on
+
+    def table(self):
+        """The Table of all rows that are right."""
+        lines = self.source.lines
+        rows, first = csv.reader(lines, delimiter=_delimiter(lines), skipinitialspace=True), True
+        try:
+            for cells in rows:
+                cells = [cell.strip() for cell in cells]
+                if not any(cells) or cells[0].startswith("#"):
+                    continue
+                if first:
+                    first, header = False, all(number(cell) is None for cell in cells)
+                    if not self._choose(cells, header, rows.line_num - 1):
+                        break
+                    if header:
+                        continue
+                self._add(cells, rows.line_num - 1)
+        except csv.Error as error:
+            self._refuse(rows.line_num - 1, f"not valid CSV: {error}")
+        return self.found
+
+    def _choose(self, cells, header, line):
+        """Which columns, and by what to multiply them, from the first row; False when that cannot be told."""
+        matches = [HEADER.fullmatch(cell) for cell in cells] if header else []
+        names = [match[1] for match in matches]
+        if self.wanted.columns[0] is None:
+            self.columns = (0, 1)
+            if len(cells) > 2:
+                given = ", ".join(names[:12]) or f"numbers from 1 to {len(cells)}"
+                hint = f"choose with 'columns: [x, y]' from {given}"
+                self._refuse(line, f"two columns are needed, got {len(cells)}", hint)
+                return False
+        else:
+            self.columns = tuple(self._column(node, names, len(cells)) for node in self.wanted.columns)
+        if None in self.columns:
+            return False
+        units = [match[2] or (match[3] if parsed(match[3] or "") else None) for match in matches]
+        self.factors = tuple(self._factor(i, units, line) for i in (0, 1))
+        return None not in self.factors
+
+    def _column(self, node, names, count):
+        """The column that a header or a number from 1 names; None with the problem noted."""
+        if type(node.value) is int and 1 <= node.value <= count:
+            return node.value - 1
+        if node.value in names:
+            return names.index(node.value)
+        if type(node.value) is int:
+            self.scope.refuse(node, f"the table has {count} columns, numbered from 1, and no {node.value}")
+        else:
+            hint = self.scope.suggest(node.value, names) if names else "the table has no headers: give numbers, from 1"
+            self.scope.refuse(node, f"the table has no column {quoted(node.value)}", hint)
+        return None
+
+    def _factor(self, i, units, line):
+        """What turns the column of x (0) or y (1) into SI units; None with the problem noted."""
+        declared, node = unit_of(self.wanted.declared, i, 2), self.wanted.units[i]
+        column = self.columns[i]
+        unit = node.value if node else (units[column] if column < len(units) else None)
+        if not unit:
+            return 1.0
+        try:
+            return factor_of(unit, declared)
+        except UnitError as error:
+            place = node or Node(None, self.source, line, max(self.source.lines[line].find(unit), 0))
+            self.scope.refuse(place, f"unit of a column: {error}", "" if node else "or give 'units: [.., ..]'")
+            return None
+
+    def _add(self, cells, line):
+        if self.wanted.columns[0] is None and len(cells) != 2:
+            self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
+            return
+        if max(self.columns) >= len(cells):
+            self._refuse(
+                line, f"the row has {len(cells)} columns, and column {max(self.columns) + 1} is needed", SEPARATED
+            )
+            return
+        point = []
+        for column, factor in zip(self.columns, self.factors, strict=True):
+            value = number(cells[column])
+            if value is None or not abs(value) <= LARGEST:
+                place = max(self.source.lines[line].find(cells[column]), 0)
+                self.scope.refuse(
+                    Node(None, self.source, line, place), f"must be a finite number, got {quoted(cells[column])}"
+                )
+                return
+            point.append(float(value) * factor)
+        self.found.points.append(point)
+        self.found.rows.append(line)
+
+    def _refuse(self, line, message, hint=""):
+        self.scope.refuse(Node(None, self.source, line), message, hint)
 
 
 def _delimiter(lines):
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
     return next((mark for mark in "\t;" if mark in first), ",")
-
-
-def _add_row(found, cells, line, scope):
-    if len(cells) != 2:
-        hint = "columns are separated by ',', ';' or tabs"
-        scope.refuse(Node(None, found.source, line), f"two columns are needed, got {len(cells)}", hint)
-        return
-    values = [number(cell) for cell in cells]
-    for cell, value in zip(cells, values, strict=True):
-        if value is None or not abs(value) <= LARGEST:
-            column = max(found.source.lines[line].find(cell), 0)
-            scope.refuse(Node(None, found.source, line, column), f"must be a finite number, got {quoted(cell)}")
-            return
-    found.points.append([float(value) for value in values])
-    found.rows.append(line)

@@ -8,8 +8,9 @@ import math
 from dataclasses import replace
 
 from mecano.deck.scope import INVALID, Reference
+from mecano.deck.units import UnitError, converted, is_quantity, unit_of
 from mecano.deck.wording import quoted
-from mecano.schema import NODE, NUMBER, NUMBERS, Field
+from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 PAIR = replace(NUMBERS, expects="two numbers")
@@ -17,17 +18,25 @@ ROW = replace(NUMBERS, expects="three numbers")
 SIX = replace(NUMBERS, expects="six numbers")
 
 
-def plain_number(node, scope):
-    """The int or float of a node or of its expression; None when it is none, INVALID when the expression is not."""
+def plain_number(node, field, scope):
+    """The int or float of a node, of its expression or quantity; None when it is none, INVALID when that is wrong."""
     value = node.value
     if type(value) is str:
-        value = scope.evaluated(node)
+        value = _quantity(node, field, scope) if is_quantity(value) else scope.evaluated(node)
     return value if value is INVALID or type(value) in (int, float) else None
+
+
+def _quantity(node, field, scope):
+    try:
+        return converted(node.value, field.unit)
+    except UnitError as error:
+        name = scope.name_of(field.name)
+        return scope.refuse(node, f"{quoted(name)}: {error}" if name else str(error))
 
 
 def number(node, field, scope):
     """A finite float."""
-    value = plain_number(node, scope)
+    value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
     if value is None:
@@ -39,7 +48,7 @@ def number(node, field, scope):
 
 def integer(node, field, scope):
     """An int; a float without fraction will do."""
-    value = plain_number(node, scope)
+    value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
     if value is None or not abs(value) < 2**53 or value != int(value):
@@ -71,11 +80,14 @@ def items(node, field, scope, item_type):
     """A list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
+    if item_type is NUMBER and all(type(i.value) in (int, float) and abs(i.value) <= LARGEST for i in node.value):
+        return [float(item.value) for item in node.value]  # most of a large deck: no field is made for each
     check = scope.checks[item_type.name]
-    values = [
-        check(item, Field(f"{field.name}[{i}]", item_type, field.unit, field.doc), scope)
-        for i, item in enumerate(node.value)
-    ]
+    own = item_type is NUMBER  # each number of a list may have a unit of its own, lists in a list have the same
+    values = []
+    for i, item in enumerate(node.value):
+        unit = unit_of(field.unit, i, len(node.value)) if own else field.unit
+        values.append(check(item, Field(f"{field.name}[{i}]", item_type, unit, field.doc), scope))
     return INVALID if INVALID in values else values
 
 
@@ -143,6 +155,23 @@ def points(node, field, scope):
     return INVALID if odd else items(node, field, scope, PAIR)
 
 
+def columns(node, field, scope):
+    """Two columns of a table: headers, or numbers from 1."""
+    return _pair(node, field, scope, (str, int))
+
+
+def units(node, field, scope):
+    """Two units."""
+    return _pair(node, field, scope, (str,))
+
+
+def _pair(node, field, scope, types):
+    items = node.value if type(node.value) is list else ()
+    if len(items) != 2 or any(type(item.value) not in types for item in items):
+        return scope.refuse_value(node, field)
+    return [item.value for item in items]
+
+
 def node_name(node, field, scope):
     """The name of a node, looked up later."""
     if type(node.value) is not str:
@@ -165,12 +194,8 @@ def node_names(node, field, scope):
     return INVALID if INVALID in values else values
 
 
-def name_in(section):
-    """The check of a type that names something of a section: a Reference, to be replaced by what it means."""
-
-    def check(node, field, scope):
-        if type(node.value) is not str:
-            return scope.refuse_value(node, field)
-        return Reference(node.value, section, field.type.name, node, scope.subject)
-
-    return check
+def named(node, field, scope):
+    """The name of something of the section that belongs to the type: a Reference, to be replaced by what it means."""
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    return Reference(node.value, SECTION_OF[field.type.name], field.type.name, node, scope.subject)

@@ -5,7 +5,7 @@ A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes th
 
 import numpy as np
 
-from mecano.constraints.joint_frame import PLACE, at_one_place, triad
+from mecano.constraints.joint_frame import PLACE, at_one_place, cross, triad
 from mecano.maths.so3 import exp, log, tangent_inverse
 
 MOST_TURN = 3.0  # rad between the ends of one element
@@ -61,7 +61,7 @@ def _section_axes(axis, up):
         upright = np.hypot(axis[0], axis[1]) <= UPRIGHT * np.linalg.norm(axis)
         up = (1.0, 0.0, 0.0) if upright else (0.0, 0.0, 1.0)
     third, _, first = triad(axis, np.asarray(up, float))
-    return np.stack([first, np.cross(third, first), third], axis=1)
+    return np.stack([first, cross(third, first), third], axis=1)
 
 
 def check_line(d, nodes, is_round):

@@ -216,14 +216,20 @@ def constants(d):
     return SHAPES[d["type"]].constants(d)
 
 
+TURN = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(1.0), -np.sin(1.0)], [0.0, np.sin(1.0), np.cos(1.0)]])  # any, about 1
+TURN_OF_BOTH = np.kron(np.eye(2), TURN)  # of forces and of moments
+
+
 def is_round(section):
     """True when Constants are the same in all directions across the beam, so that it needs no 'up'."""
-    s, c = np.sin(1.0), np.cos(1.0)
-    turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    Q = np.kron(np.eye(2), turn)
     return (
         not section.points
-        and np.allclose(Q @ section.C @ Q.T, section.C, atol=1e-12 * section.C.max())
-        and np.allclose(turn @ section.J @ turn.T, section.J, atol=1e-12 * section.J.max())
+        and _unchanged(section.C, TURN_OF_BOTH)
+        and _unchanged(section.J, TURN)
         and not np.any(section.center[1:])
     )
+
+
+def _unchanged(A, Q):
+    """True when Q A Q^T is A, as far as it matters; without the overhead of numpy.allclose, once per beam."""
+    return bool((np.abs(Q @ A @ Q.T - A) <= 1e-12 * A.max() + 1e-5 * np.abs(A)).all())

@@ -12,7 +12,7 @@ from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
 from mecano.laws.tabulated import (
     BEYOND,
-    FILE,
+    FILE_FIELDS,
     INTERPOLATION,
     POINTS_FIELD,
     pack_points,
@@ -101,7 +101,7 @@ DAMPER_TABLE = Term(
     name="damper_table",
     doc="F(v) through given points [rate, force], the point [0, 0] among them; corners as in 'table'.",
     role="force",
-    fields=(POINTS_FIELD, FILE, INTERPOLATION, BEYOND),
+    fields=(POINTS_FIELD, *FILE_FIELDS, INTERPOLATION, BEYOND),
     pack=pack_table,
     evaluate=damper_table,
     integral=no_energy,
@@ -131,7 +131,7 @@ METERING_PIN = Term(
         Field("piston_area", NUMBER, "m2", "area A of the piston", check=positive),
         Field("discharge_coefficient", NUMBER, "-", "discharge coefficient Cd of the orifice", check=positive),
         Field("points", POINTS_FIELD.type, "m, m2", "points [stroke, orifice area]", None, POINTS_FIELD.check),
-        FILE,
+        *FILE_FIELDS,
         INTERPOLATION,
     ),
     pack=pack_metering_pin,

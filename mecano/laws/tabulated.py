@@ -10,8 +10,8 @@ along its end tangent.
 import numpy as np
 from numba import njit
 
-from mecano.laws.term import Term
-from mecano.schema import POINTS, TEXT, Field, choice
+from mecano.laws.term import ARGUMENT, VALUE, Term
+from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 
@@ -151,8 +151,14 @@ def table_breakpoints(values):
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
-POINTS_FIELD = Field("points", POINTS, "-", "points [x, y] (SI), x strictly increasing", None, two_increasing)
-FILE = Field("file", TEXT, "-", "CSV file with the columns x and y, in place of 'points'", None)
+POINTS_FIELD = Field(
+    "points", POINTS, f"{ARGUMENT}, {VALUE}", "points [x, y], x strictly increasing", None, two_increasing
+)
+FILE_FIELDS = (
+    Field("file", TEXT, "-", "CSV file with the columns x and y, in place of 'points'", None),
+    Field("columns", COLUMNS, "-", "which columns of the file are x and y, where it has more than these", None),
+    Field("units", UNITS, "-", "units of the columns, in place of those in the header, as in 'force [kN]'", None),
+)
 INTERPOLATION = Field(
     "interpolation", choice("cubic", "linear"), "-", "monotone cubic (C1) or linear between the points", "cubic"
 )
@@ -165,7 +171,7 @@ TABLE = Term(
     name="table",
     doc="Curve through given points: monotone cubic (no overshoot) or linear.",
     role="curve",
-    fields=(POINTS_FIELD, FILE, INTERPOLATION, BEYOND),
+    fields=(POINTS_FIELD, *FILE_FIELDS, INTERPOLATION, BEYOND),
     pack=pack_table,
     evaluate=table,
     integral=table_integral,

@@ -1,5 +1,6 @@
 """The numbers of one instant as one flat row: motion of the nodes, outputs of the elements, energies."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ class Column:
     @property
     def size(self):
         """How many numbers it is."""
-        return int(np.prod(self.shape, dtype=int))
+        return math.prod(self.shape)
 
 
 NODE_OUTPUTS = (
@@ -43,6 +44,12 @@ ENERGIES = (
         "kinetic + potential + dissipated - given; keeps its value of the start, up to integration errors",
     ),
 )
+
+
+def row_size(system):
+    """How many numbers the row of a System has."""
+    nodes = sum(not node.internal for node in system.nodes) * sum(math.prod(shape) for *_, shape in NODE_OUTPUTS)
+    return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
 
 
 class Sampler:
@@ -68,8 +75,10 @@ class Sampler:
         return self.columns[-1].start + self.columns[-1].size if self.columns else 0
 
     def _declare(self, path, outputs):
+        start = self._size()
         for name, unit, doc, shape in outputs:
-            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), self._size()))
+            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start))
+            start += self.columns[-1].size
 
     def take(self, run):
         """The row at ``run.motion``, whose outputs stand in the batches (system.observe); the array is reused."""

@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from mecano.contract import Context
+from mecano.maths.distinct import distinct
 from mecano.model import conduct, loops
 from mecano.model.batch import batches
 from mecano.model.conduct import direct
@@ -71,7 +72,7 @@ class System:
         for b in self.batches:
             i, j = b.dofs[:, :, None], b.dofs[:, None, :]
             codes.append(np.where((i < n) & (j < n), i * n + j, -1).ravel())
-        unique = np.unique(np.concatenate(codes))
+        unique = distinct(np.concatenate(codes))
         unique = unique[unique >= 0]
         self.rows, self.cols = unique // n, unique % n
         self.nnz = len(unique)

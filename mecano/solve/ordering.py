@@ -17,6 +17,8 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.maths.distinct import distinct
+
 # Columns of the table of fronts
 FIRST = 0  # position, in elimination order, of the first unknown that the front eliminates
 PIVOTS = 1  # number of unknowns that it eliminates
@@ -34,6 +36,7 @@ COLUMNS = 11
 STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
 FRONT_WORK = 2000.0  # floating point operations worth the handling of one front
+MOST_ENTRIES = 1_000_000  # placed at a time
 
 
 class Analysis(NamedTuple):
@@ -92,7 +95,8 @@ def _ties(rows, cols, nodes, n_q, n_nodes):
 def _quotient(block_rows, block_cols, n_blocks):
     """Symmetric graph of blocks, without loops, as a CSR matrix with sorted indices."""
     off = block_rows != block_cols
-    i, j = block_rows[off], block_cols[off]
+    pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # some 36 entries each, of nodes with 6 unknowns
+    i, j = np.divmod(pairs, max(n_blocks, 1))
     ends = np.concatenate([i, j]), np.concatenate([j, i])
     graph = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=(n_blocks, n_blocks)).tocsr()
     graph.sort_indices()
@@ -140,7 +144,7 @@ def _structures(graph):
     for j in range(n):
         own = graph.indices[graph.indptr[j] : graph.indptr[j + 1]]
         parts = [own[own > j]] + [structures[c][1:] for c in children[j]]
-        structure = np.unique(np.concatenate(parts)) if children[j] else parts[0]
+        structure = distinct(np.concatenate(parts)) if children[j] else parts[0]
         structures.append(structure)
         if len(structure):
             parent[j] = structure[0]
@@ -252,19 +256,24 @@ def _link(fronts, parent, border_rows, row_place, col_place):
         found = np.searchsorted(border_of * n + border_rows, front * n + place) - border_starts[front]
         return np.where(offset < fronts[front, PIVOTS], offset, fronts[front, PIVOTS] + found)
 
+    def target_of(entries):
+        """Where in their fronts some entries of the matrix stand."""
+        at = front[entries]
+        found = row_in(at, row_place[entries]) * padded(fronts[at, SIZE]) + row_in(at, col_place[entries])
+        return found.astype(np.uint32)
+
     parent_rows = row_in(parent[border_of], border_rows)
     front = np.searchsorted(fronts[:, FIRST], np.minimum(row_place, col_place), side="right") - 1
     by_front = np.argsort(front, kind="stable")
-    front = front[by_front]
-    stride = padded(fronts[front, SIZE])
-    target = row_in(front, row_place[by_front]) * stride + row_in(front, col_place[by_front])
-    entry_starts = np.searchsorted(front, np.arange(n_fronts + 1))
+    parts = np.array_split(by_front, 1 + len(by_front) // MOST_ENTRIES)  # for the memory of large models
+    target = np.concatenate([target_of(part) for part in parts])
+    entry_starts = _offsets(np.bincount(front, minlength=n_fronts))
     fronts[:, BORDER] = border_starts[:-1]
     fronts[:, PARENT_ROWS] = border_starts[:-1] + len(border_rows)
     fronts[:, ENTRIES] = 2 * (len(border_rows) + entry_starts[:-1])
     fronts[:, ENTRY_COUNT] = np.diff(entry_starts)
-    pairs = np.column_stack([by_front, target]).ravel()
-    return np.concatenate([border_rows, parent_rows, pairs]).astype(np.uint32)
+    pairs = np.column_stack([by_front.astype(np.uint32), target]).ravel()
+    return np.concatenate([border_rows.astype(np.uint32), parent_rows.astype(np.uint32), pairs])
 
 
 def _storage(fronts):

@@ -1,0 +1,323 @@
+"""Entries with ``repeat`` and templates placed by ``place`` -> a deck in which every copy is written out.
+
+Any entry of a section of names may have ``repeat``, the values of which go into its name and its expressions:
+
+    nodes:
+      p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}
+
+A template is a small deck with parameters of its own; ``place`` puts copies of it where they belong.
+"""
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+from mecano.deck.compose import Node
+from mecano.deck.containers import filled, singular
+from mecano.deck.expressions import ExpressionError, has_inserts, inserted
+from mecano.deck.parameters import Parameters, Refused, is_word
+from mecano.deck.placing import Placement, Placing, Word
+from mecano.deck.repeat import VALUE, rows
+from mecano.deck.scope import INVALID
+from mecano.deck.values import number
+from mecano.deck.wording import quoted
+from mecano.errors import DeckError, Problem
+from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, mapping, named
+
+MOST_VALUES = 400_000
+MOST_PLACED = 10_000
+DEEPEST = 12  # templates inside templates
+ZERO = (0.0, 0.0, 0.0)
+ARGUMENTS = Type("arguments", "a mapping of numbers and words")
+PLACE_FIELDS = (
+    Field("template", TEXT, "-", "name of the template"),
+    Field("position", POSITION, "m", "where the origin of the template comes to stand, inertial", ZERO),
+    Field(
+        "orientation", ORIENTATION, "rad", "rotation vector by which the template is turned about its origin", ZERO
+    ),
+    Field("with", ARGUMENTS, "-", "values of parameters of the template: numbers, or names from outside", {}),
+)  # fmt: skip
+PLACE = Field(
+    "place", named(mapping(*PLACE_FIELDS)), "-",
+    "copies of templates: each is named, and its name and '_' begin the names of all that it brings", {},
+)  # fmt: skip
+
+
+def arguments(node, declared, scope):
+    """The check of values for parameters: {name: node of a number or word}."""
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, declared)
+    for _, value in node.value.values():
+        if type(value.value) not in (int, float, str):
+            return scope.refuse_value(value, replace(declared, type=replace(ARGUMENTS, expects="a number or a word")))
+    return {name: value for name, (_, value) in node.value.items()}
+
+
+@dataclass
+class Level:
+    """The deck, or a copy of a template: its parameters, where it is placed, its texts seen from there."""
+
+    parameters: Parameters
+    stack: tuple = ()
+    sources: dict = field(default_factory=dict)
+
+    def source(self, source):
+        """A Source whose marks tell where the copy was placed."""
+        if not self.stack:
+            return source
+        if id(source) not in self.sources:
+            self.sources[id(source)] = replace(source, stack=self.stack)
+        return self.sources[id(source)]
+
+
+class Copies:
+    """Writes out the copies of one deck; ``incomplete`` when something was refused."""
+
+    def __init__(self, root, sections, scope):
+        self.scope = scope
+        self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
+        self.templates = self._templates(root)
+        self.deck = Level(scope.parameters)
+        self.count = self.count_placed = 0
+        self.incomplete = False
+        self._open = []  # names of the templates that are being placed
+
+    def written_out(self, root):
+        """The tree of the deck without templates, places and repeats."""
+        value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
+        for section, entries in self.sections(root, self.deck).items():
+            if entries or section in value:
+                key, node = root.value.get(section, (root, root))
+                value[section] = (key, Node(entries, node.source, node.line, node.column))
+        return Node(value, root.source, root.line, root.column)
+
+    def sections(self, body, level):
+        """{section: {name: (key, node)}} of the deck or of a template, with what it places itself."""
+        found = {}
+        for section in self.fields:
+            given = body.value.get(section)
+            if given is None or type(given[1].value) is dict:
+                found[section] = self.entries(given, section, level) if given else {}
+        placed = body.value.get("place")
+        for name, (key, node) in self.entries(placed, "place", level).items() if placed else ():
+            for section, entries in self.placed(name, key, node).items():
+                for inner, (inner_key, entry) in entries.items():
+                    self._add(found.get(section, {}), inner, inner_key, entry)
+        return found
+
+    def entries(self, given, section, level):
+        """{name: (key, node)} of a section, with the copies that ``repeat`` asks for."""
+        found = {}
+        if type(given[1].value) is not dict:
+            self._refuse(given[1], f"{quoted(section)} must be a mapping of names")
+            return found
+        for name, (key, node) in given[1].value.items():
+            repeated = type(node.value) is dict and "repeat" in node.value
+            if level is self.deck and not repeated and section != "place":
+                found[name] = (key, node)
+                continue
+            with self._about(f"{singular(section)} {quoted(name)}", level.parameters):
+                for parameters in self._rows(key, node, level) if repeated else [level.parameters]:
+                    self.scope.parameters = parameters
+                    self._copy_entry(key, _once(node) if repeated else node, level, found)
+        return found
+
+    def _copy_entry(self, key, node, level, found):
+        before = len(self.scope.problems)
+        copied, entry = self.copy(key, level), self.copy(node, level)
+        if type(copied.value) is not str:
+            self._refuse(copied, f"a name begins with a letter or '_': {quoted(key.value)} is {copied.value:g}")
+        elif len(self.scope.problems) == before:
+            self._add(found, copied.value, copied, entry)
+
+    def _rows(self, key, node, level):
+        """The Parameters of each copy of an entry."""
+        values = rows(node.value["repeat"][1], self.scope, MOST_VALUES - self.count)
+        if values is INVALID:
+            self.incomplete = True
+            return []
+        if len(values) > 1 and "$" not in key.value:
+            how = f"put a value of 'repeat' into it, as in '{key.value}$({next(iter(values[0]))})'"
+            self._refuse(key, f"all copies would have the name {quoted(key.value)}", how)
+            return []
+        return [Parameters(row, level.parameters) for row in values]
+
+    def copy(self, node, level):
+        """A tree with the values of the parameters at hand in place of expressions and inserts."""
+        self.count += 1
+        if self.count > MOST_VALUES:
+            text = f"'repeat' and 'place' come to more than {MOST_VALUES} values"
+            raise DeckError([*self.scope.problems, Problem(text, node.mark)])
+        value, source = node.value, level.source(node.source)
+        if type(value) is str and "$" in value:
+            return self._text(Node(value, source, node.line, node.column, node.raw))
+        if type(value) is dict:
+            value = {name: (key, self.copy(inner, level)) for name, (key, inner) in value.items()}
+            if level.stack:
+                value = {name: (self._key(key, level), inner) for name, (key, inner) in value.items()}
+        elif type(value) is list:
+            value = [self.copy(item, level) for item in value]
+        return Node(value, source, node.line, node.column, node.raw)
+
+    def _key(self, key, level):
+        return Node(key.value, level.source(key.source), key.line, key.column, key.raw)
+
+    def _text(self, node):
+        """A text with $: a name with inserts, a parameter that is a word, or an expression."""
+        text, scope = node.value, self.scope
+        try:
+            if has_inserts(text):
+                node.value = inserted(text, scope.parameters)
+                return node
+        except Refused:
+            self.incomplete = True
+            return node
+        except ExpressionError as error:
+            self.incomplete = True
+            scope.refuse_expression(node, error)
+            return node
+        word = scope.parameters.word(text.strip()[1:])
+        if word:
+            return Word(word.value, node, word.rise if type(word) is Word else 0)
+        value = scope.evaluated(node)
+        if value is INVALID:
+            self.incomplete = True
+            return node
+        return Node(value, node.source, node.line, node.column, f"{value} ({text})")
+
+    def placed(self, name, key, node):
+        """{section: {name: (key, node)}} of a copy of a template."""
+        before = len(self.scope.problems)
+        self.count_placed += 1
+        if self.count_placed > MOST_PLACED:
+            raise DeckError([*self.scope.problems, Problem(f"more than {MOST_PLACED} templates are placed", key.mark)])
+        with self._about(f"place {quoted(name)}", self.deck.parameters):
+            self.scope.owner = key
+            values = filled(
+                node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, self.scope
+            )
+            if values is INVALID:
+                self.incomplete = True
+                return {}
+            template = self._template(values["template"], node.value["template"][1])
+            if template is None:
+                return {}
+            mark = replace(key.mark, stack=(), role="placed at")
+            level = Level(self._parameters(template, values, key, node), (*key.source.stack, mark))
+            self._work_out(level)
+        if len(self.scope.problems) > before:
+            self.incomplete = True
+            return {}
+        self._open.append(values["template"])
+        found = self.sections(template, level)
+        self._open.pop()
+        return self._moved(found, name, Placement(values["position"], values["orientation"]))
+
+    def _moved(self, found, name, placement):
+        """The sections of a template under the names, and in the places, of its copy ``name``."""
+        placing, moved = Placing(f"{name}_", placement, found, self.scope), {}
+        for section, entries in found.items():
+            moved[section] = {}
+            inner = Field("", self.fields[section].type.options[0], "-", "")
+            for own, (key, node) in entries.items():
+                with self._about(f"{singular(section)} '{name}_{own}'", self.deck.parameters):
+                    before = len(self.scope.problems)
+                    placing.take(node, inner)
+                    self.incomplete |= len(self.scope.problems) > before
+                moved[section][f"{name}_{own}"] = (key, node)
+        return moved
+
+    def _template(self, name, node):
+        if name not in self.templates:
+            self._refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.templates))
+            return None
+        if name in self._open:
+            circle = " -> ".join([*self._open[self._open.index(name) :], name])
+            self._refuse(node, f"templates place one another in a circle: {circle}")
+            return None
+        if len(self._open) >= DEEPEST:
+            self._refuse(node, f"templates are placed more than {DEEPEST} levels deep")
+            return None
+        return self.templates[name]
+
+    def _parameters(self, template, values, key, node):
+        """The Parameters of a copy: what is given to it and its defaults; each must have a value."""
+        declared = template.value.get("parameters")
+        defaults = {name: value for name, (_, value) in declared[1].value.items()} if declared else {}
+        given = {name: value for name, value in values["with"].items() if value.value is not None}
+        for name in given:
+            if name not in defaults:
+                hint = self.scope.suggest(name, defaults)
+                self._refuse(
+                    node.value["with"][1].value[name][0], f"the template has no parameter {quoted(name)}", hint
+                )
+        missing = [name for name, value in defaults.items() if value.value is None and name not in given]
+        if missing:
+            self._refuse(key, f"missing 'with.{missing[0]}', a parameter of the template without a default")
+        raised = {
+            name: Word(value.value, value, 1 + (value.rise if type(value) is Word else 0))
+            if type(value.value) is str
+            else value
+            for name, value in given.items()
+        }
+        return Parameters({**defaults, **raised}, self.deck.parameters)
+
+    def _work_out(self, level):
+        """The numbers among the parameters of a copy, wrong ones told at their own places."""
+        for name, node in level.parameters.nodes.items():
+            if not is_word(node) and node.value is not None:
+                self.scope.parameters = level.parameters
+                at = Node(node.value, level.source(node.source), node.line, node.column, node.raw)
+                with level.parameters.working_on(name):
+                    value = number(at, replace(VALUE, name=name), self.scope)
+                level.parameters.values[name] = None if value is INVALID else value
+
+    def _templates(self, root):
+        """{name: node} of the templates, each a mapping of sections."""
+        given = root.value.get("templates")
+        if given is None or given[1].value is None:
+            return {}
+        if type(given[1].value) is not dict:
+            self._refuse(given[1], "'templates' must be a mapping of names")
+            return {}
+        for name, (key, node) in given[1].value.items():
+            self._check_template(name, key, node)
+        return {name: node for name, (_, node) in given[1].value.items()}
+
+    def _check_template(self, name, key, node):
+        known = ["parameters", "place", *self.fields]
+        if type(node.value) is not dict:
+            self._refuse(key, f"template {quoted(name)}: must be a mapping of sections")
+            node.value = {}
+        for section, (key, inner) in list(node.value.items()):
+            if section not in known:
+                hint = self.scope.suggest(section, known)
+                self._refuse(key, f"template {quoted(name)}: unknown section {quoted(section)}", hint)
+            elif type(inner.value) is not dict:
+                self._refuse(inner, f"template {quoted(name)}: {quoted(section)} must be a mapping of names")
+                del node.value[section]
+
+    def _add(self, entries, name, key, node):
+        if name in entries:
+            self._refuse(key, f"{quoted(name)} is given twice; first at {entries[name][0].mark}")
+        else:
+            entries[name] = (key, node)
+
+    @contextmanager
+    def _about(self, subject, parameters):
+        scope = self.scope
+        before = scope.subject, scope.parameters, scope.owner, scope.path
+        scope.subject, scope.parameters, scope.path = subject, parameters, []
+        try:
+            yield
+        finally:
+            scope.subject, scope.parameters, scope.owner, scope.path = before
+
+    def _refuse(self, node, message, hint=""):
+        self.incomplete = True
+        self.scope.refuse(node, message, hint)
+
+
+def _once(node):
+    """An entry without its 'repeat'."""
+    value = {name: pair for name, pair in node.value.items() if name != "repeat"}
+    return Node(value, node.source, node.line, node.column)

@@ -1,0 +1,105 @@
+"""A line of a deck for each kind, shape of a section and term of a law, as `mecano explain` shows it.
+
+All are of one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe and a
+law viscous (tests/test_deck_examples.py); none is more than an example.
+"""
+
+from textwrap import wrap
+
+EXAMPLES = {
+    "point_mass": "ballast: {type: point_mass, node: rod, mass: 2 kg}",
+    "rigid_body":
+        "crank: {type: rigid_body, node: crank, mass: 1.2 kg, inertia: [1.0e-3, 2.0e-2, 2.0e-2], attached: [pin]}",
+    "rigid_link": "arm: {type: rigid_link, nodes: [crank, pin]}",
+    "hinge": "elbow: {type: hinge, nodes: [crank, rod], axis: [0, 1, 0], stops: {lower: -30 deg, upper: 120 deg}}",
+    "spherical": "ball: {type: spherical, nodes: [crank, rod]}",
+    "universal": "cross: {type: universal, nodes: [crank, rod], axis_a: [1, 0, 0], axis_b: [0, 1, 0]}",
+    "cylindrical": "sleeve: {type: cylindrical, nodes: [ground, slider], axis: [1, 0, 0]}",
+    "prismatic": "guide: {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0]}",
+    "planar": "table: {type: planar, nodes: [ground, slider], axis: [0, 0, 1]}",
+    "screw": "jack: {type: screw, nodes: [ground, slider], axis: [1, 0, 0], pitch: 5 mm}",
+    "fixed": "weld: {type: fixed, nodes: [ground, crank]}",
+    "rigid_rod": "rod: {type: rigid_rod, nodes: [crank, slider]}",
+    "gear_pair":
+        "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m}",
+    "rack_and_pinion":
+        "rack: {type: rack_and_pinion, nodes: [ground, rod], axis: [0, 1, 0], direction: [1, 0, 0], radius: 50 mm}",
+    "point_on_curve":
+        "cam: {type: point_on_curve, nodes: [ground, slider], center: [1 m, 0, 0.8 m], semi_axis_1: [0, 0, 200 mm], "
+        "semi_axis_2: [100 mm, 0, 0]}",
+    "slider_on_beam": "collar: {type: slider_on_beam, node: rod, line: [crank, girder.1, slider]}",
+    "prescribed_position":
+        "shaker: {type: prescribed_position, node: slider, direction: [1, 0, 0], "
+        "value: {sine: {amplitude: 2 mm, frequency: 5 Hz}}}",
+    "prescribed_angle":
+        "motor: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: {linear: {slope: 60 rpm}}}",
+    "held_rotation": "upright: {type: held_rotation, nodes: [ground, slider]}",
+    "beam": "leg: {type: beam, nodes: [crank, slider], section: pipe, mesh: 4}",
+    "superelement": "wing: {type: superelement, nodes: [crank, slider], file: wing.npz}",
+    "bar": "tie: {type: bar, nodes: [crank, slider], young_modulus: 210 GPa, area: 80 mm2}",
+    "cable": "rope: {type: cable, nodes: [crank, slider], axial_stiffness: 50 kN, natural_length: 0.9 m}",
+    "spring_damper": "strut: {type: spring_damper, nodes: [crank, slider], law: viscous}",
+    "torsion_spring_damper":
+        "coil: {type: torsion_spring_damper, nodes: [crank, rod], axis: [0, 1, 0], "
+        "law: {spring: {stiffness: 2 N m/deg}}}",
+    "bushing":
+        "mount: {type: bushing, nodes: [ground, crank], stiffness: [1 kN/mm, 1 kN/mm, 3 kN/mm, 50, 50, 20], "
+        "axis: [0, 0, 1]}",
+    "plane_contact": "foot: {type: plane_contact, node: slider, ground: road, restitution: 0.4}",
+    "force": "push: {type: force, node: slider, direction: [1, 0, 0], value: 3 kN}",
+    "follower_force":
+        "thruster: {type: follower_force, node: crank, direction: [1, 0, 0], value: {step: {time: 0.5, rise: 0.1, "
+        "from: 0, to: 200 N}}}",
+    "moment": "twist: {type: moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
+    "follower_moment": "twist: {type: follower_moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
+    "couple": "drive: {type: couple, nodes: [crank, rod], axis: [0, 1, 0], value: 12 N m}",
+    "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
+    "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
+    "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
+    "skate": "blade: {type: skate, node: slider, axis: [0, 1, 0], ground: road}",
+    "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
+    "flexible_wheel": "nose: {type: flexible_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
+    "adhesive_wheel": "nose: {type: adhesive_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
+    "circle": "shaft: {type: circle, diameter: 30 mm, E: 210 GPa, nu: 0.3, density: 7850}",
+    "tube": "tube: {type: tube, diameter: 80 mm, thickness: 5 mm, E: 210 GPa, nu: 0.3, density: 7850}",
+    "rectangle": "strip: {type: rectangle, width: 20 mm, height: 2 mm, E: 70 GPa, nu: 0.33, density: 2700}",
+    "stiffness":
+        "rod: {type: stiffness, EA: 1.0e4, GA2: 5.0e3, GA3: 5.0e3, GJ: 100, EI2: 100, EI3: 100, mass_per_length: 1, "
+        "rotary_inertia: [2.0e-2, 1.0e-2, 1.0e-2]}",
+    "matrix":
+        "blade: {type: matrix, stiffness: [[1.0e6, 0, 0, 0, 0, 0], [0, 3.0e5, 0, 0, 0, 0], [0, 0, 3.0e5, 0, 0, 0], "
+        "[0, 0, 0, 50, 10, 0], [0, 0, 0, 10, 80, 0], [0, 0, 0, 0, 0, 900]], "
+        "mass: [[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], "
+        "[0, 0, 0, 2.0e-3, 0, 0], [0, 0, 0, 0, 1.0e-3, 0], [0, 0, 0, 0, 0, 1.0e-3]]}",
+    "constant": "load: {constant: {value: 3 kN}}",
+    "linear": "turning: {linear: {slope: 60 rpm}}",
+    "polynomial": "rising: {polynomial: {coefficients: [0, 0, 60]}} # 60 s^2",
+    "table": "measured: {table: {points: [[0, 0], [10 mm, 2 kN], [20 mm, 5 kN]], beyond: extend}}",
+    "sine": "shaking: {sine: {amplitude: 2 mm, frequency: 5 Hz}}",
+    "ramp": "pull: {ramp: {start: 0.5 s, end: 1 s, from: 0, to: 3 kN}}",
+    "step": "pull: {step: {time: 0.5 s, rise: 0.1 s, from: 0, to: 3 kN}}",
+    "exponential": "friction: {exponential: {start: 0.8, limit: 0.3, rate: 0.05}}",
+    "bump": "bump: {bump: {start: 10 m, length: 2 m, height: 50 mm}}",
+    "random": "road: {random: {density: 1.0e-6, seed: 1}}",
+    "spring": "coil: {spring: {stiffness: 20 kN/m}}",
+    "preload": "coil: {spring: {stiffness: 20 kN/m}, preload: {force: 500 N}}",
+    "damper": "shock: {spring: {stiffness: 20 kN/m}, damper: {coefficient: 300}}",
+    "damper_polynomial": "shock: {damper_polynomial: {coefficients: [0, 300, 0, 20]}}",
+    "damper_table": "shock: {damper_table: {points: [[-1, -500], [0, 0], [1, 2000]]}}",
+    "gas_spring": "oleo: {gas_spring: {force: 20 kN, length: 0.5 m, exponent: 1.2}}",
+    "oil_damper": "oleo: {oil_damper: {compression: 8.0e3, rebound: 6.0e4}}",
+    "metering_pin":
+        "oleo: {metering_pin: {density: 870, piston_area: 80 cm2, discharge_coefficient: 0.7, "
+        "points: [[0, 4 cm2], [0.3, 1 cm2]]}}",
+    "dry_friction": "seal: {dry_friction: {force: 200 N, regularization: 1 mm/s}}",
+    "stop": "bumper: {stop: {stiffness: 5 kN/mm, lower: -100 mm, upper: 100 mm}}",
+    "dead_band": "play: {dead_band: {stiffness: 5 kN/mm, lower: -1 mm, upper: 1 mm}}",
+}  # fmt: skip
+
+
+def example_lines(name, section, width):
+    """Lines that show an example in its section, or none for a name without one."""
+    if name not in EXAMPLES:
+        return []
+    lines = wrap(EXAMPLES[name], width, initial_indent="    ", subsequent_indent="      ", break_on_hyphens=False)
+    return ["", "Example", f"  {section}:", *lines]

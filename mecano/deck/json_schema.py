@@ -1,0 +1,168 @@
+"""The grammar of decks as JSON Schema, draft 7, for editors: from the same declarations as the check of decks.
+
+It knows what keys and types may stand where; names, physics and dimensions are left to `mecano check`.
+"""
+
+import math
+
+from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.sections import SECTIONS
+from mecano.elements import KINDS
+from mecano.elements.cross_section import SHAPES
+from mecano.laws import TERMS
+from mecano.schema import SECTION_OF, not_negative, positive, share
+
+EXPRESSION = r"^\s*=|\$|^[-+]?\.?[0-9]"  # of a text in place of a number: an expression, or a quantity such as 25 mm
+NAME = r"^[A-Za-z_$][A-Za-z0-9_$()+*/% -]*$"
+BOUNDS = {positive: {"exclusiveMinimum": 0}, not_negative: {"minimum": 0}, share: {"minimum": 0, "maximum": 1}}
+TEXT, NULL = {"type": "string"}, {"type": "null"}
+WORKED_OUT = {"type": "string", "pattern": EXPRESSION}
+NUMBER = {"$ref": "#/definitions/number"}
+LAW = {"$ref": "#/definitions/law"}
+
+
+def deck_schema():
+    """The schema of a deck, or of a file that it includes, as plain data."""
+    properties = {field.name: _property(field) for field in (*SECTIONS, *LANGUAGE)}
+    return {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "mecano deck",
+        "type": "object",
+        "required": ["mecano"],
+        "additionalProperties": False,
+        "properties": {**properties, "mecano": {"const": 1, "description": "version of the deck"}},
+        "definitions": {
+            "number": {"anyOf": [{"type": "number"}, WORKED_OUT]},
+            "repeat": _repeat(),
+            "law": _law(),
+            **{f"term {term.name}": _object(term.fields, term.doc) for term in TERMS.values()},
+            **{f"kind {kind.name}": _kind(kind) for kind in (*KINDS.values(), *SHAPES.values())},
+            "template": _template(),
+        },
+    }
+
+
+def _property(field):
+    """The schema of a field, with what an editor shows of it."""
+    unit = "" if field.unit == "-" else f" [{field.unit}]"
+    schema = _bounded(field) if field.check in BOUNDS else _of(field.type)
+    if not field.required:
+        schema = _or_null(schema)
+    else:
+        schema = {"allOf": [schema]} if "$ref" in schema else dict(schema)
+    schema |= {"title": f"{field.name}{unit}", "description": field.doc}
+    default = field.default
+    if not field.required and default is not None and not (type(default) is float and math.isinf(default)):
+        schema["default"] = list(default) if type(default) is tuple else default
+    return schema
+
+
+def _or_null(schema):
+    """Null, too; what is wrong inside a mapping or list is then still found at its place."""
+    if type(schema.get("type")) is str:
+        return {**schema, "type": [schema["type"], "null"]}
+    return {**schema, "else": _or_null(schema["else"])} if "else" in schema else {"anyOf": [schema, NULL]}
+
+
+def _bounded(field):
+    type_ = field.type if field.type.name != "either" else field.type.options[0]
+    words = [{"enum": list(field.type.options[1])}] if type_ is not field.type else []
+    kind = "integer" if type_.name == "integer" else "number"
+    return {"anyOf": [{"type": kind, **BOUNDS[field.check]}, WORKED_OUT, *words]}
+
+
+def _of(type_):
+    """The schema of a type."""
+    if type_.name in WRITTEN:
+        return WRITTEN[type_.name]
+    if type_.name in MADE:
+        return MADE[type_.name](type_)
+    return TEXT if type_.name in SECTION_OF else {}
+
+
+def _list(item, least=0, most=None):
+    return {"type": "array", "items": item, "minItems": least, **({} if most is None else {"maxItems": most})}
+
+
+def _object(fields, doc="", **more):
+    """A mapping of fields."""
+    properties = {field.name: _property(field) for field in fields}
+    required = [field.name for field in fields if field.required]
+    schema = {"type": "object", "properties": {**more, **properties}, "additionalProperties": False}
+    if required:
+        schema["required"] = required
+    return {**schema, "description": doc.strip().split("\n\n")[0]} if doc else schema
+
+
+def _kind(kind):
+    return _object(kind.fields, kind.doc, type={"const": kind.name}, repeat={"$ref": "#/definitions/repeat"})
+
+
+def _one_of_kinds(type_):
+    kinds = [kind for kind in (*KINDS.values(), *SHAPES.values()) if kind.section == type_.options[0]]
+    chosen = [
+        {"if": {"properties": {"type": {"const": kind.name}}}, "then": {"$ref": f"#/definitions/kind {kind.name}"}}
+        for kind in kinds
+    ]
+    names = {"enum": [kind.name for kind in kinds], "description": "kind; `mecano list` says what each is"}
+    return {"type": "object", "required": ["type"], "properties": {"type": names}, "allOf": chosen}
+
+
+def _named(type_):
+    """A section of names, each entry of which may be repeated."""
+    inner = type_.options[0]
+    repeated = inner.name == "mapping"
+    entry = _object(inner.options, repeat={"$ref": "#/definitions/repeat"}) if repeated else _of(inner)
+    return {"type": "object", "propertyNames": {"pattern": NAME}, "additionalProperties": entry}
+
+
+def _law():
+    terms = {name: {"$ref": f"#/definitions/term {name}"} for name in TERMS}
+    return {
+        "type": "object", "description": "a sum of terms", "minProperties": 1, "additionalProperties": False,
+        "properties": {**terms, "repeat": {"$ref": "#/definitions/repeat"}},
+    }  # fmt: skip
+
+
+def _repeat():
+    value = {"type": ["number", "string"]}
+    values = {"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": [TEXT, _list(value, 1)]}}
+    row = {"type": "object", "minProperties": 1, "additionalProperties": value}
+    return {"description": REPEAT.doc, "anyOf": [values, _list(row, 1)]}
+
+
+def _template():
+    parts = [field for field in (*SECTIONS, *LANGUAGE) if field.type.name == "named" and field.name != "templates"]
+    properties = {field.name: _property(field) for field in parts}
+    value = {"type": ["number", "string", "null"]}
+    properties["parameters"] = {
+        "description": "names with defaults; one without must be given by 'with'", "type": "object",
+        "additionalProperties": value,
+    }  # fmt: skip
+    return {"type": "object", "additionalProperties": False, "properties": properties}
+
+
+ARRAY_OR_ROWS = {"anyOf": [NUMBER, _list(NUMBER)]}
+WRITTEN = {
+    "number": NUMBER, "parameter": NUMBER, "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
+    "boolean": {"type": "boolean"}, "text": TEXT, "numbers": _list(NUMBER), "vector": _list(NUMBER, 3, 3),
+    "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),
+    "matrix_6": _list(ARRAY_OR_ROWS, 6, 6), "points": _list(_list(NUMBER, 2, 2)), "law": {"anyOf": [TEXT, LAW]},
+    "curve": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "law_in_place": {"anyOf": [NUMBER, LAW]},
+    "reduced": {"anyOf": [TEXT, {"type": "object"}]}, "rows": {"anyOf": [TEXT, _list(_list(NUMBER))]},
+    "arguments": {"type": "object", "additionalProperties": {"type": ["number", "string"]}},
+    "columns": _list({"type": ["string", "integer"]}, 2, 2), "units": _list(TEXT, 2, 2),
+    "files": {"anyOf": [TEXT, _list(TEXT)]}, "template": {"$ref": "#/definitions/template"},
+}  # fmt: skip
+MADE = {
+    "choice": lambda t: {"enum": list(t.options)},
+    "nodes": lambda t: _list(TEXT, *(2 * t.options)),
+    "mapping": lambda t: _object(t.options),
+    "named": _named,
+    "list": lambda t: _list(_of(t.options[0])),
+    "either": lambda t: {"anyOf": [_of(t.options[0]), {"enum": list(t.options[1])}]},
+    "shorthand": lambda t: {
+        "if": {"type": "object"}, "then": _of(t.options[0]), "else": {"enum": [word for word, _ in t.options[1]]}
+    },
+    "kind": _one_of_kinds,
+}  # fmt: skip

@@ -1,0 +1,147 @@
+"""Quantities with units: "25 mm", "3 bar", "12 deg", "2 kN/mm" -> numbers in SI units, their dimension checked.
+
+A unit is a product of factors, each with a whole power, and divided by single ones: "N m", "m/s2", "kg m2", "kN/mm",
+"N m/rad". Angles are a dimension of their own, so that degrees cannot be taken for metres.
+"""
+
+import difflib
+import math
+import re
+from functools import lru_cache
+
+from mecano.deck.scalar import number
+
+NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+QUANTITY = re.compile(rf"({NUMBER})\s*([A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*|1/[^\s,\[\]]+)\s*")
+FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|([²³]))?")
+PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
+            "n": 1e-9}  # fmt: skip
+LENGTH, MASS, TIME, ANGLE, NONE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 0)
+FORCE, PRESSURE, ENERGY, POWER, PER_TIME = (1, 1, -2, 0), (-1, 1, -2, 0), (2, 1, -2, 0), (2, 1, -3, 0), (0, 0, -1, 0)
+PREFIXED = {  # powers of m, kg, s, rad, and the value in SI
+    "m": (1.0, LENGTH), "g": (1e-3, MASS), "s": (1.0, TIME), "rad": (1.0, ANGLE), "N": (1.0, FORCE),
+    "Pa": (1.0, PRESSURE), "bar": (1e5, PRESSURE), "J": (1.0, ENERGY), "W": (1.0, POWER), "Hz": (1.0, PER_TIME),
+}  # fmt: skip
+ALONE = {
+    "1": (1.0, NONE), "%": (0.01, NONE), "deg": (math.pi / 180, ANGLE), "°": (math.pi / 180, ANGLE),
+    "rev": (math.tau, ANGLE), "rpm": (math.tau / 60, (0, 0, -1, 1)), "min": (60.0, TIME), "h": (3600.0, TIME),
+    "t": (1e3, MASS), "lb": (0.45359237, MASS), "slug": (14.593902937206364, MASS), "inch": (0.0254, LENGTH),
+    "in": (0.0254, LENGTH), "ft": (0.3048, LENGTH), "mi": (1609.344, LENGTH), "kt": (1852 / 3600, (1, 0, -1, 0)),
+    "mph": (0.44704, (1, 0, -1, 0)), "lbf": (4.4482216152605, FORCE), "kgf": (9.80665, FORCE),
+    "psi": (6894.757293168361, PRESSURE), "atm": (101325.0, PRESSURE), "hp": (745.6998715822702, POWER),
+}  # fmt: skip
+NAMES = {
+    "a number without unit": "1", "a length": "m", "a mass": "kg", "a time": "s", "an angle": "rad", "a force": "N",
+    "a pressure": "Pa", "a moment or an energy": "J", "a power": "W", "a frequency": "Hz", "a speed": "m/s",
+    "an acceleration": "m/s2", "an angular velocity": "rad/s", "an area": "m2", "a volume": "m3",
+    "a density": "kg/m3", "a moment of inertia": "kg m2", "a stiffness": "N/m", "a damping": "N s/m",
+    "a torsional stiffness": "N m/rad", "a torsional damping": "N m s/rad", "a mass per length": "kg/m",
+    "a bending stiffness": "N m2",
+}  # fmt: skip
+COMMON = (  # what may have been meant
+    "mm", "cm", "km", "kg", "ms", "mrad", "kN", "MN", "kPa", "MPa", "GPa", "mbar", "kJ", "kW", "kHz", "km/h", "m/s",
+    "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2", "kg/m3", "mm2", "cm2", "m2",
+)  # fmt: skip
+ANY = "unit of its use"
+LONGEST = 60  # characters of a unit
+
+
+class UnitError(Exception):
+    """What is wrong with the unit of a quantity; completes "'mass': ..."."""
+
+
+def is_quantity(text):
+    """True when a text is a number and behind it what may be a unit; a number in quotes is none."""
+    return QUANTITY.fullmatch(text) is not None and number(text) is None
+
+
+def converted(text, declared):
+    """The float in SI units of a quantity for a field that is declared with a unit.
+
+    ``declared`` may name several units ("N or N m"); "-" is none, and any unit will do where it depends on the use
+    ("unit of the value"). Raises UnitError.
+    """
+    match = QUANTITY.fullmatch(text)
+    return float(match[1]) * factor_of(match[2], declared)
+
+
+def factor_of(unit, declared):
+    """The value in SI units of a unit for a field that is declared with another; as ``converted``."""
+    if len(unit) > LONGEST:
+        raise UnitError(f"'{unit[:40]}...' is no unit")
+    value, powers = _unit(unit)
+    wanted = _declared(declared)
+    if wanted is not None and not any(_fits(powers, known) for known in wanted):
+        shown = "" if declared == "-" else f" [{declared}]"
+        expected = " or ".join(_name(known, declared) for known in wanted)
+        raise UnitError(f"{expected}{shown} is expected, and '{unit}' is {_name(powers, unit)}")
+    return value
+
+
+@lru_cache(maxsize=1024)
+def parsed(unit):
+    """(value in SI, powers of m, kg, s, rad) of a unit, or None when it is none."""
+    product, *divisors = [part.strip() for part in unit.replace("·", " ").replace("*", " ").split("/")]
+    factors = [(factor, 1) for factor in product.split()] + [(factor, -1) for factor in divisors]
+    value, powers = 1.0, NONE
+    for factor, sign in factors:
+        match = FACTOR.fullmatch(factor)
+        known = match and _simple(match[1])
+        if not known:
+            return None
+        power = sign * int(match[2] or {"²": 2, "³": 3}.get(match[3], 1))
+        value *= known[0] ** power
+        powers = tuple(a + power * b for a, b in zip(powers, known[1], strict=True))
+    return (value, powers) if factors else None
+
+
+def _simple(name):
+    """(value, powers) of a unit without powers, with its prefix; None when there is none."""
+    if name in ALONE:
+        return ALONE[name]
+    for prefix, factor in PREFIXES.items():
+        base = name.removeprefix(prefix)
+        if name.startswith(prefix) and base in PREFIXED:
+            return factor * PREFIXED[base][0], PREFIXED[base][1]
+    return None
+
+
+def _unit(unit):
+    found = parsed(unit)
+    if found is None and re.search(r"/[^/]* ", unit):
+        raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
+    if found is None or not math.isfinite(found[0]):
+        near = difflib.get_close_matches(unit[:40], (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=0.5)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        raise UnitError(f"'{unit[:40]}' is no unit{hint}")
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _declared(text):
+    """Powers that a declared unit may have, or None when any will do."""
+    if "unit" in text:
+        return None
+    if text == "-":
+        return (NONE,)
+    found = [parsed(part.strip()) for part in re.split(r" or |,", text)]
+    return None if None in found else tuple(dict.fromkeys(powers for _, powers in found))
+
+
+def _fits(powers, wanted):
+    """True when dimensions agree; radians may be left out of moments and stiffnesses, not of rates: Hz is not rad/s."""
+    return powers == wanted or (powers[:3] == wanted[:3] and powers[1] != 0 and powers[3] == 0)
+
+
+def _name(powers, unit):
+    for name, known in NAMES.items():
+        if parsed(known)[1] == powers:
+            return name
+    return "of another dimension" if unit != "-" else "a number"
+
+
+@lru_cache(maxsize=1024)
+def unit_of(declared, i, count):
+    """The unit of the item i of ``count``: of "m, m2" each of two has its own, else all have all."""
+    units = declared.split(", ")
+    return units[i] if len(units) == count else declared

@@ -1,0 +1,75 @@
+"""The lines of decks that `mecano explain` shows: there is one for every kind, shape and term, and all are right."""
+
+import re
+
+import numpy as np
+import pytest
+
+from mecano.deck.catalogue import explain
+from mecano.deck.examples import EXAMPLES
+from mecano.deck.read import read_deck
+from mecano.elements import KINDS
+from mecano.elements.cross_section import SHAPES
+from mecano.laws import TERMS
+
+CONTEXT = """\
+mecano: 1
+nodes:
+  crank: {position: [0, 0, 1]}
+  pin: {position: [0.4, 0, 1]}
+  rod: {position: [0, 0, 1]}
+  slider: {position: [1, 0, 1]}
+  wheel: {position: [0, 0, 0.3]}
+elements:
+  girder: {type: beam, nodes: [crank, slider], section: pipe, mesh: 2}
+  masses$i: {repeat: [{i: 1, at: crank}, {i: 2, at: rod}, {i: 3, at: slider}, {i: 4, at: wheel}, {i: 5, at: pin}],
+    type: rigid_body, node: $at, mass: 1, inertia: [1, 1, 1]}
+laws:
+  viscous: {spring: {stiffness: 1e3}, damper: {coefficient: 10}}
+sections:
+  pipe: {type: tube, diameter: 0.1, thickness: 0.01, E: 2e11, nu: 0.3, density: 7850}
+grounds:
+  road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+tire_laws:
+  tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}
+  soft_tyre:
+    radius: 0.3
+    radial: {linear: {slope: 1e5}}
+    friction: 0.8
+    slip_regularization: 0.1
+    lateral: {relaxation: {cornering_stiffness: 2e5, relaxation_length: 0.3}}
+time: {end: 1, step: 0.01}
+"""
+OWNERS = {**KINDS, **SHAPES, **{name: None for name in TERMS}}
+
+
+def test_there_is_an_example_of_everything():
+    named = [name for name, kind in OWNERS.items() if kind is None or kind.section]
+    assert sorted(EXAMPLES) == sorted(named)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with the file of the superelement."""
+    path = tmp_path_factory.mktemp("examples")
+    spring = np.diag([1e3, 1e3, 1e3, 1e2, 1e2, 1e2])
+    lever = np.eye(6)  # the motion of the second node, 1 m along x from the first, with that of the first one
+    lever[1, 5], lever[2, 4] = 1.0, -1.0
+    B = np.hstack([-lever, np.eye(6)])
+    np.savez(path / "wing.npz", positions=[[0, 0, 0], [1, 0, 0]], stiffness=B.T @ spring @ B, mass=np.eye(12))
+    return path
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_are_right(name, folder):
+    """As they are shown, in the deck that they are of."""
+    shown = re.search(r"\nExample\n  (\w+):\n((?:    .*\n)+)", explain(name))
+    section, lines = shown[1], shown[2].replace("\n  ", "\n")[2:]
+    if f"\n{section}:\n" in CONTEXT:
+        text = CONTEXT.replace(f"\n{section}:\n", f"\n{section}:\n{lines}")
+    else:
+        text = f"{CONTEXT}{section}:\n{lines}"
+    (folder / "deck.yaml").write_text(text)
+    read = read_deck(folder / "deck.yaml").values[section]
+    written = read[EXAMPLES[name].partition(":")[0]]
+    assert name in (dict(written) if section == "laws" else (written["type"],))

@@ -1,0 +1,62 @@
+"""`mecano new`: decks to begin with, each of which runs; `mecano schema`."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+import mecano
+from mecano.cli import commands
+from mecano.deck.new import starter, starters, write_text
+from mecano.deck.read import read_deck
+from mecano.errors import ResultsError, UsageError
+from mecano.model.sampler import Sampler, row_size
+from mecano.prepare import prepare
+
+
+@pytest.mark.parametrize("name", starters())
+def test_starters_run(name, tmp_path):
+    """The first steps; the whole of them is run by hand, without a message."""
+    path = tmp_path / f"{name}.yaml"
+    write_text(path, starter(name))
+    deck = read_deck(path)
+    prepared = prepare(deck)
+    assert deck.values["title"] and prepared.displacement < 1e-12
+    assert row_size(prepared.system) == Sampler(prepared.system).row.size
+    results = tmp_path / "results.h5"
+    short = (
+        [] if deck.values["static"] else ["time.end=0.01", "time.adaptive=null", "time.step=1e-3", "output.every=step"]
+    )
+    if deck.values["static"]:
+        from mecano.static_run import run
+    else:
+        from mecano.run import run
+    run(read_deck(path, short), str(results))
+    with mecano.open_results(results) as found:
+        assert found.status == "complete"
+        if name == "beam":  # F L^3/(3 E I) = 7.634 mm, and the shear
+            assert found["tip.position.z"].values[-1] == pytest.approx(-7.65e-3, rel=5e-3)
+
+
+def test_new_lists_writes_and_replaces_nothing(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    listed = CliRunner().invoke(commands, ["new"], catch_exceptions=False).output
+    assert "pendulum      A pendulum: one body on one hinge" in listed
+    written = CliRunner().invoke(commands, ["new", "pendulum"], catch_exceptions=False)
+    assert written.exit_code == 0 and (tmp_path / "pendulum.yaml").read_text() == starters()["pendulum"]
+    (tmp_path / "pendulum.yaml").write_text("mine")
+    with pytest.raises(UsageError, match="pendulum.yaml is there already; it is not replaced"):
+        CliRunner().invoke(commands, ["new", "pendulum"], catch_exceptions=False)
+    assert (tmp_path / "pendulum.yaml").read_text() == "mine"
+    with pytest.raises(UsageError, match="there is no deck 'pendulm' to begin with; did you mean 'pendulum'?"):
+        CliRunner().invoke(commands, ["new", "pendulm"], catch_exceptions=False)
+    with pytest.raises(ResultsError, match="none/a.yaml cannot be written: No such file or directory"):
+        CliRunner().invoke(commands, ["new", "beam", "none/a.yaml"], catch_exceptions=False)
+
+
+def test_schema_is_written(tmp_path):
+    path = tmp_path / "mecano.schema.json"
+    printed = CliRunner().invoke(commands, ["schema"], catch_exceptions=False).output
+    for _ in range(2):
+        CliRunner().invoke(commands, ["schema", "-o", str(path)], catch_exceptions=False)
+    assert json.loads(printed) == json.loads(path.read_text())

@@ -1,0 +1,61 @@
+"""Quantities with units, against their definitions."""
+
+import math
+
+import pytest
+from deck_samples import VALID, problems_of, read_fake
+
+from mecano.deck.catalogue import _declared as declared_fields
+from mecano.deck.catalogue import _walk
+from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed
+
+EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
+    ("25 mm", "m", 0.025), ("25mm", "m", 0.025), ("-3.5e2 cm", "m", -3.5), ("1 in", "m", 0.0254),
+    ("1 ft", "m", 0.3048), ("60 km/h", "m/s", 60 / 3.6), ("1 kt", "m/s", 1852 / 3600), ("3 bar", "Pa", 3e5),
+    ("1 psi", "Pa", 6894.757293168361), ("12 deg", "rad", math.pi / 15), ("12 °", "rad", math.pi / 15),
+    ("60 rpm", "rad/s", 2 * math.pi), ("2 kN/mm", "N/m", 2e6), ("3 kN m", "N m", 3e3),
+    ("1 lbf", "N", 4.4482216152605), ("80 cm2", "m2", 8e-3), ("80 cm^2", "m2", 8e-3), ("7 m³", "m3", 7.0),
+    ("2 t", "kg", 2e3), ("5 g", "kg", 5e-3), ("7.85 g/cm3", "kg/m3", 7850.0), ("5 %", "-", 0.05),
+    ("2 N m/deg", "N m/rad", 360 / math.pi), ("2 N m", "N m/rad", 2.0), ("3 min", "s", 180.0),
+    ("1 hp", "W", 745.6998715822702), ("5 Hz", "1/s", 5.0), ("9 m/s/s", "m/s2", 9.0), ("4 N", "N or N m", 4.0),
+    ("4 N m", "N or N m", 4.0), ("4 furlong", ANY, None), ("4 mm", ANY, 4e-3), ("4 m", "kg", None),
+    ("4 deg", "m", None), ("4 deg", "-", None), ("4 Hz", "rad/s", None), ("4 m/s", "m/s2", None),
+    ("4 N/m s", "N s/m", None), ("4 Bar", "Pa", None),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text,unit,expected", EXACT, ids=[f"{text}|{unit}" for text, unit, _ in EXACT])
+def test_values(text, unit, expected):
+    assert is_quantity(text)
+    if expected is None:
+        with pytest.raises(UnitError):
+            converted(text, unit)
+    else:
+        assert converted(text, unit) == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["7", "7e10", "0x1F", ".5", "$a", "=3", "mm", "fast", "2 * $a", "-$a", "12:30:45", ""])
+def test_what_is_no_quantity(text):
+    assert not is_quantity(text)
+
+
+def test_every_declared_unit_can_be_checked():
+    """A field that is declared with a unit that is none could not be given one."""
+    units = {field.unit for place, fields in declared_fields() for _, field in _walk(fields, place)}
+    for unit in units:
+        if unit != "-" and "unit" not in unit:
+            assert all(parsed(part.strip()) for part in unit.replace(" or ", ",").split(",")), unit
+
+
+def test_units_in_a_deck():
+    text = VALID.replace("mass: 7e1", "mass: 0.07 t").replace("[0, 0, 2.1]", "[0, 0, 210 cm]")
+    text = text.replace("stiffness: 1e6", "stiffness: 1 kN/mm").replace("every: 5e-3", "every: 5 ms")
+    assert read_fake(text).values == read_fake(VALID).values
+    values = read_fake(VALID.replace("sink: 3.05", "sink: 183 m/min")).values
+    assert values["initial"]["velocities"][0]["velocity"][2] == pytest.approx(-3.05)
+    assert problems_of(VALID.replace("every: 5e-3", "every: 5 m")) == [
+        "41:17 'output.every': a time [s] is expected, and 'm' is a length"
+    ]
+    assert problems_of(VALID.replace("sink: 3.05", "sink: 3 furlong"))[0] == (
+        "3:20 parameter 'sink': 'furlong' is no unit"
+    )
