@@ -13,11 +13,11 @@ from mecano.deck.plain_maths import DISPLAY, INLINE
 PAGE = re.compile(r"(?<![\w/`\[])(?<!\]\()(?:docs/)?([a-z][\w-]*\.md)(?!\])")
 
 
-def markdown_of(doc, root):
-    """Documentation of the code as Markdown; ``root`` is the way from the page to the folder docs/."""
+def markdown_of(doc):
+    """Documentation of the code as Markdown, for a page of the reference: two folders below docs/."""
     doc = DISPLAY.sub(_block, doc.strip())
     doc = INLINE.sub(r"{math}`\1`", doc)
-    return PAGE.sub(rf"[\1]({root}/\1)", doc)
+    return PAGE.sub(r"[\1](../../\1)", doc)
 
 
 def _block(match):

@@ -15,7 +15,6 @@ from mecano.elements.cross_section import SHAPES
 from mecano.laws import TERMS
 
 WIDTH = 96
-ROOT = "../.."  # from a page of the reference to docs/
 GROUPS = {"elements": "Elements", "joints": "Joints", "loads": "Loads"}
 
 
@@ -55,7 +54,7 @@ def _toctree(names, *options):
 
 
 def _kind_page(kind, decks):
-    lines = [f"# {kind.name}", "", f"*Section* `{kind.section}` *of a deck.*", "", markdown_of(kind.doc, ROOT)]
+    lines = [f"# {kind.name}", "", f"*Section* `{kind.section}` *of a deck.*", "", markdown_of(kind.doc)]
     lines += ["", "## Fields", "", *_fields(kind.fields)]
     if kind.outputs:
         lines += ["", "## Outputs", "", *_outputs(kind.outputs)]
@@ -67,9 +66,9 @@ def _kind_page(kind, decks):
     if kind.events:
         lines += ["", "## Events", "", *_table(("event", "meaning"), [(e.name, e.doc) for e in kind.events])]
     lines += ["", "## Example", "", *_example(kind.name, kind.section)]
-    used = [f"[{name}](../../../inputs/{name})" for name, text in decks.items() if re.search(rf"type: {kind.name}\b", text)]
+    used = [name for name, text in decks.items() if re.search(rf"type: {kind.name}\b", text)]
     if used:
-        lines += ["", "Used in " + ", ".join(used) + "."]
+        lines += ["", "Used in " + ", ".join(f"[{name}](../../../inputs/{name})" for name in used) + "."]
     return "\n".join(lines) + "\n"
 
 
@@ -77,13 +76,13 @@ def _option(field, found):
     """What the deck field ``field`` adds: documentation and outputs of its parts, [(Kind, label)]."""
     lines = ["", f"## With `{field}`"]
     for doc in dict.fromkeys(part.doc for part, _ in found):
-        lines += ["", markdown_of(doc, ROOT)]
+        lines += ["", markdown_of(doc)]
     outputs = [replace(output, name=output.name + label) for part, label in found for output in part.outputs]
     return [*lines, "", *_outputs(outputs)]
 
 
 def _deck_page():
-    lines = ["# Sections of a deck", "", "A deck is a mapping of these sections; how they are written: [decks](../../decks.md)."]
+    lines = ["# Sections of a deck", "", "A deck is a mapping of these; how they are written: [decks](../../decks.md)."]
     for section in (*SECTIONS, *LANGUAGE, REPEAT):
         lines += ["", f"## {section.name}", "", f"{_sentence(section.doc)} *{_value(section)}.*"]
         if section.name in GROUPS or section.name in ("laws", "sections"):
@@ -104,7 +103,7 @@ def _where(section):
 
 
 def _laws_page():
-    lines = ["# Laws", "", "A law is a sum of terms, each with its fields: [how they are written](../../decks.md#laws)."]
+    lines = ["# Laws", "", "A law is a sum of terms: [how they are written](../../decks.md#laws)."]
     for role, title in ROLES.items():
         lines += ["", f"## {title[0].upper()}{title[1:]}"]
         for term in TERMS.values():
@@ -114,7 +113,7 @@ def _laws_page():
 
 
 def _shapes_page():
-    lines = ["# Cross sections of beams", "", "Axes 1 along the beam, 3 towards `up`, 2 = 3 x 1: [beams](../../beams.md)."]
+    lines = ["# Cross sections", "", "Axes 1 along the beam, 3 towards `up`, 2 = 3 x 1: [beams](../../beams.md)."]
     for shape in SHAPES.values():
         lines += _entry(shape, shape.section)
     return "\n".join(lines) + "\n"
@@ -122,7 +121,8 @@ def _shapes_page():
 
 def _entry(declared, section):
     """A term of a law or a shape, as a part of a page."""
-    lines = ["", f"### {declared.name}" if section == "laws" else f"## {declared.name}", "", markdown_of(declared.doc, ROOT), ""]
+    level = "###" if section == "laws" else "##"
+    lines = ["", f"{level} {declared.name}", "", markdown_of(declared.doc), ""]
     return [*lines, *_fields(declared.fields), "", *_example(declared.name, section)]
 
 
@@ -136,7 +136,13 @@ def _fenced(lines):
 
 def _fields(fields):
     rows = [
-        (f"`{place}`", "" if field.unit == "-" else field.unit, field.type.expects, _value(field), markdown_of(field.doc, ROOT))
+        (
+            f"`{place}`",
+            "" if field.unit == "-" else field.unit,
+            field.type.expects,
+            _value(field),
+            markdown_of(field.doc),
+        )
         for place, field in _places(fields)
     ]
     return _table(("field", "unit", "value", "default", "meaning"), rows) if rows else ["None."]
@@ -155,9 +161,14 @@ def _value(field):
 
 def _outputs(outputs):
     rows = [
-        (f"`{o.name}`", "" if o.unit == "-" else o.unit, " x ".join(map(str, o.shape)) or "1", markdown_of(o.doc, ROOT)) for o in outputs
+        (f"`{o.name}`", "" if o.unit == "-" else o.unit, " x ".join(map(str, o.shape)) or "1", markdown_of(o.doc))
+        for o in outputs
     ]
     return _table(("output", "unit", "numbers", "meaning"), rows)
+
+
+def _unit(declared):
+    return "" if declared.unit == "-" else declared.unit
 
 
 def _table(heading, rows):
