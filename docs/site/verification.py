@@ -18,10 +18,12 @@ Numbers of the tests beside their references. Each is checked by the test suite;
 {COMMAND}
 ```
 
-found. *Error* is that of the worst of the numbers where there are several; it is relative where the tolerance is followed by *rel*.
-Values of second order are those extrapolated from two step sizes, and the order is that of the largest error between the two.
-Tolerances follow from the method (tests/convergence.py), so bars that come near to 1 are no alarm, and those far below it are numbers
-that are exact but for rounding. More measurements stand in the pages on [beams](../beams.md), [shocks](../shocks.md), [wheels](../tyres.md),
+found. *Error* is that of the worst of the numbers where there are several; it is relative where the tolerance is
+followed by *rel*. Where an order is told, the value is extrapolated from two step sizes, and the order is that of the
+largest error between the two. Tolerances follow from the method (tests/convergence.py): bars that come near to 1 are
+no alarm, and those far below it are of numbers that are exact but for rounding.
+
+More measurements stand in the pages on [beams](../beams.md), [shocks](../shocks.md), [wheels](../tyres.md),
 [superelements](../superelements.md), [step control](../step-control.md) and in the [theory](../theory.md).
 """
 
@@ -48,9 +50,14 @@ def _table(rows):
     yield "|---|---|---|---|---|---|---|"
     for row in rows:
         what = row["what"] + (f", {row['count']} numbers" if row["count"] > 1 else "")
-        tolerance = f"{row['tolerance']:.1e}" + (" *rel*" if row["measure"] == "relative" else "")
-        cells = what, row["found"], row["reference"], f"{row['error']:.1e}", tolerance, row["remark"], row["source"]
+        tolerance = _power(row["tolerance"]) + (" *rel*" if row["measure"] == "relative" else "")
+        cells = what, row["found"], row["reference"], _power(row["error"]), tolerance, row["remark"], row["source"]
         yield "| " + " | ".join(cells) + " |"
+
+
+def _power(number):
+    """A number of two digits that is not broken into two lines."""
+    return f"{number:.1e}".replace("-", "\N{NON-BREAKING HYPHEN}")
 
 
 def _picture(rows):
