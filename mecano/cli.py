@@ -6,23 +6,15 @@ import gc
 import os
 import signal
 import sys
+from functools import partial
 
 import click
 
 from mecano import __version__
-
-STOPPED = {signal.SIGINT: 130, signal.SIGTERM: 143}
+from mecano.interrupt import Interruption, again, seconds, stopped_by
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
-
-
-class Stopped(KeyboardInterrupt):
-    """A signal asked the run to end."""
-
-    def __init__(self, number):
-        self.number = number
-        super().__init__(f"stopped by {signal.Signals(number).name}")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -37,12 +29,14 @@ def commands():
     mecano post deck.h5             draw the pictures an engineer wants
     mecano export deck.h5           write them as CSV, or for ParaView
     mecano info deck.h5             say what is in a file and how the run went
+    mecano verify deck.h5           look for changed bytes
     mecano list, mecano explain     what a deck can contain
     mecano new pendulum             a deck to begin with
     mecano schema                   the grammar of decks, for editors
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
-    output, 6 not finite, 7 out of memory, 130 and 143 interrupted with a valid file, 1 a bug in mecano.
+    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 and 143 by Ctrl-C and
+    SIGTERM (all three with a file for --resume), 1 a bug in mecano.
     """
 
 
@@ -55,10 +49,24 @@ overrides = click.option(
 @click.argument("deck", type=click.Path())
 @click.option("-o", "--output", type=click.Path(), help="Results file; default: the deck's name with .h5, here.")
 @click.option("--force", is_flag=True, help="Replace an existing results file.")
+@click.option("--resume", is_flag=True, help="Go on with the results file from its last checkpoint, if there is one.")
+@click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time, for --resume: 3600, 2h30m or 02:30:00.")
+@click.option(
+    "--checkpoint", "interval", type=click.FloatRange(0), default=30.0, show_default=True, metavar="SECONDS",
+    help="Wall-clock time between checkpoints.",
+)  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 @overrides
-def run(deck, output, force, quiet, overrides):
-    """Solve a deck into a results file."""
+def run(deck, output, force, resume, limit, interval, quiet, overrides):
+    """Solve a deck into a results file.
+
+    SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --max-walltime end the run after the step at hand; --resume goes on with the
+    same bits. A second Ctrl-C ends it at once.
+    """
+    if resume and force:
+        raise click.UsageError("--resume goes on with a results file, --force replaces it")
+    interruption = Interruption(seconds(limit) if limit else None, again())
+    interruption.listen()
     from mecano.contract import SECTIONS
     from mecano.deck.read import read_deck
     from mecano.progress import Progress, StaticProgress
@@ -71,11 +79,12 @@ def run(deck, output, force, quiet, overrides):
     progress.compiling(kinds)
     from importlib import import_module
 
-    solve = import_module("mecano.static_run" if static else "mecano.run").run
-    for number in STOPPED:
-        signal.signal(number, _stop)
-    final = solve(checked, path, force=force, observers=(progress,), announce=progress.note)
-    progress.done(final)
+    runs = import_module("mecano.static_run" if static else "mecano.run")
+    solve = runs.resume if resume else partial(runs.run, force=force)
+    told = {} if static else {"interruption": interruption, "interval": interval}
+    final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
+    if final is not None:
+        progress.done(final)
 
 
 @commands.command()
@@ -132,8 +141,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
-    for name in STOPPED:
-        signal.signal(name, _stop)
+    Interruption().listen((signal.SIGINT, signal.SIGTERM))
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
         progress=progress,
@@ -272,6 +280,15 @@ def info(results, pattern, events):
     _show(text(results, pattern, events))
 
 
+@commands.command()
+@click.argument("results", type=click.Path())
+def verify(results):
+    """Look for changed or missing bytes in a results file: exit code 5, and which data they are of."""
+    from mecano.results.verify import verify as text
+
+    _show(text(results))
+
+
 @commands.command(name="list")
 def list_():
     """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
@@ -324,17 +341,13 @@ def _show(text):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _stop(number, frame):
-    raise Stopped(number)
-
-
 def main():
     """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
     try:
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
-        cause = error.__cause__ or error.__context__  # older versions of click only have the latter
-        _end(STOPPED[getattr(cause, "number", signal.SIGINT)], f"mecano: {cause or 'interrupted'}")
+        stopped = stopped_by(error)
+        _end(stopped.exit_code if stopped else 130, f"mecano: {stopped or 'interrupted'}")
     except click.ClickException as error:
         error.show()
         _end(2)
@@ -365,6 +378,8 @@ def program():
 def _report(error):
     from mecano.errors import DeckError, MecanoError
 
+    if stopped := stopped_by(error):
+        _end(stopped.exit_code, f"mecano: {stopped}")
     if isinstance(error, DeckError):
         from mecano.deck.format import deck_error_text
 

@@ -42,8 +42,8 @@ class Progress:
         """Show simulated time, step size and the time that is left."""
         if self.quiet:
             return
-        self.marching = self.marching or time.monotonic()
         now, share = time.monotonic(), self._share(accepted.run)
+        self.marching = self.marching or (now, share)
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
             filled = int(BAR * share)
@@ -69,7 +69,8 @@ class Progress:
         return (run.motion.t - self.start) / (self.end - self.start)
 
     def _numbers(self, accepted, now, share):
-        left = (now - self.marching) * (1 - share) / share if share > 0 else float("nan")
+        begun, first = self.marching
+        left = (now - begun) * (1 - share) / (share - first) if share > first else float("nan")
         return f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s, {left:.0f} s left"
 
     def _clear(self):

@@ -1,114 +1,116 @@
-"""One run, from a checked deck to the results file: prepare, begin, march, close."""
+"""One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
 
-import numpy as np
+from pathlib import Path
 
-from mecano.contract import SECTIONS
-from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
+from mecano.interrupt import Interruption
+from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
 from mecano.prepare import chosen, march_of, model_facts, prepare, remarks, some
+from mecano.recorder import Recorder, watched
+from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer, refuse_existing
-from mecano.solve.interpolate import interpolate
 from mecano.start import bring_to_start
 
 
-class Recorder:
-    """Observer that writes saved times, solver history, events and extremes."""
-
-    def __init__(self, prepared, writer, sampler, control):
-        self.system, self.writer, self.sampler, self.control = prepared.system, writer, sampler, control
-        values = prepared.deck.values
-        every = values["output"]["every"]
-        self.every = None if every == "step" else every
-        self.start, self.end, self.saved = values["time"]["start"], values["time"]["end"], 0
-        self.ends = watched(prepared.deck, sampler, "ends")
-
-    def first(self, run):
-        """Write the start itself."""
-        row = self.sampler.take(run)
-        self.writer.extremes.take(run.motion.t, row)
-        self.writer.append(run.motion.t, row)
-
-    def __call__(self, accepted):
-        """Write one accepted step: its line in the history, the saved times it covers, its events."""
-        run, info = accepted.run, accepted.info
-        if accepted.h:
-            row = self.sampler.take(run)
-            self.writer.extremes.take(run.motion.t, row)
-            share = info.error / self.control.allowed(accepted.h)
-            numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
-            self.writer.append_step(run.motion.t, np.array(numbers, float))
-            self._save(accepted, row)
-            self._refuse(run.motion.t, row)
-        for happening in accepted.happenings:
-            self.writer.append_event(
-                happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
-                happening.unit, happening.lost,
-            )  # fmt: skip
-
-    def _refuse(self, t, row):
-        """Raise ConvergenceError where an element can go no further; what was written stays."""
-        for name, d, _, i, size, text in self.ends:
-            if abs(row[i]) > size:
-                raise ConvergenceError(f"no way on from t = {t:.9g} s: {d['type']} '{name}' {text}")
-
-    def _save(self, accepted, row):
-        """Save the step, or the motion at every multiple of the interval in it: interpolated, no step is shortened."""
-        t = accepted.run.motion.t
-        if self.every is None:
-            self.writer.append(t, row)
-            return
-        here, sliver = row.copy(), 1e-9 * self.every
-        while (wanted := self._next()) <= t + sliver and self.saved >= 0:
-            self.writer.append(wanted, here if wanted > t - sliver else self._between(accepted, wanted))
-            self.saved = self.saved + 1 if wanted < self.end else -1
-
-    def _between(self, accepted, t):
-        state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
-        self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0)
-        self.system.observe(state)
-        return self.sampler.take(accepted.at(state))
-
-    def _next(self):
-        """The next time to be saved; the last one is the end."""
-        return min(self.start + (self.saved + 1) * self.every, self.end)
-
-
-def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
+def run(
+    deck, path, *, force=False, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL
+):  # fmt: skip
     """Run a checked deck into the results file ``path``; returns the final RunState.
 
-    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Whatever
-    stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the start),
-    ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
+    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Checkpoints
+    are written every ``interval`` [s] of wall-clock time, and where an ``interruption`` ends the run by Stopped.
+    Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
+    start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
     refuse_existing(path, force)
-    values, prepared = deck.values["time"], prepare(deck)
+    prepared = prepare(deck)
     found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
-    start = march.begin(prepared.state, values["step"])
+    start = march.begin(prepared.state, deck.values["time"]["step"])
     notes = [*remarks(prepared, start), *found]
-    source = Source(
-        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic=chosen(prepared, march, start), model=model_facts(prepared), remarks=notes,
-    )  # fmt: skip
-    layout = Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
-    with Writer.create(path, layout, source, force=force) as writer:
+    source = _source(deck, chosen(prepared, march, start), model_facts(prepared), notes)
+    interruption = interruption or Interruption()
+    with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
             announce(text)
         recorder = Recorder(prepared, writer, sampler, march.control)
-        march.observers = (recorder, *observers)
         recorder.first(start)
-        try:
-            final = march.to(values["end"], start)
-        except ConvergenceError as error:
-            raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
-        warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
-        warnings += open_latches(deck, sampler.take(final), sampler)
-        for text in warnings:
-            announce(text)
-        writer.close("complete", "; ".join(["the end was reached", *warnings]))
+        march.pause = Keeper(march, recorder, interruption, interval)
+        return _to_the_end(deck, start, march, recorder, observers, announce)
+
+
+def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+    """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
+
+    Without such a file, or without a checkpoint in it, the run begins at its start; None when it is complete. The
+    results are bit for bit those of a run that was never stopped, on the same machine with the same versions and
+    threads; else a remark in the file says what differs. Until the new file is written up to the checkpoint, the old
+    one stays. Raises UsageError where the file is of another deck, ResultsError where it is damaged, or still being
+    written; and what ``run`` raises.
+    """
+    around = {"observers": observers, "announce": announce, "interval": interval}
+    if not Path(path).exists():
+        return run(deck, path, interruption=interruption, **around)
+    from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+
+    with undisturbed():
+        left = Remains(path, deck)
+    if left.checkpoint is not None and not left.complete:
+        return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
+    left.close()
+    if left.complete:
+        announce(COMPLETE.format(path))
+        return None
+    announce(f"there is no checkpoint in {path} yet: the run begins at its start")
+    return run(deck, path, force=True, interruption=interruption, **around)
+
+
+def _go_on(deck, left, observers, announce, interruption, interval):
+    """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
+    prepared = prepare(deck)
+    march, sampler = march_of(prepared), Sampler(prepared.system)
+    start, saved = restore(left.checkpoint["run"], march)
+    layout = layout_of(sampler)
+    left.check_layout(layout)
+    note = left.note(start.motion.t)
+    announce(note)
+    source = _source(deck, left.automatic, left.model, [*left.remarks, note])
+    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=left.copy_to) as writer:
+        recorder = Recorder(prepared, writer, sampler, march.control)
+        recorder.saved = saved
+        march.pause = Keeper(march, recorder, interruption, interval)
+        return _to_the_end(deck, start, march, recorder, observers, announce)
+
+
+def layout_of(sampler):
+    """What the rows of the results file are."""
+    return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
+
+
+def _source(deck, automatic, model, notes):
+    return Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        automatic=automatic, model=model, remarks=notes,
+    )  # fmt: skip
+
+
+def _to_the_end(deck, start, march, recorder, observers, announce):
+    """March to the end of the deck, and close the file of the recorder; returns the final RunState."""
+    values, writer = deck.values["time"], recorder.writer
+    march.observers = (recorder, *observers)
+    sampler = recorder.sampler
+    try:
+        final = march.to(values["end"], start)
+    except ConvergenceError as error:
+        raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
+    warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
+    warnings += open_latches(deck, sampler.take(final), sampler)
+    for text in warnings:
+        announce(text)
+    writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
 
 
@@ -150,14 +152,3 @@ def open_latches(deck, row, sampler):
             found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
     if found:
         yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"
-
-
-def watched(deck, sampler, what):
-    """What the kinds of the elements watch, "limits" or "ends": [(name, values, output, its column, value, text)]."""
-    columns = {column.path: column.start for column in sampler.columns}
-    return [
-        (name, d, output, columns[f"{section}/{name}/{output}"], value, text)
-        for section in SECTIONS
-        for name, d in deck.values[section].items()
-        for output, value, text in getattr(KINDS[d["type"]], what)(d)
-    ]

@@ -1,5 +1,7 @@
 """One static run, from a checked deck to the results file: prepare, follow the path, close."""
 
+from pathlib import Path
+
 import numpy as np
 
 from mecano.model.sampler import Sampler
@@ -73,6 +75,23 @@ def _forces(kind):
     sizes = [int(np.prod(output.shape, dtype=int)) for output in kind.outputs]
     units = np.repeat([output.unit for output in kind.outputs], sizes)
     return np.flatnonzero(np.isin(units, ("N", "N m", "W")))
+
+
+def resume(deck, path, *, observers=(), announce=lambda text: None):
+    """Find the equilibria again if ``path`` does not hold all of them, for they have no checkpoints; the last Point.
+
+    None when the file is complete. Raises UsageError where it is of another deck; and what ``run`` raises.
+    """
+    if Path(path).exists():
+        from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+
+        left = Remains(path, deck)
+        left.close()
+        if left.complete:
+            announce(COMPLETE.format(path))
+            return None
+        announce(f"equilibria have no checkpoints: the run in {path} begins at its start")
+    return run(deck, path, force=True, observers=observers, announce=announce)
 
 
 def run(deck, path, *, force=False, observers=(), announce=lambda text: None):

@@ -19,6 +19,7 @@ from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.cross_section import SHAPES
+from mecano.interrupt import EXIT_CODES
 from mecano.laws import TERMS
 
 DECK = """\
@@ -50,7 +51,8 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def call(monkeypatch, capsys):
     """Function that calls the command line in this process: arguments -> (exit code, output, errors)."""
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in EXIT_CODES}
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["mecano", *map(str, arguments)])
@@ -64,6 +66,7 @@ def call(monkeypatch, capsys):
     yield run
     for number, handler in handlers.items():
         signal.signal(number, handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def started(folder, *arguments, **options):

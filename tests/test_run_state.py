@@ -3,10 +3,12 @@
 import h5py
 import numpy as np
 import pytest
+import surviving
 from marching import deck, input_deck
 
 from mecano.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
+from mecano.solve.march import March
 from mecano.solve.run_state import from_plain, to_plain
 
 DECK = """
@@ -59,6 +61,36 @@ def test_rejected_steps_leave_nothing_behind():
     disturbed = march.to(1.0, march.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
+
+
+class EveryThird(March):
+    """A march that rejects every third trial that it would accept, and tries the same size again."""
+
+    accepted = 0
+
+    def _instead(self, run, trial, h):
+        smaller = super()._instead(run, trial, h)
+        self.accepted += smaller is None
+        return h if smaller is None and self.accepted % 3 == 0 else smaller
+
+
+@pytest.mark.parametrize("name", surviving.decks())
+def test_every_third_trial_rejected_changes_no_bit(name):
+    """With adaptive steps and fixed ones, across events, shocks and corners of laws of time."""
+    checked, ends = surviving.decks()[name], []
+    for kind in (March, EveryThird):
+        prepared, happened = prepare(checked), []
+        tell = lambda accepted, happened=happened: happened.extend(accepted.happenings)  # noqa: E731
+        usual = march_of(prepared)
+        march = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
+        start = march.begin(prepared.state, checked.values["time"]["step"])
+        ends.append((march.to(checked.values["time"]["end"], start), happened))
+    (plain, events), (disturbed, same) = ends
+    assert disturbed.rejected > plain.rejected + plain.steps // 4 and events == same
+    for one in (plain, disturbed):
+        one.rejected = one.iterations = 0
+        one.h = 0.0  # after the last step, which the end may have cut short, it is planned otherwise
+    check_equal(to_plain(disturbed), to_plain(plain))
 
 
 def check_equal(one, other, path=""):

@@ -23,10 +23,12 @@ from contextlib import contextmanager
 
 import h5py
 
+from mecano.results.seal import seal
+
 PAGE = 4096
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
-_DEFERRED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+_DEFERRED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGALRM)
 
 
 class Disk:
@@ -112,6 +114,16 @@ class Disk:
         except OSError as error:
             return error
         return None
+
+    def seal(self):
+        """Put the sums that show changed bytes behind the file; of a failure, kept in ``error``, nothing is left."""
+        size = os.fstat(self._descriptor).st_size
+        try:
+            self.patch(size, seal(self._descriptor, size))
+            if self.error is not None:
+                os.ftruncate(self._descriptor, size)
+        except OSError as error:
+            self.error = self.error or error
 
     def close(self):
         """Wait until the bytes are on the disk, and close; a late failure is kept in ``error``."""

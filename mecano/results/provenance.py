@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import sys
+import time
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib import metadata
@@ -53,13 +54,13 @@ def to_json(data):
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
-def provenance(threads):
+def provenance():
     """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command_line": " ".join(sys.argv),
         "directory": os.getcwd(),
-        "threads": threads,
+        "threads": threads(),
         "process": os.getpid(),
         "host": platform.node(),
         "machine": platform.machine(),
@@ -70,6 +71,33 @@ def provenance(threads):
         "version_hdf5": h5py.version.hdf5_version,
         **{f"version_{package}": _version(package) for package in PACKAGES},
     }
+
+
+def lives(process):
+    """True when there is a process of that number on this machine."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def began(process):
+    """When the process of a number began [s since 1970], where the system tells it; else 0."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            ticks = int(file.read().rpartition(")")[2].split()[19])
+        return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, AttributeError, IndexError, ValueError):
+        return 0.0
+
+
+def threads():
+    """Threads of the linear algebra of NumPy and SciPy, on which the last digits depend."""
+    given = os.environ.get("OPENBLAS_NUM_THREADS", "")
+    return int(given) if given.isdigit() else os.cpu_count()
 
 
 def _version(package):

@@ -5,6 +5,7 @@ import os
 import platform
 import time as clocks
 from dataclasses import dataclass
+from datetime import datetime
 from functools import cached_property
 from pathlib import Path
 
@@ -12,11 +13,15 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
+from mecano.results.provenance import began, lives
 from mecano.results.salvage import missing_bytes, open_cut, rows_within
 
 _ATTEMPTS = 5
+_CLOCKS = 60.0  # s by which clocks may have been set
+_KEPT = tuple("time events steps extremes resolved metadata automatic model remarks checkpoint".split())
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
@@ -93,7 +98,7 @@ class Results:
 
     def _open(self):
         self._file = None
-        for name in ("time", "events", "steps", "extremes", "resolved", "metadata", "automatic", "model", "remarks"):
+        for name in _KEPT:
             self.__dict__.pop(name, None)
         self._file = _open_file(self.path)
         try:
@@ -274,6 +279,22 @@ class Results:
         """What the user was told of the model before the march: list of texts."""
         return json.loads(self._text("deck/remarks"))
 
+    @cached_property
+    def checkpoint(self):
+        """What was kept of the run to resume from, by the last checkpoint that is whole and whose rows are; or None."""
+        state = latest(self._file["checkpoints"])
+        there = self._rows, self._step_rows, self._event_rows
+        return state if state is not None and np.all(state["file"]["rows"] <= there) else None
+
+    def rows(self, table, first, last):
+        """Rows ``first`` to ``last`` as they are stored, the time first: of "output" or "solver"."""
+        return self._read(f"storage/{table}", (slice(first, last), slice(None)))
+
+    @property
+    def layout(self):
+        """The declared series, and the columns of the solver history."""
+        return self._layout
+
     @property
     def status(self):
         """How the run ended: "complete", "stopped" or "failed"; otherwise "running", "killed" or "truncated".
@@ -283,24 +304,23 @@ class Results:
         if self._missing:
             return "truncated"
         stored = self._text("run/status")
-        return "killed" if stored == "running" and not self._writer_lives() else stored
+        return "killed" if stored == "running" and self.written_here and not self._writer_lives else stored
+
+    @property
+    def written_here(self):
+        """True when this is the machine where the run went on."""
+        return self._file["run"].attrs["host"] == platform.node() and os.name == "posix"
 
     @property
     def reason(self):
         """Why the run ended; empty while it runs."""
         return self._text("run/reason")
 
+    @property
     def _writer_lives(self):
         run = self._file["run"].attrs
-        if run["host"] != platform.node() or os.name != "posix":
-            return True
-        try:
-            os.kill(int(run["process"]), 0)
-        except ProcessLookupError:
-            return False
-        except PermissionError:
-            return True
-        return True
+        process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
+        return lives(process) and began(process) < started + _CLOCKS  # else it is another one of the same number
 
 
 def _plain(value):

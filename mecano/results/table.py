@@ -5,6 +5,7 @@ one dataset of chunks, and each series is a virtual dataset, a view of its colum
 with its own shape and attributes, and it costs nothing while the run goes on.
 """
 
+import zlib
 from math import prod
 
 import h5py
@@ -91,6 +92,7 @@ class NumberTable:
         self.buffer = np.empty((chunks[0], width))
         self.filled = 0
         self.written = 0
+        self.sum = 0  # CRC-32 of all rows written
 
     def add(self, time, values):
         """Keep a row; true when the buffer is full and has to be written."""
@@ -110,6 +112,7 @@ class NumberTable:
         space = self.dataset.id.get_space()
         space.select_hyperslab((self.written, 0), block)
         self.dataset.id.write(h5s.create_simple(block), space, self.buffer[: self.filled])
+        self.sum = zlib.crc32(self.buffer[: self.filled], self.sum)
         self.written += self.filled
         self.filled = 0
 
@@ -146,6 +149,7 @@ class EventTable:
         self._length = text_length
         self._pending = []
         self.written = 0
+        self.sum = 0  # CRC-32 of all events written
         kind = h5py.string_dtype("utf-8", text_length)
         times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
         describe(times, units="s", long_name="time of the event")
@@ -176,4 +180,10 @@ class EventTable:
             dataset.resize((end,))
             dataset[self.written :] = np.array(column, dtype=dataset.dtype)
         self.written = end
+        self.sum = event_sum(self._pending, self.sum)
         self._pending.clear()
+
+
+def event_sum(rows, before=0):
+    """CRC-32 of events: tuples of a time, texts as bytes and numbers; ``before``: that of the events before them."""
+    return zlib.crc32("".join(map(repr, rows)).encode(), before)

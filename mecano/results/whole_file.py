@@ -28,5 +28,5 @@ def put_source(file, source, format_, version, **facts):
     for name, text in source.texts().items():
         file[f"deck/{name}"] = text
     run = file.create_group("run")
-    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(1), **facts})
+    run.attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance(), **facts})
     file.attrs.update({"format": format_, "format_version": version})

@@ -6,6 +6,7 @@ than these say. ``flush`` happens by itself whenever a buffer is full or ``flush
 """
 
 import atexit
+import glob
 import os
 import time as clocks
 from pathlib import Path
@@ -14,10 +15,11 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checkpoints import Slots
 from mecano.results.disk import Disk, new_file, undisturbed
 from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
-from mecano.results.provenance import provenance
+from mecano.results.provenance import lives, provenance
 from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, name_axes
 
 STATUSES = ("running", "complete", "stopped", "failed")
@@ -43,7 +45,7 @@ class Writer:
     """
 
     @classmethod
-    def create(cls, path, layout, source, *, force=False, threads=1, flush_interval=1.0):
+    def create(cls, path, layout, source, *, force=False, flush_interval=1.0, begin=lambda writer: None):
         """Start a results file; it appears under its name only when it is complete up to the first row.
 
         Parameters
@@ -53,10 +55,10 @@ class Writer:
         source : Source
         force : bool
             Replace an existing file.
-        threads : int
-            Threads the run computes with.
         flush_interval : float
             Longest time between flushes while rows arrive [s].
+        begin : callable
+            Called with the writer before the file appears: what it appends is in the file from the first.
 
         Raises
         ------
@@ -68,10 +70,11 @@ class Writer:
             raise ResultsError(_EXISTS.format(path))
         hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
         try:
+            _clear(path)
             disk = Disk(hidden)
             try:
-                writer = cls(path, disk, layout, source, threads, flush_interval)
-                writer._publish(hidden, force)
+                writer = cls(path, disk, layout, source, flush_interval)
+                writer._publish(hidden, force, begin)
             except BaseException:
                 disk.close()
                 hidden.unlink(missing_ok=True)
@@ -83,35 +86,37 @@ class Writer:
         atexit.register(writer._at_exit)
         return writer
 
-    def __init__(self, path, disk, layout, source, threads, flush_interval):
+    def __init__(self, path, disk, layout, source, flush_interval):
         self.path = path
         self.extremes = Extremes(layout.size)
         self.acknowledged = 0
         self._disk = disk
         self._interval = flush_interval
-        self._started = clocks.monotonic()
+        self._started, self._used = clocks.monotonic(), 0.0
         self._due = self._started + flush_interval
         self._size = layout.size
         self._slot = 0
         self._last_time = self._safe_time = None
         with undisturbed():
             self._file = _new_file(disk, layout)
-            self._build(layout, source, threads)
+            self._build(layout, source)
             self._file.flush()
             self._offsets = {name: self._file[name].id.get_offset() for name in self._patched}
 
-    def _publish(self, hidden, force):
+    def _publish(self, hidden, force, begin):
         """Give the finished file its name, never over another one unless told."""
         try:
+            begin(self)
             if self._disk.error is not None:
                 raise self._disk.error
             _move(hidden, self.path, force)
         except BaseException:
             with undisturbed():
-                self._file.close()
+                if self._file is not None:
+                    self._file.close()
             raise
 
-    def _build(self, layout, source, threads):
+    def _build(self, layout, source):
         file, axes = self._file, Axes(self._file)
         self._outputs = NumberTable(file, "storage/output", 1 + layout.size)
         self._steps = NumberTable(file, "storage/solver", 1 + len(layout.steps))
@@ -120,9 +125,9 @@ class Writer:
         _make_views(file, axes, layout, self._outputs, self._steps)
         for name, text in source.texts().items():
             file[f"deck/{name}"] = text
-        self._build_run(axes, {"title": source.title, "deck_path": source.deck_path, **provenance(threads)})
+        self._build_run(axes, {"title": source.title, "deck_path": source.deck_path, **provenance()})
         self._build_extremes(axes, layout)
-        file.create_group("checkpoints")
+        self._slots = Slots(file, self._disk)
         file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
 
     def _build_run(self, axes, attributes):
@@ -192,6 +197,48 @@ class Writer:
         self._due = clocks.monotonic() + self._interval
         return self.acknowledged
 
+    def checkpoint(self, state):
+        """Acknowledge what was appended, and keep with it the ``state`` (results/state.py) to resume from.
+
+        Raises
+        ------
+        ResultsError
+            The disk does not take it; the checkpoint before stays, and the file is closed.
+        """
+        self.flush()
+        with undisturbed():
+            self._slots.write({"run": state, "file": self._position()})
+        if self._disk.error is not None:
+            self._give_up()
+
+    def _position(self):
+        """How far the file is, with the sums of what is in it: ``resume_at`` takes it."""
+        tables, extremes = (self._outputs, self._steps, self._events), vars(self.extremes)
+        return {
+            "rows": np.array([table.written for table in tables]),
+            "sums": np.array([table.sum for table in tables]),
+            "clock": np.array(self._clock()),
+            "extremes": {name: values.copy() for name, values in extremes.items()},
+        }
+
+    def resume_at(self, checkpoint):
+        """Let the file, to which all rows up to a checkpoint have been appended, be where the checkpoint is.
+
+        Raises
+        ------
+        ResultsError
+            The rows are not those that were there then, or the disk is full.
+        """
+        position = checkpoint["file"]
+        self.flush()
+        now = self._position()
+        if not all(np.array_equal(now[key], position[key]) for key in ("rows", "sums")):
+            raise ResultsError(f"what {self.path} holds before its checkpoint has changed since it was written")
+        vars(self.extremes).update(position["extremes"])
+        self._started -= position["clock"][0]
+        self._used += position["clock"][1]
+        self.checkpoint(checkpoint["run"])
+
     def _acknowledge(self):
         self._slot = 1 - self._slot
         if self._size:
@@ -201,9 +248,11 @@ class Writer:
         self._disk.patch(self._offsets["run/acknowledged"], np.array(counters, dtype="<i8"))
         self.acknowledged, self._safe_time = self._outputs.written, self._last_time
 
+    def _clock(self):
+        return clocks.monotonic() - self._started, self._used + clocks.process_time()
+
     def _patch_clock(self):
-        wall = clocks.monotonic() - self._started
-        self._disk.patch(self._offsets["run/clock"], np.array([wall, clocks.process_time()]))
+        self._disk.patch(self._offsets["run/clock"], np.array(self._clock()))
 
     def _patch_extremes(self):
         """Write to the row that the counters do not name, so that a kill leaves those that belong to the counters."""
@@ -256,6 +305,8 @@ class Writer:
             self._patch_clock()
             self._patch_text("reason", reason)
             self._patch_text("status", status)
+            if self._disk.error is None:
+                self._disk.seal()
             self._disk.close()
         atexit.unregister(self._at_exit)
 
@@ -309,6 +360,14 @@ def _make_views(file, axes, layout, outputs, steps):
         view = steps.view(solver, series.path, column, ())
         describe(view, units=series.unit, long_name=series.doc)
         name_axes(view, ends)
+
+
+def _clear(path):
+    """Remove what killed runs have left of the file before it had its name."""
+    for hidden in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        process = hidden.name.split(".")[-2]
+        if process.isdigit() and not lives(int(process)):
+            hidden.unlink(missing_ok=True)
 
 
 def _move(hidden, path, force):

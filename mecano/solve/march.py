@@ -51,6 +51,7 @@ class March:
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
+    pause: object = lambda run: None  # called between steps with a RunState from which the march can go on
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
@@ -77,10 +78,22 @@ class March:
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
+                self.pause(run)
                 run = self._advance(run, stop)
             if stop < end:
                 run = self._start_again(run, run.motion)
         return run
+
+    def to_plain(self):
+        """What the march keeps besides the run, as dicts, lists, texts and numbers."""
+        at_once = [[*key, count] for key, count in self._at_once.items()]
+        return {"remarks": list(self.remarks), "cuts": list(self.cuts), "since": self._since, "at_once": at_once}
+
+    def from_plain(self, plain):
+        """Keep what ``to_plain`` told of another march."""
+        self.remarks, self.cuts = list(plain["remarks"]), [tuple(cut) for cut in plain["cuts"]]
+        self._since = plain["since"]
+        self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
 
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""

@@ -112,7 +112,7 @@ def _rates(run):
 def growth():
     """CPU per unknown and step of larger reflectors that begin to deploy, their diagonals still slack."""
     for modules in MODULES:
-        done = Deployment(deck("--modules", str(modules), without=WINDER), EARLY)
+        done = Deployment(deck("--modules", str(modules), without=WINDER, time=FIXED.format(0.01)), EARLY)
         each = done.march / done.unknowns / done.run.steps
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(

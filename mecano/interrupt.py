@@ -1,0 +1,107 @@
+"""What asks a process to end early: signals, and the wall-clock time that it was given."""
+
+import re
+import shlex
+import signal
+import sys
+import time
+from contextlib import contextmanager
+
+EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGUSR1: 75, signal.SIGALRM: 75}
+WORDS = {signal.SIGALRM: "the end of its wall-clock time"}
+BEGUN = time.monotonic()  # of the process, but for the time in which Python starts
+RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s], left for the last checkpoint
+UNITS = re.compile(r"(?:(\d+)d)?(?:(\d+)h)?(?:(\d+)m)?(?:(\d+)s?)?")
+CLOCK = re.compile(r"(?:(\d+)-)?(\d+):(\d\d):(\d\d)")
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal, or the end of the wall-clock time, ends the run; ``exit_code`` is what the process returns."""
+
+    def __init__(self, number, further=""):
+        self.exit_code = EXIT_CODES[number]
+        super().__init__(f"stopped by {WORDS.get(number) or signal.Signals(number).name}{further}")
+
+
+class Interruption:
+    """Whether the process is to end: at once, or while ``postponed`` where ``wanted`` is asked next.
+
+    Parameters
+    ----------
+    limit : float or None
+        Wall-clock time of the process [s].
+    again : str
+        Command that takes the run up again, for people.
+    """
+
+    def __init__(self, limit=None, again=""):
+        self.again = again
+        self._deadline = float("inf") if limit is None else BEGUN + limit - min(RESERVE * limit, LARGEST_RESERVE)
+        self._number, self._postponed = None, False
+        self._asked, self._longest = None, 0.0
+
+    def listen(self, numbers=tuple(EXIT_CODES)):
+        """From now on these signals and the clock end the process."""
+        sys.unraisablehook = _unraisable
+        for number in numbers:
+            signal.signal(number, self._ask)
+        if self._deadline < float("inf"):
+            signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
+
+    def _ask(self, number, frame):
+        again, self._number = self._number is not None, self._number or number
+        if not self._postponed or (again and number == signal.SIGINT):
+            raise Stopped(number)  # where Python is in a destructor this is lost; then ``wanted`` still knows
+
+    @contextmanager
+    def postponed(self):
+        """In this block the process ends where ``wanted`` is asked; at once only by a second SIGINT."""
+        self._postponed = True
+        try:
+            yield
+        finally:
+            self._postponed = False
+
+    def wanted(self, now):
+        """True when the process is to end, or would not come to the next question in time; ``now`` monotonic [s]."""
+        if self._asked is not None:
+            self._longest = max(self._longest, now - self._asked)
+        self._asked = now
+        if self._number is None and now + self._longest > self._deadline:
+            self._number = signal.SIGALRM
+        return self._number is not None
+
+    def stopped(self, where):
+        """The exception that ends the run; ``where`` it stands, in words."""
+        return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
+
+
+def stopped_by(error):
+    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
+    while error is not None and not isinstance(error, Stopped):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _unraisable(lost):
+    """Say what Python says of exceptions in destructors, but of Stopped nothing."""
+    if not isinstance(lost.exc_value, Stopped):
+        sys.__unraisablehook__(lost)
+
+
+def again():
+    """The command that goes on with what this process was told to do."""
+    words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
+    return shlex.join(["mecano", *words, "--resume"])
+
+
+def seconds(text):
+    """Seconds of "3600", "2h30m", "1d", "90s", "02:30:00" or, as Slurm writes it, "1-02:30:00". Raises UsageError."""
+    match = CLOCK.fullmatch(text) or UNITS.fullmatch(text)
+    numbers = [int(part or 0) for part in match.groups()] if match else [0]
+    total = sum(number * size for number, size in zip(numbers, (86400, 3600, 60, 1), strict=False))
+    if not total:
+        from mecano.errors import UsageError  # takes a hundredth of the time of `mecano --help`
+
+        raise UsageError(f"'{text}' is no wall-clock time; write 3600, 2h30m or 02:30:00")
+    return total

@@ -1,0 +1,111 @@
+"""Runs that are stopped and gone on with, in this process or in a fork of it, and what their files hold."""
+
+import os
+import signal
+import traceback
+
+import numpy as np
+from marching import deck, input_deck
+
+import mecano
+from mecano import keeper
+from mecano.interrupt import Interruption, stopped_by
+from mecano.run import resume
+
+FOUR_FEET = """
+    mecano: 1
+    nodes:
+      middle: {position: [0, 0, 1]}
+      left: {position: [-0.5, 0, 1]}
+      right: {position: [0.5, 0, 1]}
+      front: {position: [0, 0.4, 1]}
+      back: {position: [0, -0.4, 1]}
+    elements:
+      bar: {type: rigid_body, node: middle, mass: 2, inertia: [0.1, 0.1, 0.1], attached: [left, right, front, back]}
+      a: {type: plane_contact, node: left, ground: floor, restitution: 0.5}
+      b: {type: plane_contact, node: right, ground: floor, restitution: 0.5}
+      c: {type: plane_contact, node: front, ground: floor, restitution: 0.5}
+      d: {type: plane_contact, node: back, ground: floor, restitution: 0.5}
+    grounds: {floor: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    time: {end: 1.6, step: 1.0e-2}
+"""
+
+
+def decks():
+    """Cheap decks by name: adaptive steps with events, a law with corners, shocks, shocks of redundant contacts."""
+    return {
+        "nose_gear_rigid": input_deck("nose_gear_rigid", "time.end=0.8"),
+        "strut": input_deck("strut", "time.end=1", "output.every=step"),
+        "bouncing_ball": input_deck("bouncing_ball", "time.end=4"),
+        "four_feet": deck(FOUR_FEET),
+    }
+
+
+def long_deck():
+    """Many rows for the time they take: a file that grows all the while."""
+    return input_deck("double_pendulum", "time.end=0.4", "time.step=5.0e-5", "output.every=1.0e-4")
+
+
+class StopAfter(Interruption):
+    """Wants the end after so many steps, as a signal would."""
+
+    def __init__(self, steps):
+        super().__init__(again="mecano run deck.yaml --resume")
+        self.steps = steps
+
+    def wanted(self, now):
+        self.steps -= 1
+        if self.steps < 0:
+            self._number = signal.SIGTERM
+        return self.steps < 0
+
+
+def contents(path):
+    """All numbers and events of a results file: name -> array, list or dict."""
+    with mecano.open_results(path) as results:
+        found = {name: results[name].values for name in results.names()}
+        return found | {
+            "time": results.time, "steps": results.steps, "events": results.events, "extremes": results.extremes,
+            "status": results.status, "reason": results.reason, "automatic": results.automatic,
+        }  # fmt: skip
+
+
+def check_same(found, expected):
+    """Two ``contents`` are the same, bit for bit."""
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        same = found[name].tobytes() == value.tobytes() if isinstance(value, np.ndarray) else found[name] == value
+        assert same, name
+
+
+def forked(action, *arguments, **options):
+    """Call in a fork of this process, quietly; returns its id. Its exit code is that of the command line."""
+    child = os.fork()
+    if child:
+        return child
+    code = 1
+    try:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # as the others are until the process listens
+        action(*arguments, **options)
+        code = 0
+    except BaseException as error:
+        code = getattr(stopped_by(error) or error, "exit_code", 1)
+        if isinstance(error, KeyboardInterrupt) and code == 1:
+            code = 130
+        elif code == 1:
+            traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
+def ended(child):
+    """The exit code of a child, negative the number of the signal that killed it."""
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def listening_resume(deck, path, interval):
+    """What ``mecano run --resume`` does, for a fork."""
+    interruption = Interruption(again="mecano run deck.yaml --resume")
+    interruption.listen()
+    keeper.SHARE = 0  # as many checkpoints as the interval asks for
+    resume(deck, path, interruption=interruption, interval=interval)

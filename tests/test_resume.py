@@ -1,0 +1,423 @@
+"""Runs that end early and are gone on with: the same bits as without; what may not be gone on with; changed bytes."""
+
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import h5py
+import pytest
+from marching import INPUTS, deck, input_deck
+from process import COMMAND, flowing, mecano_process
+from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, forked, listening_resume, long_deck
+
+import mecano
+from mecano import keeper
+from mecano.errors import ResultsError, UsageError
+from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
+from mecano.results.seal import seal_file
+from mecano.results.verify import verify
+from mecano.run import resume, run
+
+
+@pytest.fixture(scope="module", params=decks())
+def whole(request, tmp_path_factory):
+    """(deck, what the file of its run without a stop holds)."""
+    deck, path = decks()[request.param], tmp_path_factory.mktemp("whole") / "whole.h5"
+    run(deck, path)
+    return deck, contents(path)
+
+
+def stopped(deck, path, steps):
+    """Resume a run and stop it after so many steps: the Stopped, or None if it came to its end."""
+    try:
+        resume(deck, path, interruption=StopAfter(steps))
+    except Stopped as error:
+        return error
+    return None
+
+
+class TestTheSameBits:
+    def test_stopped_again_and_again(self, whole, tmp_path):
+        deck, expected = whole
+        path, stops = tmp_path / "r.h5", 0
+        while error := stopped(deck, path, len(expected["steps"]) // 6 + 1):
+            stops += 1
+            found = contents(path)
+            count = len(found["time"])
+            assert error.exit_code == 143 and found["status"] == "stopped" and "--resume" in found["reason"]
+            assert found["time"].tobytes() == expected["time"][:count].tobytes() and "as it was" in verify(path)
+        assert stops >= 5 and found["events"] == expected["events"][: len(found["events"])]
+        check_same(contents(path), expected)
+        assert len(mecano.open_results(path).remarks) >= stops
+
+    def test_killed_at_random(self, whole, tmp_path):
+        """kill -9 while checkpoints are written every 5 ms."""
+        deck, expected = whole
+        path, kills, rng = tmp_path / "r.h5", 0, random.Random(3)
+        for _ in range(3):
+            child = forked(listening_resume, deck, path, 0.005)
+            time.sleep(rng.uniform(0.05, 0.25))
+            os.kill(child, signal.SIGKILL)
+            kills += ended(child) == -signal.SIGKILL
+            if path.exists():
+                verify(path)
+        assert ended(forked(listening_resume, deck, path, 0.005)) == 0 and kills
+        check_same(contents(path), expected)
+
+    def test_what_a_killed_run_had_begun_is_removed(self, tmp_path):
+        (tmp_path / ".r.h5.4194305.part").touch()  # Linux gives no process this number
+        (tmp_path / f".r.h5.{os.getppid()}.part").touch()
+        run(deck(FOUR_FEET), tmp_path / "r.h5")
+        assert sorted(os.listdir(tmp_path)) == [f".r.h5.{os.getppid()}.part", "r.h5"]
+
+    def test_redundant_contacts_are_told_of_once(self, tmp_path):
+        """What the march has found out is kept: here that four feet are one too many."""
+        run(deck(FOUR_FEET), tmp_path / "whole.h5")
+        while stopped(deck(FOUR_FEET), tmp_path / "r.h5", 70):
+            pass
+        reason = contents(tmp_path / "r.h5")["reason"]
+        assert reason.count("redundant") == 1 and reason == contents(tmp_path / "whole.h5")["reason"]
+
+    def test_a_start_that_was_found_is_not_looked_for_again(self, tmp_path):
+        deck = input_deck("axle_on_slope", "time.end=0.1")
+        run(deck, tmp_path / "whole.h5")
+        while stopped(deck, tmp_path / "r.h5", 5):
+            pass
+        check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
+
+
+class TestAFullDisk:
+    @pytest.mark.parametrize(("size", "some"), [(50_000, False), (500_000, False), (2_000_000, True)])
+    def test_what_is_there_is_gone_on_with(self, tmp_path, size, some):
+        """The system refuses to let the file grow, wherever it is then, before or after the first checkpoints."""
+        deck, path = long_deck(), tmp_path / "r.h5"
+
+        def run_in(size):
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+            listening_resume(deck, path, 0.002)
+
+        run(deck, tmp_path / "whole.h5")
+        assert (tmp_path / "whole.h5").stat().st_size > size
+        assert ended(forked(run_in, size)) == 5
+        before = contents(path) if path.exists() else None
+        assert some == (before is not None and mecano.open_results(path).checkpoint is not None)
+        assert before is None or (before["status"] == "failed" and "no" in verify(path))
+        resume(deck, path)
+        check_same(found := contents(path), contents(tmp_path / "whole.h5"))
+        assert before is None or before["time"].tobytes() == found["time"][: len(before["time"])].tobytes()
+        assert sorted(os.listdir(tmp_path)) == ["r.h5", "whole.h5"]
+
+
+class TestTheCheckpoint:
+    @pytest.fixture
+    def left(self, tmp_path):
+        """(deck, the file of a run stopped half-way with two checkpoints)."""
+        deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
+        assert stopped(deck, path, 150) and stopped(deck, path, 100)
+        return deck, path
+
+    @pytest.mark.parametrize(("spoilt", "steps"), [("0", 250), ("1", 150)])
+    def test_a_spoilt_one_leaves_the_other(self, left, tmp_path, spoilt, steps):
+        deck, path = left
+        with h5py.File(path, "r+") as file:
+            assert sorted(file["checkpoints"]) == ["0", "1"]
+            file["checkpoints"][spoilt][500] ^= 1
+        with mecano.open_results(path) as results:
+            assert results.checkpoint["file"]["rows"][1] == steps
+        run(deck, tmp_path / "whole.h5")
+        resume(deck, path)
+        check_same(contents(path), contents(tmp_path / "whole.h5"))
+
+    def test_rows_that_changed_are_not_gone_on_with(self, left):
+        deck, path = left
+        with h5py.File(path, "r+") as file:
+            file["storage/solver"][17, 1] *= 1.0 + 1e-15
+        before = path.read_bytes()
+        with pytest.raises(ResultsError, match="before its checkpoint has changed"):
+            resume(deck, path)
+        assert path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+
+    def test_a_file_without_one_begins_again(self, tmp_path):
+        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        assert stopped(deck, path, 150)
+        with h5py.File(path, "r+") as file:
+            del file["checkpoints/0"]
+        resume(deck, path, announce=told.append)
+        assert told == [f"there is no checkpoint in {path} yet: the run begins at its start"]
+        assert contents(path)["status"] == "complete"
+
+    def test_a_complete_file_stays_as_it_is(self, tmp_path):
+        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        run(deck, path)
+        before = path.read_bytes()
+        assert resume(deck, path, announce=told.append) is None
+        assert path.read_bytes() == before and "is complete" in told[0]
+
+    def test_another_deck_is_refused_with_what_differs(self, left):
+        _, path = left
+        other = input_deck("bouncing_ball", "time.end=5", "time.step=0.02", "title=Another")
+        before = path.read_bytes()
+        with pytest.raises(UsageError) as refused:
+            resume(other, path)
+        assert "time.end: 4.0, and the deck 5.0" in str(refused.value) and "time.step: 0.01" in str(refused.value)
+        assert "title" in str(refused.value) and path.read_bytes() == before
+
+    def test_another_machine_is_told(self, left):
+        deck, path = left
+        with h5py.File(path, "r+") as file:
+            file["run"].attrs["processor"] = "Abacus"
+            file["run"].attrs["threads"] = 7
+        told = []
+        resume(deck, path, announce=told.append)
+        assert "number of threads (7, now" in told[0] and "processor (Abacus, now" in told[0]
+        assert told[0] in mecano.open_results(path).remarks
+
+    def test_one_that_is_being_written_is_left_alone(self, tmp_path):
+        """By the process of that number, unless that began only after the run."""
+        deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
+        sleeping = subprocess.Popen(["sleep", "60"])
+        try:
+            child = forked(run, deck, path, observers=(lambda accepted: accepted.run.steps < 99 or os._exit(9),))
+            assert ended(child) == 9
+            with h5py.File(path, "r+") as file:
+                file["run"].attrs["process"] = sleeping.pid
+            with pytest.raises(ResultsError, match=f"still being written, by process {sleeping.pid}"):
+                resume(deck, path)
+            with h5py.File(path, "r+") as file:
+                file["run"].attrs["started"] = "2024-02-29T12:00:00+00:00"
+            assert mecano.open_results(path).status == "killed"
+        finally:
+            sleeping.kill()
+            sleeping.wait()
+
+    def test_one_that_does_not_fit_is_refused(self, left, monkeypatch):
+        deck, path = left
+        load = keeper.from_plain
+        bent = lambda plain: replace(load(plain), motion=replace(load(plain).motion, modes=load(plain).motion.z))  # noqa: E731
+        monkeypatch.setattr("mecano.keeper.from_plain", bent)
+        with pytest.raises(ResultsError, match="does not fit the deck"):
+            resume(deck, path)
+
+    def test_it_costs_a_short_run_nothing(self, tmp_path):
+        run(decks()["bouncing_ball"], tmp_path / "r.h5")
+        with h5py.File(tmp_path / "r.h5") as file:
+            assert len(file["checkpoints"]) == 0
+
+    def test_it_may_grow(self, tmp_path):
+        """What does not fit the places of the first checkpoints gets new ones."""
+        from results_samples import append, create
+
+        with create(tmp_path / "r.h5") as writer:
+            for i in range(4):
+                append(writer, i)
+                writer.checkpoint({"text": "x" * 40_000 * i})
+        with mecano.open_results(tmp_path / "r.h5") as results:
+            assert len(results.checkpoint["run"]["text"]) == 120_000
+
+
+SWING = """\
+mecano: 1
+nodes: {pin: {position: [0, 0, 0]}}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
+joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+time: {end: 1.0e5, step: 1.0e-3}
+output: {every: 0.002}
+"""
+
+
+class TestTheCommand:
+    @pytest.fixture
+    def folder(self, tmp_path):
+        (tmp_path / "deck.yaml").write_text(SWING)
+        return tmp_path
+
+    def started(self, folder, *arguments):
+        """A process of a run that would go on for hours."""
+        return subprocess.Popen([*COMMAND, "run", "deck.yaml", "-q", *arguments], cwd=folder, stderr=subprocess.PIPE)
+
+    def test_signals_end_it_and_resume_goes_on(self, folder):
+        """How far a run gets is not known before: the rows that both have are compared."""
+        path, reached, file = folder / "deck.h5", [], 0
+        for number, code in ((signal.SIGINT, 130), (signal.SIGUSR1, 75)):
+            process = self.started(folder, "--resume")
+            while not path.exists() or path.stat().st_ino == file:  # the file of the first run
+                time.sleep(0.01)
+            time.sleep(0.2)
+            process.send_signal(number)
+            told = process.communicate()[1].decode()
+            assert process.returncode == code and "mecano run deck.yaml -q --resume" in flowing(told)
+            with mecano.open_results(path) as results:
+                assert results.status == "stopped" and number.name in results.reason
+                reached.append(results["hinge.angle"].values)
+            file = path.stat().st_ino
+        assert len(reached[1]) > len(reached[0]) > 1
+        assert reached[0].tobytes() == reached[1][: len(reached[0])].tobytes()
+
+    def test_a_limit_of_time(self, folder):
+        begun = time.monotonic()
+        code, _, told = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "3", cwd=folder)
+        assert code == 75 and "end of its wall-clock time" in told and "--resume" in told
+        assert time.monotonic() - begun < 4.5  # with the time in which Python starts
+        with mecano.open_results(folder / "deck.h5") as results:
+            assert results.status == "stopped" and results.checkpoint is not None
+
+    def test_a_limit_that_ends_before_the_march(self, folder):
+        code, _, told = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "00:00:01", cwd=folder)
+        assert code == 75 and "mecano: stopped by the end of its wall-clock time" in flowing(told)
+        code, _, told = mecano_process("run", "deck.yaml", "--max-walltime", "soon", cwd=folder)
+        assert code == 2 and "'soon' is no wall-clock time" in told
+
+    def test_statics_begin_again_unless_complete(self, folder):
+        arguments = ("run", INPUTS / "snap_through.yaml", "-o", "s.h5", "--resume")
+        assert mecano_process(*arguments, cwd=folder)[0] == 0
+        before = (folder / "s.h5").read_bytes()
+        code, _, told = mecano_process(*arguments, cwd=folder)
+        assert code == 0 and "is complete" in told and (folder / "s.h5").read_bytes() == before
+        code, _, told = mecano_process(*arguments, "--set", "title=Another", cwd=folder)
+        assert code == 2 and "title" in told
+
+    def test_a_disk_that_is_read_only(self, folder):
+        mount = ["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", str(folder)]
+        (folder / "deck.yaml").rename(folder.parent / "deck.yaml")
+        if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+            pytest.skip("a tmpfs cannot be mounted here")
+        try:
+            code, _, told = mecano_process("run", "../deck.yaml", "-q", "--resume", cwd=folder)
+            assert code == 5 and told == "mecano: cannot write deck.h5: Read-only file system\n"
+        finally:
+            subprocess.run(["umount", str(folder)], check=True)
+
+    def test_wishes_that_contradict(self, folder):
+        code, _, told = mecano_process("run", "deck.yaml", "--resume", "--force", cwd=folder)
+        assert code == 2 and "--force replaces it" in told
+
+    def test_verify(self, folder):
+        mecano_process("run", "deck.yaml", "-q", "--set", "time.end=0.1", cwd=folder)
+        assert mecano_process("verify", "deck.h5", cwd=folder)[0] == 0
+        with h5py.File(folder / "deck.h5") as file:
+            place = file["extremes/maximum"].id.get_offset()
+        data = bytearray((folder / "deck.h5").read_bytes())
+        data[place + 3] ^= 16
+        (folder / "deck.h5").write_bytes(data)
+        code, _, told = mecano_process("verify", "deck.h5", cwd=folder)
+        assert code == 5 and "extremes/maximum" in told
+
+
+def test_times_in_words():
+    texts = {"3600": 3600, "90s": 90, "2h30m": 9000, "1d": 86400, "1h2m3s": 3723, "02:30:00": 9000, "1-00:00:01": 86401}
+    assert {text: seconds(text) for text in texts} == texts
+    for wrong in ("", "0", "2:30", "h", "1.5h", "-3"):
+        with pytest.raises(UsageError):
+            seconds(wrong)
+
+
+class TestInterruption:
+    @pytest.fixture
+    def listening(self):
+        """An Interruption that hears signals; the handlers are put back."""
+        before, hook = {number: signal.getsignal(number) for number in EXIT_CODES}, sys.unraisablehook
+        interruption = Interruption(again="again")
+        interruption.listen()
+        yield interruption
+        sys.unraisablehook = hook
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    def test_before_the_march_it_ends_at_once(self, listening):
+        with pytest.raises(Stopped) as error:
+            signal.raise_signal(signal.SIGUSR1)
+        assert error.value.exit_code == 75
+
+    def test_one_that_became_another_exception_is_known(self, listening):
+        with pytest.raises(SystemError) as error:
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            except Stopped as stopped:
+                raise SystemError("returned a result with an exception set") from stopped
+        assert stopped_by(error.value).exit_code == 143 and stopped_by(ValueError()) is None
+
+    def test_one_that_a_destructor_loses_counts_all_the_same(self, listening, capsys):
+        class Dying:
+            def __del__(self):
+                signal.raise_signal(signal.SIGTERM)
+
+        Dying()
+        assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
+        assert capsys.readouterr() == ("", "")
+
+    def test_in_the_march_it_waits_but_not_for_a_second_ctrl_c(self, listening):
+        with listening.postponed():
+            assert not listening.wanted(0.0)
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
+            assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
+            with pytest.raises(Stopped):
+                signal.raise_signal(signal.SIGINT)
+
+    def test_long_steps_are_not_begun_that_would_not_end_in_time(self):
+        interruption = Interruption(1e6)
+        now = time.monotonic()
+        assert not interruption.wanted(now) and not interruption.wanted(now + 4e5)
+        assert interruption.wanted(now + 6.5e5)
+
+
+class TestVerify:
+    @pytest.fixture
+    def path(self, tmp_path):
+        run(decks()["bouncing_ball"], tmp_path / "r.h5")
+        return tmp_path / "r.h5"
+
+    def test_every_changed_bit_is_found(self, path):
+        data, rng, named = path.read_bytes(), random.Random(5), set()
+        for _ in range(200):
+            bit = rng.randrange(8 * len(data))
+            path.write_bytes(data[: bit // 8] + bytes([data[bit // 8] ^ 1 << bit % 8]) + data[bit // 8 + 1 :])
+            with pytest.raises(ResultsError) as found:
+                verify(path)
+            named.add(str(found.value).partition("belong to: ")[2].partition(",")[0])
+        assert {"storage/output", "storage/solver"} <= named
+        path.write_bytes(data)
+        assert "every byte is as it was written" in verify(path)
+
+    @pytest.mark.parametrize("bytes_gone", [1, 100, 20_000, 200_000])
+    def test_a_file_that_was_cut(self, path, bytes_gone):
+        path.write_bytes(path.read_bytes()[:-bytes_gone])
+        with pytest.raises(ResultsError, match="cut short|last bytes"):
+            verify(path)
+
+    def test_a_file_that_was_changed_on_purpose_gets_new_sums(self, path):
+        with h5py.File(path, "r+") as file:
+            file["more"] = list(range(1000))
+        with pytest.raises(ResultsError):
+            verify(path)
+        seal_file(path)
+        assert "every byte is as it was written" in verify(path)
+
+    def test_a_killed_run(self, tmp_path):
+        """Rows before the last checkpoint are checked by its sums."""
+        path, deck = tmp_path / "r.h5", decks()["bouncing_ball"]
+
+        def run_and_die():
+            keeper.SHARE = 0
+            run(deck, path, interval=0.0, observers=(lambda accepted: accepted.run.steps < 200 or os._exit(9),))
+
+        assert ended(forked(run_and_die)) == 9
+        assert "killed" in verify(path) and "steps and 3 events are as they were written" in verify(path)
+        with h5py.File(path, "r+") as file:
+            file["events/impulse"][2] += 1.0
+        with pytest.raises(ResultsError, match="bytes have changed in events"):
+            verify(path)
+
+    def test_what_is_no_results_file(self, tmp_path):
+        (tmp_path / "no.h5").write_text(json.dumps({}))
+        for name in ("no.h5", "gone.h5"):
+            with pytest.raises(ResultsError):
+                verify(tmp_path / name)
