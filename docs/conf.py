@@ -21,6 +21,7 @@ html_theme = "furo"
 html_title = "mecano"
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_static_path = ["site/static"]
 html_css_files = ["site.css"]
 

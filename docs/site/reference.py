@@ -39,18 +39,19 @@ def _named_kinds():
 
 def _index():
     lines = ["# Reference of decks", "", "Everything that can stand in a deck, as `mecano explain` tells it, too."]
-    return "\n".join([*lines, "", *_toctree(("deck", *GROUPS, "laws", "cross-sections", "units"))]) + "\n"
+    names = ("deck", *GROUPS, "laws", "cross-sections", "units")
+    return "\n".join([*lines, "", *_toctree(names, ":maxdepth: 2")]) + "\n"
 
 
 def _group_page(section, title):
     kinds = [kind for kind in _named_kinds() if kind.section == section]
     rows = [(f"[{kind.name}]({kind.name}.md)", _first_sentence(kind.doc)) for kind in kinds]
     lines = [f"# {title}", "", *_table(("kind", "what it is"), rows)]
-    return "\n".join([*lines, "", *_toctree((kind.name for kind in kinds), ":hidden:")]) + "\n"
+    return "\n".join([*lines, "", *_toctree((kind.name for kind in kinds), ":maxdepth: 1", ":hidden:")]) + "\n"
 
 
 def _toctree(names, *options):
-    return ["```{toctree}", ":maxdepth: 1", *options, "", *names, "```"]
+    return ["```{toctree}", *options, "", *names, "```"]
 
 
 def _kind_page(kind, decks):
@@ -84,7 +85,7 @@ def _option(field, found):
 def _deck_page():
     lines = ["# Sections of a deck", "", "A deck is a mapping of these; how they are written: [decks](../../decks.md)."]
     for section in (*SECTIONS, *LANGUAGE, REPEAT):
-        lines += ["", f"## {section.name}", "", f"{_sentence(section.doc)} *{_value(section)}.*"]
+        lines += ["", f"## {section.name}", "", _declaration(section)]
         if section.name in GROUPS or section.name in ("laws", "sections"):
             lines += ["", _where(section.name)]
         if inner_fields(section.type):
@@ -184,5 +185,6 @@ def _first_sentence(doc):
     return re.split(r"(?<=\.)\s(?=[A-Z])", first)[0]
 
 
-def _sentence(text):
-    return f"{text[0].upper()}{text[1:]}."
+def _declaration(section):
+    unit = f" [{section.unit}]" if _unit(section) else ""
+    return f"{section.doc[0].upper()}{section.doc[1:].rstrip('.')}{unit}; {default_text(section)}."
