@@ -168,6 +168,7 @@ def joints(of):
             yield f"  {batten}_at_{b}: {{type: hinge, nodes: [post{b}_{name}, {batten}_b], axis: {axis}}}"
 
 
+TIME = "{{end: {:g}, step: 0.01, rho_inf: 0.0, adaptive: {{tolerance: {:g}, maximum_step: 0.05}}}}"
 HEADER = """\
 # Deployable reflector: {modules} module(s) of six triangular cells, written by
 # inputs/make_reflector.py {arguments}
@@ -205,7 +206,7 @@ def deck(given, arguments=()):
         "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
-        f"time: {{end: {given.end:g}, step: 0.01, adaptive: {{tolerance: {given.tolerance:g}}}, rho_inf: 0.0}}",
+        "time: " + TIME.format(given.end, given.tolerance),
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
