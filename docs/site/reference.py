@@ -181,7 +181,7 @@ def _row(cells):
 
 
 def _first_sentence(doc):
-    first = " ".join(doc.strip().split("\n\n")[0].split())
+    first = " ".join(markdown_of(doc).split("\n\n")[0].split())
     return re.split(r"(?<=\.)\s(?=[A-Z])", first)[0]
 
 
