@@ -10,6 +10,7 @@ Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theor
 with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -201,16 +202,29 @@ class GeneralizedAlpha:
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
 
         The errors of a run of ``duration`` [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
-        times the duration. Of a mode of circular frequency omega this is too much: its amplitude is about
-        :math:`\Delta a/\omega^2`. The harmonic sum of both is :math:`(K + M/\tau^2)^{-1} M \Delta a`; by what it is
-        smaller than :math:`\tau^2 \Delta a`, both along the constraints, the error is reduced (docs/theory.md, 2.2).
+        times the duration. Of a mode of circular frequency omega this may be too much: it can be off by its amplitude,
+        :math:`\Delta a/\omega^2` if the steps do not resolve it, :math:`\Delta a/(\omega^3 h)` if they do.
+        The error is reduced to the greater of the shares :math:`|P_1 \Delta a|` and :math:`|P_2^2 \Delta a|`,
+        with :math:`P_i = w_i (K + w_i M)^{-1} M` along the constraints, :math:`w_1 = \tau^{-2}`,
+        :math:`w_2^2 = c_M w_1`; not where the motion is unstable (docs/theory.md, 2.2).
         """
-        h, n_q, kind, nothing = history.h, self.system.n_q, self.system.numbering.kind, np.zeros(self.system.n_q)
-        scale, weight = self._scales(history, h)[:2], 1.0 / (duration * self.coefficients.error * h)
-        change = (history.a - info.began.a)[:n_q]
-        parts = (self._resolved(s, change, (*scale, 0.0, w)) for w in (weight, FREE * weight))
-        bounded, whole = (largest_change(nothing, part, kind, n_q, self.length) for part in parts)
-        return info.error * min(bounded / whole, 1.0) if whole > 0.0 else info.error
+        h, change = history.h, (history.a - info.began.a)[: self.system.n_q]
+        w = 1.0 / (duration * self.coefficients.error * h)
+        cases = (FREE * w, 1), (w, 1), (math.sqrt(self._weights(h)[1] * w), 2)
+        (whole, stable), *bounded = (self._filtered(s, history, change, *case) for case in cases)
+        if not 0.0 < whole < np.inf or any(negative != stable for _, negative in bounded):
+            return info.error
+        return info.error * min(max(size for size, _ in bounded) / whole, 1.0)
+
+    def _filtered(self, s, history, change, w, times):
+        """Size of the change of accelerations after so many filters (K + w M)^-1 w M; negative pivots of K + w M."""
+        here, n_q = s.copy(), self.system.n_q
+        if not self._factor(here, (*self._scales(history, history.h)[:2], 0.0, w)).ok:
+            return np.inf, -1
+        for _ in range(times):
+            change = resolved(self.system, self.linear, here, change, w)
+        size = largest_change(np.zeros(n_q), change, self.system.numbering.kind, n_q, self.length)
+        return size, int(np.sum(self.linear.pivots() < 0.0))
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""

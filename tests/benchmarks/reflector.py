@@ -31,7 +31,7 @@ TIMES = {
     **{
         f"{tolerance:g}, up to {longest:g} s, rho_inf {rho}": ADAPTIVE.format(tolerance, longest, rho)
         for tolerance, longest, rho in (
-            (1e-2, 0.05, 0.0), (3e-3, 0.2, 0.0), (3e-3, 0.05, 0.0), (3e-3, 0.05, 0.5), (1e-3, 0.05, 0.0),
+            (2e-2, 0.02, 0.0), (1e-2, 0.03, 0.0), (3e-3, 0.05, 0.0),
         )
     },
 }  # fmt: skip
