@@ -58,6 +58,8 @@ def _panel(ax, output, parameter, other, joined, named):
     groups = [other.values == value for value in values] if told_apart else [np.ones(len(output.values), bool)]
     for number, group in enumerate(groups):
         known = np.flatnonzero(group & np.isfinite(output.values))
+        if not len(known):
+            continue
         known = known[np.argsort(parameter.values[known], kind="stable")]
         label = f"{values[number]:.5g}" if told_apart and other.numeric else str(values[number]) if told_apart else None
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,

@@ -199,4 +199,4 @@ def _words(one, code):
     if not lines:
         return f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
     line = lines[-1] if lines[0].startswith("Traceback") else lines[0]
-    return line.removeprefix("mecano: ")[:LONGEST_REASON]
+    return line.removeprefix("mecano: ").partition("; go on with: ")[0][:LONGEST_REASON]
