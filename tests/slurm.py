@@ -56,7 +56,9 @@ def running(folder):
         os.chmod(path, mode)
     before = os.environ.get("SLURM_CONF")
     os.environ["SLURM_CONF"] = str(file)
-    processes = [subprocess.Popen(["runuser", "-u", "munge", "--", "munged", "--foreground"], stderr=subprocess.DEVNULL)]
+    processes = [
+        subprocess.Popen(["runuser", "-u", "munge", "--", "munged", "--foreground"], stderr=subprocess.DEVNULL)
+    ]
     try:
         waited(lambda: subprocess.run(["munge", "-n"], capture_output=True).returncode == 0)
         for words in (["slurmctld", "-D"], ["slurmd", "-D"]):

@@ -18,9 +18,9 @@ from mecano.post.study_plots import draw_study
 from mecano.results.study_file import read_study as read_table
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.perform import due
+from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
-from mecano.study.pool import Limits
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
 BALL = """\
@@ -262,5 +262,5 @@ def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):
     (folder / "study.yaml").write_text(HEAD + "grid: {time.end: [0.1, -1]}\n")
     assert mecano_process("sweep", "study.yaml", "--case", "2")[0] == 2
     code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
-    assert code == 3 and "1 waiting" in out and "1 failed" in out
+    assert code == 3 and "2 cases: 1 failed, 1 waiting" in out
     assert mecano_process("sweep", "study.yaml", "--case", "3")[0] == 2

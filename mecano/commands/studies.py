@@ -12,7 +12,9 @@ from mecano.interrupt import seconds
 
 @click.command()
 @click.argument("study", type=click.Path())
-@click.option("-o", "--output", type=click.Path(), help="Folder of the cases; default: the study's name with _runs, here.")
+@click.option(
+    "-o", "--output", type=click.Path(), help="Folder of the cases; default: the study's name with _runs, here."
+)
 @click.option("--jobs", type=click.IntRange(1), metavar="N", help="Cases side by side; default: one for each core.")
 @click.option("--time-limit", metavar="TIME", help="Of each case, by the clock: 3600, 2h30m or 02:30:00.")
 @click.option("--memory-limit", type=click.IntRange(1), metavar="MB", help="Of each case.")
@@ -20,7 +22,9 @@ from mecano.interrupt import seconds
 @click.option("--again", type=click.Choice(["failed"]), help="As --resume, and what has failed from its start.")
 @click.option("--force", is_flag=True, help="Begin anew, whatever there is.")
 @click.option("--executor", type=click.Choice(["local", "slurm"]), default="local", show_default=True)
-@click.option("--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'.")
+@click.option(
+    "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
+)
 @click.option("--wait", is_flag=True, help="With Slurm: until all its tasks have ended, then write the table.")
 @click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of what there is.")
 @click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")

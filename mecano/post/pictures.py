@@ -87,7 +87,9 @@ def asked_sheets(plots, spectra, runs):
 def _alone(paths, others, plots, output, kind):
     """Pictures of files of modes, sweeps and studies, one each."""
     if plots or len(others) < len(paths):
-        raise UsageError(f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum")
+        raise UsageError(
+            f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
+        )
     if len(paths) > 1 and output and not Path(output).is_dir():
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:

@@ -10,7 +10,7 @@ from pathlib import Path
 from mecano.errors import ResultsError, UsageError
 from mecano.results.whole_file import appearing
 
-COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
+STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 GO_ON = (75, 130, 143)  # exit codes of runs that --resume goes on with
 WORDS = "was run with other values, or another deck; --force begins the study anew, -o NAME another one"
 

@@ -79,5 +79,3 @@ def judge(table):
     """Raise IncompleteStudyError unless all cases of a Table are complete."""
     if table.incomplete:
         raise IncompleteStudyError(f"not all cases are complete: {table.incomplete}; see {table.folder.path}/table.csv")
-
-

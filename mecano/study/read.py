@@ -81,7 +81,9 @@ def try_deck(study):
     """
     checked, scope = _one_deck(study), Scope(STUDY_CHECKS, {}, {}, "", [])
     if study.outputs:
-        checked_outputs(study.outputs, prepare(checked), lambda name: study.tree.value["outputs"][1].value[name][1], scope)
+        checked_outputs(
+            study.outputs, prepare(checked), lambda name: study.tree.value["outputs"][1].value[name][1], scope
+        )
     _stop_at(scope.problems)
     return frozenset(d["type"] for section in SECTIONS for d in checked.values[section].values())
 
@@ -129,5 +131,3 @@ def _one_deck(study):
 def _stop_at(problems):
     if problems:
         raise DeckError(problems)
-
-

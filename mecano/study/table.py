@@ -7,7 +7,7 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.results.reader import open_results
 from mecano.results.study_file import StudyTable, column, write_columns, write_study
-from mecano.study.folder import COMPLETE
+from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
     ("status", "", "complete, failed, stopped (goes on with --resume) or waiting"),
@@ -75,15 +75,17 @@ class Table:
 
     def summary(self):
         """How many cases ended how, and why those that are not complete are not: text on lines."""
-        counts = Counter(record.status for record in self.records.values())
-        total = len(self.study.cases)
-        lines = [f"{total} cases: " + ", ".join(f"{count} {status}" for status, count in counts.items())]
+        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}"]
         reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
         lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
-        return "\n".join(lines)
+        more = sum(count for _, count in reasons[MOST_REASONS:])
+        return "\n".join([*lines, f"  and {more} others, see table.csv"] if more else lines)
 
     @property
     def incomplete(self):
         """Numbers of cases by status, of those that are not complete, in words; empty when all are."""
-        counts = Counter(r.status for r in self.records.values() if r.status != COMPLETE)
-        return ", ".join(f"{count} {status}" for status, count in counts.items())
+        return self._counted(STATUSES[1:])
+
+    def _counted(self, statuses):
+        counts = Counter(record.status for record in self.records.values())
+        return ", ".join(f"{counts[status]} {status}" for status in statuses if counts[status])

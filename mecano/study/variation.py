@@ -1,4 +1,4 @@
-"""The cases of a study: rows of values from grids, lists, tables, random numbers; several ways give all combinations."""
+"""The cases of a study: rows of values from grids, lists, tables, random numbers; several ways: all combinations."""
 
 import csv
 from itertools import product
