@@ -11,13 +11,14 @@ from mecano.contract import Kind
 from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.model.loops import PURPOSES, loop_of
+from mecano.prepare import prepare
 from mecano.run import run
 from mecano.static_run import run as run_static
 
 STEPS = 3
 
 
-def warmup(decks=()):
+def warmup(decks=(), overrides=()):
     """Compile the loops of all kinds and what solves every model, or all that the ``decks`` need; yields texts.
 
     Raises what reading and running a deck raises.
@@ -26,13 +27,11 @@ def warmup(decks=()):
     if decks:
         for path in decks:
             yield f"running the beginning of {path}"
-            _begin(read_deck(path, _shortened(read_deck(path))))
+            _begin(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
-        for kind in kinds:
-            for purpose in PURPOSES:
-                loop_of(kind, purpose)
+        _compile(kinds)
         yield "running the beginnings of the decks of `mecano new`"
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
@@ -61,7 +60,15 @@ def _longer(time):
     return time["end"] - time["start"] > STEPS * time["step"]
 
 
+def _compile(kinds):
+    for kind in kinds:
+        for purpose in PURPOSES:
+            loop_of(kind, purpose)
+
+
 def _begin(deck):
+    """Compile all loops of the model, those that are called late as well, and run some steps."""
+    _compile(batch.kind for batch in prepare(deck).system.batches)
     with tempfile.TemporaryDirectory() as folder:
         (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))
 

@@ -6,21 +6,25 @@ import re
 import signal
 import subprocess
 import time
+from pathlib import Path
 from textwrap import dedent
 
 import numpy as np
 import pytest
+from marching import INPUTS
 from process import COMMAND, mecano_process
 
 from mecano.deck.format import deck_error_text
+from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
-from mecano.post.study_plots import draw_study
+from mecano.post.pictures import post
 from mecano.results.study_file import read_study as read_table
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.perform import due
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
+from mecano.warmup import all_kinds, warmup
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
 BALL = """\
@@ -134,7 +138,8 @@ class TestDecks:
             try_deck(study(folder, "grid: {time.stop: [1, 2, 3]}"))
 
     def test_a_case_that_is_wrong_is_not(self, folder):
-        assert try_deck(study(folder, "grid: {time.end: [-1, 2]}")) == {"point_mass"}
+        found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
+        assert found.overrides == ("time.end=2",) and found.values["time"]["end"] == 2.0
 
     @pytest.mark.parametrize(
         "output,message",
@@ -218,26 +223,22 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     assert code == 3 and "3 complete" in out
     after = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("000*.h5")}
     assert all(after[name] == before[name] for name in ("0001.h5", "0003.h5", "0004.h5"))
-    assert draw_study("study_runs/table.h5", folder / "own.svg", "svg").exists()
+    assert list(post(["study_runs/table.h5"], output="own.svg", kind="svg")) == [Path("own.svg")]
 
 
-def test_limits_and_signals_of_one_case_hurt_no_other(folder):
-    """One case uses too much memory, one too much time, one ends in time; then Ctrl-C, and the table is there."""
-    (folder / "study.yaml").write_text(HEAD + dedent("""\
-        list:
-          - {time.end: 1.0e5}
-          - {time.end: 0.1}
-        """))  # fmt: skip
-    code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "8", "--jobs", "2")
-    assert code == 3 and "1 complete" in out and "1 stopped" in out and "the end of its wall-clock time" in out
+def test_limits_and_signals(folder):
+    """A case that would never end is stopped by its time, taken up again, stopped by Ctrl-C, and killed for memory."""
+    (folder / "study.yaml").write_text(HEAD + "list: [{time.end: 1.0e5}]\n")
+    code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "5")
+    assert code == 3 and "1 cases: 1 stopped\n  1 x exit code 75: stopped by the end of its wall-clock time" in out
     file = folder / "study_runs" / "0001.h5"
-    before = file.stat().st_ino
+    before = file.exists() and file.stat().st_ino
     process = subprocess.Popen([*COMMAND, "sweep", "study.yaml", "--resume", "-q"], stderr=subprocess.PIPE, text=True)
-    wait_until(lambda: file.stat().st_ino != before)  # the run has been taken up again
+    wait_until(lambda: file.exists() and file.stat().st_ino != before)  # the run has been taken up again
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130 and "go on with: mecano sweep study.yaml -q --resume" in err
-    assert read_table("study_runs/table.h5")["case/status"].tolist() == ["stopped", "complete"]
+    assert read_table("study_runs/table.h5")["case/status"].tolist() == ["stopped"]
     code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--memory-limit", "20")
     assert code == 3 and "1 x exit code -9: used more than 20 MB of memory" in out
 
@@ -264,3 +265,19 @@ def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):
     code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
     assert code == 3 and "2 cases: 1 failed, 1 waiting" in out
     assert mecano_process("sweep", "study.yaml", "--case", "3")[0] == 2
+
+
+def test_the_study_of_the_page(folder):
+    """That of docs/studies.md: 15 cases, whose deck and outputs there are."""
+    text = (Path(__file__).parent.parent / "docs" / "studies.md").read_text()
+    (folder / "study.yaml").write_text(re.search(r"```yaml\n(study: 1\n.*?)```", text, re.DOTALL)[1])
+    (folder / "nose_gear_rigid.yaml").write_text((INPUTS / "nose_gear_rigid.yaml").read_text())
+    found = read_study("study.yaml")
+    assert len(found.cases) == 15 and try_deck(found).values["parameters"]["sink"] == -2.0
+
+
+def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
+    assert {kind.name for kind in all_kinds()} > set(KINDS)
+    told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
+    assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
+    assert [path.name for path in folder.iterdir()] == ["deck.yaml"]

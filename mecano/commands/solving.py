@@ -32,7 +32,6 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
         raise click.UsageError("--resume goes on with a results file, --force replaces it")
     interruption = Interruption(seconds(limit) if limit else None, again())
     interruption.listen()
-    from mecano.contract import SECTIONS
     from mecano.deck.read import read_deck
     from mecano.progress import Progress, StaticProgress
 
@@ -40,8 +39,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     static = checked.values["static"]
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
-    kinds = {d["type"] for section in SECTIONS for d in checked.values[section].values()}
-    progress.compiling(kinds)
+    progress.compiling(checked.kinds)
     from importlib import import_module
 
     runs = import_module("mecano.static_run" if static else "mecano.run")

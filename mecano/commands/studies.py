@@ -6,7 +6,7 @@ import sys
 
 import click
 
-from mecano.commands import show
+from mecano.commands import overrides, show
 from mecano.interrupt import seconds
 
 
@@ -50,9 +50,9 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     folder = Folder(output or os.path.splitext(os.path.basename(study))[0] + "_runs", checked)
     if number is not None:
         sys.exit(perform.one_case(folder, number, limits))
+    deck = try_deck(checked)
     if only_table:
         return _finish(perform.collect(folder), plot)
-    kinds = try_deck(checked)
     cases = perform.due(folder, resume=resume, failed=again == "failed", force=force)
     if executor == "slurm" and cases:
         from mecano.study.slurm import submit
@@ -64,7 +64,10 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     from mecano.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
-    table = perform.perform(folder, cases, kinds, jobs=jobs, limits=limits, progress=progress)
+    progress.compiling(deck.kinds)
+    if cases:
+        perform.compile_first(deck)
+    table = perform.perform(folder, cases, jobs=jobs, limits=limits, progress=progress)
     progress.done(len(cases))
     _finish(table, plot)
 
@@ -83,12 +86,13 @@ def _finish(table, plot):
 
 @click.command()
 @click.argument("decks", nargs=-1, type=click.Path())
-def warmup(decks):
+@overrides
+def warmup(decks, overrides):
     """Compile all that decks can contain, or what the given DECKS do, before many runs want it at once.
 
     Compiled code is kept on the disk; this says where. For a cluster see docs/cluster.md.
     """
     from mecano.warmup import warmup as compile_all
 
-    for text in compile_all(decks):
+    for text in compile_all(decks, overrides):
         show(text)

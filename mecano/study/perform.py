@@ -1,12 +1,12 @@
 """A whole study: which cases are to be run, here or by Slurm, and the table in the end."""
 
 import os
+import subprocess
 
-from mecano import compiled_before
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.interrupt import Stopped, again
 from mecano.study.folder import COMPLETE, FAILED
-from mecano.study.pool import Limits, Pool
+from mecano.study.pool import PROGRAM, Limits, Pool
 from mecano.study.table import Table
 
 
@@ -34,8 +34,17 @@ def due(folder, *, resume=False, failed=False, force=False):
     return [case for case in cases if records[case.number].status not in done]
 
 
-def perform(folder, cases, kinds, *, jobs=None, limits=Limits(), progress=lambda done, total, text: None):  # noqa: B008
-    """Run cases, whose decks have these ``kinds``, on this machine, and write the table; returns the Table.
+def compile_first(deck):
+    """Run the beginning of a checked Deck in a process of its own: what it compiles, no case has to.
+
+    A case that compiles needs more time and memory than its limits may give it.
+    """
+    settings = [word for text in deck.overrides for word in ("--set", text)]
+    subprocess.run([*PROGRAM, "warmup", deck.file, *settings], capture_output=True)
+
+
+def perform(folder, cases, *, jobs=None, limits=Limits(), progress=lambda done, total, text: None):  # noqa: B008
+    """Run cases on this machine, and write the table; returns the Table.
 
     ``progress(done, total, text)`` is told of every case. Raises Stopped where a signal ends the study.
     """
@@ -50,7 +59,7 @@ def perform(folder, cases, kinds, *, jobs=None, limits=Limits(), progress=lambda
 
     with folder.held():
         pool = Pool(folder, jobs or cores(), limits, ended)
-        number = pool.run(cases, first_alone=not compiled_before(kinds))
+        number = pool.run(cases)
     done = len(table.records)
     table.written()
     if number is not None:

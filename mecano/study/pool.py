@@ -63,21 +63,17 @@ class Pool:
         self.asked = []  # signals that came, of those that end the study
         self._forwarded = 0
 
-    def run(self, cases, first_alone=False):
-        """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None.
-
-        With ``first_alone`` the others wait for the first, which compiles for all.
-        """
-        waiting, alone = list(reversed(cases)), first_alone
+    def run(self, cases):
+        """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None."""
+        waiting = list(reversed(cases))
         with self._listening() as bell:
             while (waiting and not self.asked) or self.running:
-                room = 1 if alone else self.jobs
-                while waiting and not self.asked and len(self.running) < room:
+                while waiting and not self.asked and len(self.running) < self.jobs:
                     self.running.append(self._start(waiting.pop()))
                 _rest(bell)
                 self._forward()
                 self._watch()
-                alone = self._gather() == 0 and alone
+                self._gather()
         return self.asked[0] if self.asked else None
 
     def _start(self, case):
@@ -134,14 +130,13 @@ class Pool:
                 os.kill(one.process.pid, signal.SIGKILL)
 
     def _gather(self):
-        """Keep the Records of those that have ended; returns how many."""
+        """Keep the Records of those that have ended."""
         ended = [(one, used) for one in self.running if (used := _used(one.process)) is not None]
         for one, used in ended:
             self.running.remove(one)
             record = self._record(one, used)
             self.folder.write(one.case, record)
             self.ended(one.case, record)
-        return len(ended)
 
     def _record(self, one, used):
         code, before = one.process.returncode, one.before

@@ -4,7 +4,6 @@ import json
 import os
 from dataclasses import dataclass, field
 
-from mecano.contract import SECTIONS
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
 from mecano.deck.read import read_deck
@@ -75,7 +74,7 @@ def read_study(path):
 
 
 def try_deck(study):
-    """Look at the deck of a study, with the values of some cases, and for its outputs; returns the kinds in it.
+    """Look at the deck of a study, with the values of some cases, and for its outputs; returns the first right Deck.
 
     Raises DeckError where none of these decks is right, or an output is of something that is not in the model.
     """
@@ -85,7 +84,7 @@ def try_deck(study):
             study.outputs, prepare(checked), lambda name: study.tree.value["outputs"][1].value[name][1], scope
         )
     _stop_at(scope.problems)
-    return frozenset(d["type"] for section in SECTIONS for d in checked.values[section].values())
+    return checked
 
 
 def _source(path, mark, what):
