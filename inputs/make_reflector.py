@@ -38,7 +38,7 @@ def options(arguments=None):
     add("--pretension", type=float, default=5e-4, help="strain of the diagonals, deployed [%(default)s]")
     add("--torque", type=float, default=1.0, help="factor of the torque of the motors [%(default)s]")
     add("--end", type=float, default=4.0, help="end of the run [%(default)s s]")
-    add("--step", type=float, default=0.01, help="time step [%(default)s s]")
+    add("--tolerance", type=float, default=3e-3, help="of the time steps [%(default)s]")
     add("--free", action="store_true", help="floats freely; else the foot of the middle longeron is clamped")
     return parser.parse_args(arguments)
 
@@ -168,6 +168,7 @@ def joints(of):
             yield f"  {batten}_at_{b}: {{type: hinge, nodes: [post{b}_{name}, {batten}_b], axis: {axis}}}"
 
 
+TIME = "{{end: {:g}, step: 0.01, rho_inf: 0.0, adaptive: {{tolerance: {:g}, maximum_step: 0.05}}}}"
 HEADER = """\
 # Deployable reflector: {modules} module(s) of six triangular cells, written by
 # inputs/make_reflector.py {arguments}
@@ -205,7 +206,7 @@ def deck(given, arguments=()):
         "  batten: {type: tube, diameter: 0.02, thickness: 0.001, E: 7.0e+10, nu: 0.3, density: 1600, damping: 0.0}",
         "",
         "nodes:", *nodes(of), "", "elements:", *elements(of), "", "joints:", *joints(of), "",
-        f"time: {{end: {given.end:g}, step: {given.step:g}, rho_inf: 0.0}}",
+        "time: " + TIME.format(given.end, given.tolerance),
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 

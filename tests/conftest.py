@@ -1,6 +1,31 @@
-"""One thread for the linear algebra of each process, as the command line has it: tests run side by side."""
+"""One thread for the linear algebra of each process, as the command line has it: tests run side by side.
+
+And the fixture with which tests tell the verification manual what they found.
+"""
 
 import os
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
+
+import pytest  # noqa: E402
+
+
+def pytest_addoption(parser):
+    parser.addoption("--verification", metavar="FILE", help="run the tests of the verification manual, and write it")
+
+
+def pytest_configure(config):
+    path = config.getoption("--verification")
+    if path:
+        from verification import Manual
+
+        config.pluginmanager.register(Manual(path))
+
+
+@pytest.fixture
+def verify(request):
+    """Check of a number against its reference: see verification.py."""
+    from verification import Verify
+
+    return Verify(request.node.user_properties)

@@ -26,22 +26,25 @@ CASES = {
     **{f"bend_{load:g}": (bend, load) for load in BEND},
     **{f"princeton_{angle}": (princeton, angle) for angle in PRINCETON},
 }
+REST, TRANSCENDENTAL = "Beams at rest", "transcendental equation of the beam of Timoshenko"
 TIMOSHENKO = (3.7975628699347963, 23.792645105269827, 66.59173371319504, 130.41213633808454)
 """Bending frequencies [rad/s] of a cantilever, EI = 14000, GA = 1e7, rhoA = 1.2, rhoI = 6e-4, L = 10: transcendental
 equation of the beam of Timoshenko."""
 
 
-def test_roll_up_closes():
+def test_roll_up_closes(verify):
     """A circular arc is in the space of the helix: exact with any number of elements that turn by less than pi."""
-    assert roll_up(4) < 1e-12
-    assert roll_up(16) < 1e-12
+    for n in (4, 16):
+        verify(REST, f"roll-up to a circle, {n} elements: gap over length", roll_up(n), 0.0, "circle", absolute=1e-12)
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_error_with_few_elements(case):
+def test_error_with_few_elements(case, verify):
     """0.25 % asked with 16 elements: 25 times better with half as many."""
     error, parameter = CASES[case]
-    assert error(8, parameter) < 1e-4 if "princeton" not in case else 5e-4
+    tolerance = 5e-4 if "princeton" in case else 1e-4
+    what = f"{case.replace('_', ' ')}, 8 elements: error of the tip over length"
+    verify(REST, what, error(8, parameter), 0.0, "exact rod of Reissner and Simo, by shooting", absolute=tolerance)
 
 
 @pytest.mark.parametrize(("case", "order"), [("elastica_4", 4.0), ("bend_600", 4.0), ("princeton_90", 4.0)])
@@ -56,9 +59,10 @@ def test_order_two_where_bending_couples_with_torsion():
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
 
 
-def test_lateral_buckling_load():
+def test_lateral_buckling_load(verify):
     coarse, fine = lateral_buckling(4), lateral_buckling(8)
-    assert fine < 0.01 and np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+    verify(REST, "lateral buckling load, 8 elements: relative error", fine, 0.0, "function of Bessel", absolute=0.01)
+    verify(REST, "lateral buckling load: order", np.log2(coarse / fine), 2.0, "order of the method", absolute=0.1)
 
 
 @pytest.mark.slow
@@ -86,10 +90,11 @@ def frequencies(n):
 
 
 @pytest.mark.parametrize(("n", "tolerance"), [(8, 2e-3), (16, 2e-4), (64, 5e-6)])
-def test_frequencies_of_a_cantilever(n, tolerance):
+def test_frequencies_of_a_cantilever(n, tolerance, verify):
     found = frequencies(n)
     np.testing.assert_allclose(found[::2], found[1::2], rtol=1e-7)
-    np.testing.assert_allclose(found[::2], TIMOSHENKO, rtol=tolerance)
+    what = f"cantilever of {n} elements: first four [rad/s]"
+    verify("Frequencies", what, found[::2], TIMOSHENKO, TRANSCENDENTAL, relative=tolerance)
 
 
 def test_linear_statics_of_one_element_are_exact():

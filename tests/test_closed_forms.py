@@ -18,6 +18,9 @@ def free_vibration(t, natural, damping, start, rate):
     return np.exp(-decay * t) * wave
 
 
+V, FREE, FORCED = "Closed forms", "free vibration, closed form", "forced vibration, closed form"
+
+
 def forced_vibration(t, natural, damping, frequency, drive):
     """The same, driven by the real part of drive exp(i frequency t), from rest at x = 0."""
     steady = drive / (natural**2 - frequency**2 + 2j * damping * natural * frequency)
@@ -25,20 +28,20 @@ def forced_vibration(t, natural, damping, frequency, drive):
     return (steady * np.exp(1j * frequency * t)).real + transient
 
 
-def test_oscillator():
+def test_oscillator(verify):
     """m = 2 kg, k = 200 N/m, c = 4 N s/m: 10 rad/s, a tenth of critical damping."""
     sag = 2.0 * 9.81 / 200.0
     exact = -0.5 - sag + free_vibration(TENTHS, 10.0, 0.1, sag, 0.0)
     coarse, fine = pair("oscillator", lambda m: m["nodes/weight/position"][:, 2], TENTHS, 2e-3)
-    check_second_order(coarse, fine, exact, 2e-9)
+    verify.second_order(V, "damped oscillator: height over 2 s [m]", coarse, fine, exact, 2e-9, FREE)
 
 
-def test_base_excitation():
+def test_base_excitation(verify):
     """Force k u + c u' of the table's motion u = 5 mm sin(4 pi t) on the mass."""
     w, u = 4.0 * np.pi, -1j * 5e-3
     exact = -0.5 + forced_vibration(TENTHS, 10.0, 0.1, w, (100.0 + 2.0j * w) * u)
     coarse, fine = pair("base_excitation", lambda m: m["nodes/weight/position"][:, 2], TENTHS, 2e-3)
-    check_second_order(coarse, fine, exact, 1e-9)
+    verify.second_order(V, "mass on a shaking table: height [m]", coarse, fine, exact, 1e-9, FORCED)
 
 
 def test_base_excitation_of_the_table():
@@ -54,20 +57,20 @@ def test_base_excitation_of_the_table():
     np.testing.assert_allclose(march["joints/upright/moment"], 0.0, rtol=0, atol=1e-9)
 
 
-def test_torsion_pendulum():
+def test_torsion_pendulum(verify):
     """J = 0.5 kg m2, c = 20 N m/rad, d = 0.8 N m s/rad; 3 N m by the motor, 2 N m sin(3 pi t) by the shaking."""
     natural, w = np.sqrt(40.0), 3.0 * np.pi
     damping = 0.8 / (2.0 * np.sqrt(20.0 * 0.5))
     exact = 0.15 + free_vibration(TENTHS, natural, damping, -0.15, 0.0)
     exact += forced_vibration(TENTHS, natural, damping, w, -2j / 0.5)
     coarse, fine = pair("torsion_pendulum", lambda m: m["joints/bearing/angle"], TENTHS, 4e-3)
-    check_second_order(coarse, fine, exact, 2e-8)
+    verify.second_order(V, "driven torsion pendulum: angle [rad]", coarse, fine, exact, 2e-8, FORCED)
     march = March(input_deck("torsion_pendulum", "time.end=0.5"))
     angle, rate = march["joints/bearing/angle"], march["joints/bearing/rate"]
     np.testing.assert_allclose(march["elements/wire/moment"], 20.0 * angle + 0.8 * rate, rtol=1e-12, atol=1e-12)
 
 
-def test_slider_crank():
+def test_slider_crank(verify):
     """Position exact (constraints on positions), velocity of the piston of second order."""
     r, L, w, times = 0.05, 0.15, 50.0, np.arange(1, 31) / 100
 
@@ -76,7 +79,8 @@ def test_slider_crank():
 
     march = March(input_deck("slider_crank", "time.step=5e-4"))
     x = march["nodes/piston/position"]
-    np.testing.assert_allclose(x[:, 0], position(w * march.time), rtol=0, atol=1e-10)
+    exact = position(w * march.time)
+    verify(V, "slider-crank: place of the piston [m]", x[:, 0], exact, "closed form", absolute=1e-10)
     np.testing.assert_allclose(march["joints/bore/displacement"], x[:, 0] - 0.2, rtol=0, atol=1e-12)
     assert np.abs(x[:, 1:]).max() < 1e-11
     swing = -np.arcsin(r / L * np.sin(w * march.time))  # of the rod, against the piston
@@ -85,28 +89,29 @@ def test_slider_crank():
     theta = w * times
     exact = -r * w * np.sin(theta) * (1.0 + r * np.cos(theta) / np.sqrt(L**2 - (r * np.sin(theta)) ** 2))
     coarse, fine = pair("slider_crank", lambda m: m["joints/bore/velocity"], times, 5e-4)
-    check_second_order(coarse, fine, exact, 5e-8)
+    verify.second_order(V, "slider-crank: velocity of the piston [m/s]", coarse, fine, exact, 5e-8, "closed form")
 
 
-def test_conical_pendulum():
+def test_conical_pendulum(verify):
     """It circles at constant height; the rod pulls with m g/cos 30 deg."""
     w = np.sqrt(9.81 / np.cos(np.pi / 6))
     exact = np.stack([0.5 * np.cos(w * TENTHS), 0.5 * np.sin(w * TENTHS)], axis=1)
     coarse, fine = pair("spherical_pendulum", lambda m: m["nodes/ball/position"][:, :2], TENTHS, 5e-3)
-    check_second_order(coarse, fine, exact, 1e-8)
+    verify.second_order(V, "conical pendulum: path [m]", coarse, fine, exact, 1e-8, "uniform circle")
     march = March(input_deck("spherical_pendulum"))
     assert np.ptp(march["nodes/ball/position"][:, 2]) < 1e-6
-    np.testing.assert_allclose(march["joints/rod/tension"], 9.81 / np.cos(np.pi / 6), rtol=1e-5)
+    pull = 9.81 / np.cos(np.pi / 6)
+    verify(V, "conical pendulum: tension [N]", march["joints/rod/tension"], pull, "m g/cos 30 deg", relative=1e-5)
 
 
-def test_thruster():
+def test_thruster(verify):
     """Velocity 0.5 m/s2 times the Fresnel integrals of the angle 0.1 t^2, and 0.05 t along z."""
     times = np.arange(1, 11) / 2
     scale = np.sqrt(np.pi / 0.2)
     sine, cosine = fresnel(times / scale)
     exact = np.stack([0.5 * scale * cosine, 0.5 * scale * sine, 0.05 * times], axis=1)
     coarse, fine = pair("thruster", lambda m: m["nodes/hull/velocity"], times, 0.02)
-    check_second_order(coarse, fine, exact, 1e-8)
+    verify.second_order(V, "thruster that turns: velocity [m/s]", coarse, fine, exact, 1e-8, "integrals of Fresnel")
 
 
 def test_what_the_parts_of_the_thruster_feel():

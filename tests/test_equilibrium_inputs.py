@@ -24,7 +24,7 @@ def command(*arguments):
     return CliRunner().invoke(commands, [str(argument) for argument in arguments], catch_exceptions=False)
 
 
-def test_snap_through(tmp_path):
+def test_snap_through(tmp_path, verify):
     path = tmp_path / "s.h5"
     result = command("run", INPUTS / "snap_through.yaml", "-o", path)
     assert result.exit_code == 0 and "load factor 1" in result.output and "1 unstable direction(s)" in result.output
@@ -32,7 +32,8 @@ def test_snap_through(tmp_path):
         assert results.axis.path == "length of the path" and results.status == "complete"
         factor, z = results["static/load_factor"].values, results["top.position.z"].values
         l0, length = np.hypot(1.0, 0.3), np.hypot(1.0, z)
-        np.testing.assert_allclose(20.0 * factor, 2000.0 * (l0 - length) / length * z, atol=1e-7)
+        load = 2000.0 * (l0 - length) / length * z
+        verify("Equilibria", "snap-through: load along the path [N]", 20.0 * factor, load, "closed form", absolute=1e-7)
         np.testing.assert_allclose(results["weight.force.z"].values, -20.0 * factor)
         np.testing.assert_allclose(results["left_bar.extension"].values, length - l0, atol=1e-12)
         bars = 2.0 * 0.5 * 1000.0 * (length - l0) ** 2
@@ -52,11 +53,12 @@ def test_snap_through_by_steps_fails_with_what_is_free(tmp_path):
         assert 9.94 < 20.0 * results.time[-1] < 9.949917
 
 
-def test_hanging_chain(tmp_path):
+def test_hanging_chain(tmp_path, verify):
     result = command("run", INPUTS / "hanging_chain.yaml", "-o", tmp_path / "c.h5")
     assert result.exit_code == 0
     with mecano.open_results(tmp_path / "c.h5") as results:
-        assert results["p2.position.z"].values[-1] == pytest.approx(-0.30231562972057735, abs=1e-12)
+        sag, exact = results["p2.position.z"].values[-1], -0.30231562972057735
+        verify("Equilibria", "hanging chain: its lowest point [m]", sag, exact, "statics of a chain", absolute=1e-12)
         assert results.axis.path == "load factor" and results.time.tolist() == [0.0, 1.0]
 
 
@@ -66,11 +68,12 @@ def test_check_tells_how_stable_the_start_is():
     assert "the start without loads: 5 direction(s) without stiffness" in text
 
 
-def test_column_flutters(tmp_path):
+def test_column_flutters(tmp_path, verify):
     path = tmp_path / "z.h5"
     result = command("modes", INPUTS / "ziegler_column.yaml", "-o", path, "--plot")
     assert result.exit_code == 0 and result.stdout.splitlines()[-1] == str(path.with_suffix(".png"))
-    np.testing.assert_allclose(np.abs(read_modes(path).values), [np.sqrt(0.5), 1.0], rtol=1e-10)
+    found, exact = np.abs(read_modes(path).values), [np.sqrt(0.5), 1.0]
+    verify("Equilibria", "column of Ziegler: frequencies [rad/s]", found, exact, "closed form", relative=1e-10)
     for load, kinds in ((FLUTTER - 1e-6, {"oscillation"}), (FLUTTER + 1e-6, {"oscillation", "flutter"})):
         assert set(modes(input_deck("ziegler_column", f"parameters.load={load!r}"), None)[1].kinds) == kinds
 

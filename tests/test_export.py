@@ -16,6 +16,7 @@ from mecano.post.grid import grid_of
 from mecano.post.runs import open_runs
 from mecano.results.provenance import Source
 from mecano.results.reader import open_results
+from mecano.results.verify import verify
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX
 from mecano.results.writer import Writer
 
@@ -148,6 +149,16 @@ def test_cells_are_added_to_the_results_file_which_keeps_the_rest(own):
     with h5py.File(own) as file:
         assert file["VTKHDF"].attrs["Type"] == b"UnstructuredGrid" and file["VTKHDF/Steps"].attrs["NSteps"] == 41
     assert [p.name for p in own.parent.iterdir()] == ["own.h5"]
+
+
+def test_a_file_with_cells_is_checked_to_the_last_byte(own):
+    export(own, vtk=True)
+    assert verify(own).endswith("every byte is as it was written")
+    whole = own.read_bytes()
+    place = whole.rindex(b"UnstructuredGrid")
+    own.write_bytes(whole[:place] + b"X" + whole[place + 1 :])
+    with pytest.raises(ResultsError, match="is damaged"):
+        export(own, vtk=True, force=True)
 
 
 def test_nothing_is_added_to_a_file_that_is_being_written(tmp_path):

@@ -168,19 +168,21 @@ def orders(method, rho, change, reduce):
 
 
 @pytest.mark.parametrize(("method", "rho"), METHODS)
-def test_order_of_fixed_steps(method, rho):
+def test_order_of_fixed_steps(method, rho, verify):
     """Two for all, at the end and for the largest error of the run, the first step among them."""
     change = with_pattern((1.0,))
+    what = f"index-3 pendulum, {method}, rho = {rho}: orders of angle, rate and multiplier, "
     at_end = orders(method, rho, change, lambda e: e[-1])
-    np.testing.assert_allclose(at_end, 2.0, rtol=0, atol=0.05)
+    verify("Integrator", what + "at the end", at_end, 2.0, "order of the method", absolute=0.05)
     greatest = orders(method, rho, change, lambda e: e.max(axis=0))
-    np.testing.assert_allclose(greatest, 2.0, rtol=0, atol=0.05)
+    verify("Integrator", what + "largest errors of the run", greatest, 2.0, "order of the method", absolute=0.05)
 
 
 @pytest.mark.parametrize(("method", "rho"), METHODS)
-def test_order_of_steps_that_always_change(method, rho):
+def test_order_of_steps_that_always_change(method, rho, verify):
     greatest = orders(method, rho, with_pattern(VARIED), lambda e: e.max(axis=0))
-    np.testing.assert_allclose(greatest, 2.0, rtol=0, atol=0.05)
+    what = f"index-3 pendulum, {method}, rho = {rho}: orders, steps that always change"
+    verify("Integrator", what, greatest, 2.0, "order of the method", absolute=0.05)
 
 
 def constraints_watched(worst):

@@ -12,17 +12,18 @@ from marching import INPUTS, March, deck, input_deck
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
+M, MINIMAL, LINKS = "Mechanisms", "minimal coordinates, integrated at tight tolerance", "closed form of the linkage"
 HALVES, SECONDS = np.linspace(0.5, 5.0, 10), np.arange(1.0, 11.0)
 
 
-def test_pendulum():
+def test_pendulum(verify):
     """A01: theta = 2 asin(k sn(K - w t, k)) from the vertical, released from the horizontal; x = -1 there."""
     theta = [
         -1.4050273115247993, 0.9166475896632469, -0.1775836983042972, -0.6157410432328381, 1.2294518114853838,
         -1.5390945241972038, 1.5182313402827088, -1.1677182757332674, 0.5217219123608284, 0.2786806735699831,
     ]  # fmt: skip
     coarse, fine = pair("pendulum", lambda m: np.pi / 2 - m["joints/hinge/angle"], SECONDS, 0.01)
-    check_second_order(coarse, fine, theta, 2e-6)
+    verify.second_order(M, "pendulum: angle at ten times [rad]", coarse, fine, theta, 2e-6, "elliptic functions")
 
 
 def period(march):
@@ -33,7 +34,7 @@ def period(march):
     return third - first
 
 
-def test_period_and_greatest_pin_force_of_the_pendulum():
+def test_period_and_greatest_pin_force_of_the_pendulum(verify):
     """A01: 2.367841947576237 s. The bar of the deck pulls with 5/2 m g where it hangs straight down."""
     periods, forces = [], []
     for h in (0.01, 0.005):
@@ -42,11 +43,11 @@ def test_period_and_greatest_pin_force_of_the_pendulum():
         angle, force = march["joints/hinge/angle"], np.linalg.norm(march["joints/hinge/force"], axis=-1)
         near = np.argsort(np.abs(angle - np.pi / 2))[:5]
         forces.append(np.polynomial.polynomial.polyfit(angle[near] - np.pi / 2, force[near], 2)[0])
-    check_second_order(*periods, 2.367841947576237, 1e-8)
-    assert forces[1] == pytest.approx(24.525, rel=1e-4)
+    verify.second_order(M, "pendulum: period [s]", *periods, 2.367841947576237, 1e-8, "elliptic integral")
+    verify(M, "pendulum: greatest force of the pin [N]", forces[1], 24.525, "5/2 m g", relative=1e-4)
 
 
-def test_double_pendulum_of_rods():
+def test_double_pendulum_of_rods(verify):
     """Angles from the vertical, [upper, lower] every half second."""
     theta = [
         [0.44814262593198423, 1.0419628873038866], [-1.2077162381906361, -0.8143910230912997],
@@ -60,10 +61,11 @@ def test_double_pendulum_of_rods():
         upper = np.pi / 2 - m["joints/shoulder/angle"]
         return np.stack([upper, upper - m["joints/elbow_hinge/angle"]], axis=1)
 
-    check_second_order(*pair("double_pendulum", angles, HALVES, 2e-3), theta, 2e-5)
+    coarse, fine = pair("double_pendulum", angles, HALVES, 2e-3)
+    verify.second_order(M, "double pendulum: angles over 5 s [rad]", coarse, fine, theta, 2e-5, MINIMAL)
 
 
-def test_n_four_bar_passes_singular_positions():
+def test_n_four_bar_passes_singular_positions(verify):
     """A02, N = 2: five turns, ten passages through positions where the linkage could change its form."""
     theta = [
         3.3378708031051834, 6.341033361312233, 10.006351828767652, 12.684259593513458, 16.65435348664972,
@@ -84,11 +86,12 @@ def test_n_four_bar_passes_singular_positions():
         assert start == pytest.approx(35.835, rel=1e-12)
         apart = np.ptp(np.stack([march[f"{crank}/angle"] for crank in cranks]), axis=0)
         assert apart.max() < 1e-9  # no change of form: all cranks stay parallel
-    check_second_order(*found["angle"], np.tile(theta, (3, 1)).T, 5e-6)
-    check_second_order(*found["rate"], np.tile(rate, (3, 1)).T, 1.2e-5)
+    theta, rate = (np.tile(values, (3, 1)).T for values in (theta, rate))
+    verify.second_order(M, "N-four-bar: crank angles over 10 s [rad]", *found["angle"], theta, 5e-6, MINIMAL)
+    verify.second_order(M, "N-four-bar: crank rates over 10 s [rad/s]", *found["rate"], rate, 1.2e-5, MINIMAL)
 
 
-def test_heavy_top():
+def test_heavy_top(verify):
     """Centre of mass at 2 s, force of the pivot at 0 and 2 s, energy at the start."""
     x = [-0.15041682274637816, -0.7241655916371939, -0.6730222695599588]
     force = [-260.7352113104331, 613.6126989826779, 309.71663139032404]
@@ -100,8 +103,8 @@ def test_heavy_top():
         forces.append(march["joints/ball/force"][-1])
         np.testing.assert_allclose(march["joints/ball/force"][0], at_start, rtol=0, atol=1e-8)
         assert march["energy/total"][0] == pytest.approx(5435.696790865547, rel=1e-12)
-    check_second_order(*positions, x, 1e-4)
-    check_second_order(*forces, force, 0.1)
+    verify.second_order(M, "heavy top: centre of mass at 2 s [m]", *positions, x, 1e-4, MINIMAL)
+    verify.second_order(M, "heavy top: force of the pivot at 2 s [N]", *forces, force, 0.1, MINIMAL)
 
 
 FREE_BODY = [
@@ -155,15 +158,15 @@ CARDAN_ANGLE = [
 ]  # fmt: skip
 
 
-def test_cardan_joint():
+def test_cardan_joint(verify):
     """Angles are exact (constraints on positions), the ratio of the rates is of second order."""
     ratios = []
     for h in (1 / 480, 1 / 960):
         march = March(input_deck("cardan", f"time.step={h}"))
         angle = at_times(march, march["joints/bearing_2/angle"], np.arange(1, 13) / 12)
-        np.testing.assert_allclose(angle, CARDAN_ANGLE, rtol=0, atol=2e-10)
+        verify(M, f"cardan joint: output angle, step {h:.2g} s [rad]", angle, CARDAN_ANGLE, LINKS, absolute=2e-10)
         ratios.append(at_times(march, march["joints/bearing_2/rate"], np.arange(1, 13) / 12) / (2 * np.pi))
-    check_second_order(*ratios, CARDAN_RATIO, 1e-9)
+    verify.second_order(M, "cardan joint: ratio of the rates [-]", *ratios, CARDAN_RATIO, 1e-9, LINKS)
 
 
 # every 45 degrees of the crank from 45 to 360
@@ -177,7 +180,7 @@ FOUR_BAR_ROCKER = [
 ]  # fmt: skip
 
 
-def test_driven_four_bar():
+def test_driven_four_bar(verify):
     """fourbar: the crank of the deck turned once in 1 s; angles of coupler and rocker from the ground link."""
     text = (INPUTS / "four_bar.yaml").read_text()
     motor = "{type: prescribed_angle, nodes: [ground, crank], axis: [0, -1, 0], value: {linear: {slope: $turn}}}"
@@ -188,8 +191,8 @@ def test_driven_four_bar():
     coupler = crank + at_times(march, march["joints/hinge_b/angle"], eighths) + FOUR_BAR_COUPLER[-1]
     rocker = at_times(march, march["joints/hinge_d/angle"], eighths) + FOUR_BAR_ROCKER[-1]
     np.testing.assert_allclose(crank, 2 * np.pi * eighths, rtol=0, atol=2e-10)
-    np.testing.assert_allclose(coupler, FOUR_BAR_COUPLER, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(rocker, FOUR_BAR_ROCKER, rtol=0, atol=1e-9)
+    verify(M, "driven four-bar: angle of the coupler [rad]", coupler, FOUR_BAR_COUPLER, LINKS, absolute=1e-9)
+    verify(M, "driven four-bar: angle of the rocker [rad]", rocker, FOUR_BAR_ROCKER, LINKS, absolute=1e-9)
 
 
 def test_the_closed_form_of_the_four_bar_is_that_of_the_reference():
@@ -198,8 +201,9 @@ def test_the_closed_form_of_the_four_bar_is_that_of_the_reference():
     np.testing.assert_allclose(angles, [FOUR_BAR_COUPLER, FOUR_BAR_ROCKER], rtol=0, atol=1e-14)
 
 
-def test_four_bar_under_its_weight():
+def test_four_bar_under_its_weight(verify):
     """The crank angle of the one equation of motion, three swings."""
     times = np.linspace(0.25, 3.0, 12)
     coarse, fine = pair("four_bar", lambda m: m["joints/hinge_a/angle"], times, 2e-3)
-    check_second_order(coarse, fine, FourBar().motion(times)[:, 0], 3e-6)
+    exact = FourBar().motion(times)[:, 0]
+    verify.second_order(M, "four-bar under its weight: crank [rad]", coarse, fine, exact, 3e-6, MINIMAL)

@@ -44,7 +44,7 @@ REACTION = [
 ]
 
 
-def test_a_disc_released_leaning_converges_to_the_reference():
+def test_a_disc_released_leaning_converges_to_the_reference(verify):
     """Centre, contact and reactions, multipliers of constraints on velocities among them, at second order."""
     quantities = (
         ("nodes/centre/position", CENTRE, 1e-6),
@@ -53,7 +53,8 @@ def test_a_disc_released_leaning_converges_to_the_reference():
     marches = [March(input_deck("rolling_disc", f"time.step={h}")) for h in (2e-3, 1e-3)]
     for path, reference, left in quantities:
         coarse, fine = (at_times(march, march[path], TIMES) for march in marches)
-        check_second_order(coarse, fine, reference, left)
+        what = f"disc released leaning: {path.split('/')[-1].replace('_', ' ')} over 4 s [m, N]"
+        verify.second_order("Rolling", what, coarse, fine, reference, left, "minimal coordinates, tight tolerance")
     contact = [at_times(march, march["elements/rim/contact_point"][:, :2], TIMES) for march in marches]
     check_second_order(*contact, CONTACT, 1e-6)
     leaks = [np.ptp(march["energy/total"]) for march in marches]
@@ -110,18 +111,20 @@ def upright(kind, v):
     return eigenvalues(deck(UPRIGHT.format(kind=kind, v=v, w=v / 0.3225)))
 
 
-def test_wobble_of_the_upright_disc():
+def test_wobble_of_the_upright_disc(verify):
     """omega^2 = (12/5) (v/r)^2 - (4/5) g/r; falls below v^2 = g r/3."""
-    assert abs(upright("rigid_wheel", 2.0)[-1].imag) == pytest.approx(8.244225954135265, rel=1e-9)
+    found, exact = abs(upright("rigid_wheel", 2.0)[-1].imag), 8.244225954135265
+    verify("Rolling", "upright disc: wobble at 2 m/s [rad/s]", found, exact, "closed form", relative=1e-9)
     slow, fast = (upright("rigid_wheel", 1.0269250216057646 * factor)[-2:] for factor in (0.999, 1.001))
     assert slow.real.max() > 0.1 and abs(slow.imag).max() < 1e-6
     assert abs(fast.real).max() < 1e-6 and abs(fast.imag).max() > 0.1
 
 
-def test_the_wheel_of_the_paper_has_no_critical_speed():
+def test_the_wheel_of_the_paper_has_no_critical_speed(verify):
     """omega = sqrt(C (C + m r^2)/(A (A + m r^2))) v/r at any speed (a6)."""
     for v, omega in ((2.0, 9.607400548731578), (5.0, 24.018501371828943), (0.5, 9.607400548731578 / 4)):
-        assert abs(upright("paper_wheel", v)[-1].imag) == pytest.approx(omega, rel=1e-9)
+        what, found = f"wheel of the paper: wobble at {v:g} m/s [rad/s]", abs(upright("paper_wheel", v)[-1].imag)
+        verify("Rolling", what, found, omega, "closed form", relative=1e-9)
 
 
 def test_the_paper_disc_wobbles_in_time():
@@ -157,7 +160,7 @@ def steady(theta_deg, psidot, w3):
     )
 
 
-def test_steady_circles():
+def test_steady_circles(verify):
     """Reactions and friction of steady motions at 80 and 30 degrees (a1, steady)."""
     for theta, psidot, w3, friction, needed in (
         (80.0, 1.0, -3.5468057807248496, 1.143844864283764, 0.11659988422872211),
@@ -166,7 +169,8 @@ def test_steady_circles():
         march = steady(theta, psidot, w3)
         rim = {name: march[f"elements/rim/{name}"] for name in ("normal_force", "lateral_force", "friction_needed")}
         np.testing.assert_allclose(rim["normal_force"], 9.81, rtol=1e-4)
-        np.testing.assert_allclose(np.abs(rim["lateral_force"]), friction, rtol=1e-4)
+        found, what = np.abs(rim["lateral_force"]), f"disc in a steady circle at {theta:g} deg: friction [N]"
+        verify("Rolling", what, found, friction, "steady motion, closed form", relative=1e-4)
         np.testing.assert_allclose(rim["friction_needed"], needed, rtol=1e-4)
         np.testing.assert_allclose(march["nodes/centre/position"][:, 2], 0.3225 * np.sin(np.radians(theta)), rtol=1e-5)
 
@@ -196,14 +200,15 @@ def sleigh_force(t):
     return m * (v * w - a * rate * w * np.tanh(rate * t + s0))
 
 
-def test_chaplygins_sleigh():
+def test_chaplygins_sleigh(verify):
     marches = [March(input_deck("sleigh", f"time.step={h}")) for h in (4e-3, 2e-3)]
     at = [[at_times(m, m[path], SLEIGH_TIMES) for m in marches] for path in (
         "nodes/edge/position", "joints/turning/angle", "elements/knife/lateral_force",
     )]  # fmt: skip
-    check_second_order(*(values[:, :2] for values in at[0]), SLEIGH_EDGE, 2e-6)
-    check_second_order(*at[1], SLEIGH_TURN, 9e-7)
-    check_second_order(*at[2], sleigh_force(np.array(SLEIGH_TIMES)), 2.5e-6)
+    edge, force, source = (values[:, :2] for values in at[0]), sleigh_force(np.array(SLEIGH_TIMES)), "closed form"
+    verify.second_order("Rolling", "sleigh of Chaplygin: path [m]", *edge, SLEIGH_EDGE, 2e-6, source)
+    verify.second_order("Rolling", "sleigh of Chaplygin: heading [rad]", *at[1], SLEIGH_TURN, 9e-7, source)
+    verify.second_order("Rolling", "sleigh of Chaplygin: force on the knife [N]", *at[2], force, 2.5e-6, source)
     assert np.ptp(marches[1]["energy/total"]) < 1e-4 * 1.010125
 
 

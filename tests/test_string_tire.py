@@ -107,12 +107,13 @@ def root(response, V, guess):
     return complex(*fsolve(parts, [guess.real, guess.imag], xtol=1e-13))
 
 
-def test_shimmy_on_a_string():
+def test_shimmy_on_a_string(verify):
     """Growth and frequency of the exact delay within 1e-3, of the law's own equations to rounding."""
     for V, accuracy in ((20.0, 1e-3), (60.0, 1e-4)):
         found = caster("string", V)[0]
-        assert found == pytest.approx(root(of_law("string"), V, found), rel=1e-8)
-        assert found == pytest.approx(root(exact, V, found), rel=accuracy)
+        what, own = f"stretched string at {V:g} m/s: eigenvalue [1/s], ", root(of_law("string"), V, found)
+        verify("Shimmy", what + "of the law", found, own, "characteristic equation of the law", relative=1e-8)
+        verify("Shimmy", what + "of the delay", found, root(exact, V, found), "exact delay", relative=accuracy)
 
 
 def test_shimmy_on_a_straight_tangent():

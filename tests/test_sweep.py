@@ -131,6 +131,9 @@ def test_a_march_from_steady_running_stays_there(tmp_path):
         np.testing.assert_allclose(spin, [[0, 20.0 / 0.3, 0]] * len(spin), atol=1e-9)
 
 
+BICYCLE = "Meijaard, Papadopoulos, Ruina & Schwab 2007"
+
+
 def caster_roots(V, c=20.0, k=0.0, D=0.0, C1=0.0, I=1.0, L=0.1, K=2e5, C=1 / 6e4):  # noqa: E741
     left = np.polymul([I, c, k], [C1, 1 + V * C * D, V * C * K])
     right = L * np.polymul(np.polymul([D, K], [L, V]), [C1, 1.0])
@@ -138,28 +141,31 @@ def caster_roots(V, c=20.0, k=0.0, D=0.0, C1=0.0, I=1.0, L=0.1, K=2e5, C=1 / 6e4
     return np.sort_complex(roots[roots.imag > -1e-9])
 
 
-def test_bicycle():
+def test_bicycle(verify):
     """Weave and capsize speeds, and the eigenvalues at 5 m/s, from one sweep."""
-    found = sweep(INPUTS / "bicycle.yaml", (), ["speed=4:6.5:0.5"])
-    (locus,) = found.loci
+    (locus,) = sweep(INPUTS / "bicycle.yaml", (), ["speed=4:6.5:0.5"]).loci
     weave, capsize = locus.critical
-    assert weave.place == pytest.approx(4.2923825363, rel=1e-8) and not weave.destabilizes
-    assert capsize.place == pytest.approx(6.0242620154, rel=1e-8) and capsize.destabilizes
-    assert weave.value.imag == pytest.approx(3.4350338486, rel=1e-8) and capsize.value.imag == 0.0
+    assert not weave.destabilizes and capsize.destabilizes and capsize.value.imag == 0.0
+    verify("Rolling", "bicycle: weave speed [m/s]", weave.place, 4.2923825363, BICYCLE, relative=1e-8)
+    verify("Rolling", "bicycle: capsize speed [m/s]", capsize.place, 6.0242620154, BICYCLE, relative=1e-8)
+    frequency = weave.value.imag
+    verify("Rolling", "bicycle: weave frequency there [rad/s]", frequency, 3.4350338486, BICYCLE, relative=1e-8)
     expected = [-0.322866429004087, -0.775341882195845 + 4.464867713788229j, -14.078389692798215]
-    np.testing.assert_allclose(sorted(locus.values[:, 2], key=abs), expected, rtol=1e-8)
+    found = sorted(locus.values[:, 2], key=abs)
+    verify("Rolling", "bicycle: eigenvalues at 5 m/s [1/s]", found, expected, BICYCLE, relative=1e-8)
     assert locus.values.shape == (3, 6) and np.all(np.isfinite(locus.values.real))
     np.testing.assert_array_equal(locus.count, [1, 0, 0, 0, 0, 1])
 
 
-def test_disc_that_stays_upright(tmp_path):
+def test_disc_that_stays_upright(tmp_path, verify):
     """Neutral above the critical speed: the border of growth, where a pair of real eigenvalues becomes imaginary."""
     from test_rigid_wheel import UPRIGHT
 
     text = UPRIGHT.format(kind="rigid_wheel", v="$v", w="'$v / 0.3225'")
     (tmp_path / "disc.yaml").write_text("\n".join(line[4:] for line in text.splitlines()) + "\nparameters: {v: 1}\n")
     (locus,) = sweep(tmp_path / "disc.yaml", (), ["v=0.8:1.4:0.2"]).loci
-    assert [c.place for c in locus.critical] == pytest.approx([1.0269250216057646], rel=1e-9)
+    (border,) = locus.critical
+    verify("Rolling", "disc: critical speed [m/s]", border.place, 1.0269250216057646, "sqrt(g r/3)", relative=1e-9)
 
 
 SHIMMY = {
@@ -169,7 +175,7 @@ SHIMMY = {
 }
 
 
-def shimmy(tmp_path, case, speeds):
+def shimmy(case, speeds, verify):
     """A sweep of the trailing wheel of b1, and the constants of the case."""
     values, critical = SHIMMY[case]
     law = f"{{spring: {{stiffness: {values.get('k', 0.0)}}}, damper: {{coefficient: {values.get('c', 20.0)}}}}}"
@@ -180,23 +186,27 @@ def shimmy(tmp_path, case, speeds):
         found = np.sort_complex(column[np.isfinite(column.real)])
         expected = caster_roots(V, **values)
         found = np.unique(np.round(found, 9)) if len(found) > len(expected) else found  # a pair, told by both branches
-        np.testing.assert_allclose(found, expected, rtol=2e-8 if len(found) != len(column) else 1e-8)
+        what = f"{case} trailing wheel at {V:g} m/s: eigenvalues [1/s]"
+        tolerance = 2e-8 if len(found) != len(column) else 1e-8
+        verify("Shimmy", what, found, expected, "characteristic polynomial", relative=tolerance)
     if critical:
         within = [v for v in critical if locus.axis.values[0] < v < locus.axis.values[-1]]
-        assert [c.place for c in locus.critical] == pytest.approx(within, rel=1e-6)
+        places = [c.place for c in locus.critical]
+        assert len(places) == len(within)
+        verify("Shimmy", f"{case} trailing wheel: critical speeds [m/s]", places, within, "its roots", relative=1e-6)
     else:
         assert not locus.critical and np.all(locus.count > 0)
 
 
-def test_shimmy(tmp_path):
+def test_shimmy(verify):
     """Some speeds of b1; eigenvalues to 1e-8, the critical speed to 1e-6."""
-    shimmy(tmp_path, "damped", "speed=1,20,40,60")
+    shimmy("damped", "speed=1,20,40,60", verify)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SHIMMY)
-def test_shimmy_at_all_speeds(tmp_path, case):
-    shimmy(tmp_path, case, "speed=1,5,10,20,40,60,80,120,130")
+def test_shimmy_at_all_speeds(case, verify):
+    shimmy(case, "speed=1,5,10,20,40,60,80,120,130", verify)
 
 
 def test_map_files_and_pictures(tmp_path):

@@ -61,10 +61,10 @@ def field_lines(fields, indent=1):
     lines = []
     for field in fields:
         unit = "" if field.unit == "-" else f" [{field.unit}]"
-        value = "required" if field.required else _default(field)
+        value = default_text(field)
         lines.append("  " * indent + f"{field.name}{unit}: {field.type.expects}; {value}")
         lines += _paragraph(field.doc, indent + 2)
-        lines += field_lines(_inner(field.type), indent + 1)
+        lines += field_lines(inner_fields(field.type), indent + 1)
     return lines
 
 
@@ -82,16 +82,20 @@ def _paragraph(text, indent):
     return wrap(text, WIDTH, initial_indent="  " * indent, subsequent_indent="  " * indent)
 
 
-def _default(field):
+def default_text(field):
+    """The default of a field as it is told: "required", "default 0.8", or "optional" where there is nothing to tell."""
+    if field.required:
+        return "required"
     if field.default is None or field.default in ((), {}, "", math.inf, -math.inf):
         return "optional"
     value = list(field.default) if isinstance(field.default, tuple) else field.default
     return f"default {str(value).lower() if isinstance(value, bool) else value}"
 
 
-def _inner(type_):
+def inner_fields(type_):
+    """The fields inside a value of a type: of a mapping, or of the mappings in a list or under names."""
     if type_.name == "mapping":
         return type_.options
     if type_.name in ("named", "list", "either", "shorthand"):
-        return _inner(type_.options[0])
+        return inner_fields(type_.options[0])
     return ()

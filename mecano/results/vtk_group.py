@@ -4,6 +4,7 @@ Format VTKHDF 2.2, UnstructuredGrid with Steps: the values of one saved time aft
 joins the points never changes, so it is there once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
+import os
 import shutil
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.seal import seal_file
+from mecano.results.seal import block_sums, seal, seal_of
 from mecano.results.table import describe, name_axes
 from mecano.results.whole_file import appearing
 
@@ -82,8 +83,10 @@ def write_grid(file, grid):
 def add_grid(path, grid, *, force=False):
     """Add a Grid to the results file ``path``, which keeps all else; nothing happens to it if that fails.
 
-    Raises ResultsError: it has such a group and ``force`` is not given, or the disk does not take it.
+    Raises ResultsError: it has such a group and ``force`` is not given, bytes of it have changed since it was closed,
+    or the disk does not take it.
     """
+    sealed = _is_sealed(path)
     with appearing(path) as hidden:
         shutil.copyfile(path, hidden)
         with h5py.File(hidden, "r+", libver=("v110", "v110")) as file:
@@ -92,7 +95,20 @@ def add_grid(path, grid, *, force=False):
             if GROUP in file:
                 del file[GROUP]
             write_grid(file, grid)
-        seal_file(hidden)
+        if sealed:
+            with open(hidden, "r+b") as raw:
+                raw.write(seal(raw.fileno(), raw.seek(0, os.SEEK_END)))
+
+
+def _is_sealed(path):
+    """True when a file has the sums by which its bytes are checked; ResultsError when they have changed."""
+    with open(path, "rb") as raw:
+        sums = seal_of(raw.fileno())
+        if sums is None:
+            return False
+        if not sums.whole or np.any(block_sums(raw.fileno(), sums.covered) != sums.sums):
+            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
+    return True
 
 
 def _write_cells(group, grid):

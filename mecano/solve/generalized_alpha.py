@@ -189,31 +189,27 @@ class GeneralizedAlpha:
         cC, cM = self._weights(h)
         history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
         if more.any():
-            a[:n_q] += self._resolved(s, history, (whole - a)[:n_q])
+            a[:n_q] += self._resolved(s, (whole - a)[:n_q], self._scales(history, h))
         return history
 
-    def _resolved(self, s, history, a):
-        """What steps of the size in ``history`` can follow of the accelerations ``a`` (n_q,) at ``s``."""
-        scales = self._scales(history, history.h)
+    def _resolved(self, s, a, scales):
+        """Part of the accelerations ``a`` (n_q,) at ``s`` (resolved.py); all of it where the tangent is singular."""
         here = s.copy()
-        self._factor(here, scales)
-        return resolved(self.system, self.linear, here, a, scales[-1])
+        return resolved(self.system, self.linear, here, a, scales[-1]) if self._factor(here, scales).ok else a
 
     def bounded_error(self, s, history, info, duration):
-        """Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
+        r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
 
-        A run of ``duration`` [s] in such steps adds up Ce h^2 da in each, T da in all. Of a mode of circular frequency
-        omega this is too much: da/omega^2 is no more than its amplitude. The harmonic sum of both is
-        (K + M/T)^-1 M da; what it is smaller by than T da, both along the constraints, is taken off the error.
+        The errors of a run of ``duration`` [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
+        times the duration. Of a mode of circular frequency omega this is too much: its amplitude is about
+        :math:`\Delta a/\omega^2`. The harmonic sum of both is :math:`(K + M/\tau^2)^{-1} M \Delta a`; by what it is
+        smaller than :math:`\tau^2 \Delta a`, both along the constraints, the error is reduced (docs/theory.md, 2.2).
         """
-        n_q, kind, nothing = self.system.n_q, self.system.numbering.kind, np.zeros(self.system.n_q)
-        change, here = (history.a - info.began.a)[:n_q], s.copy()
-        weight, sizes = 1.0 / (duration * self.coefficients.error * history.h), []
-        for w in (weight, FREE * weight):
-            self._factor(here, (*self._scales(history, history.h)[:2], 0.0, w))
-            part = resolved(self.system, self.linear, here, change, w)
-            sizes.append(largest_change(nothing, part, kind, n_q, self.length))
-        bounded, whole = sizes
+        h, n_q, kind, nothing = history.h, self.system.n_q, self.system.numbering.kind, np.zeros(self.system.n_q)
+        scale, weight = self._scales(history, h)[:2], 1.0 / (duration * self.coefficients.error * h)
+        change = (history.a - info.began.a)[:n_q]
+        parts = (self._resolved(s, change, (*scale, 0.0, w)) for w in (weight, FREE * weight))
+        bounded, whole = (largest_change(nothing, part, kind, n_q, self.length) for part in parts)
         return info.error * min(bounded / whole, 1.0) if whole > 0.0 else info.error
 
     def _weights(self, h):
@@ -311,6 +307,6 @@ class GeneralizedAlpha:
             self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
-        """Factor the tangent of an earlier state again, as it was."""
+        """Factor the tangent at a state that was met before; the LinearStatus."""
         self._assemble(tangent, scales)
-        self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)
+        return self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)

@@ -5,7 +5,8 @@ r"""What a step can follow of accelerations: their smooth part, and little of wh
 
 with the effective tangent S of a step of size h: a mode of circular frequency omega keeps the share
 1/(1 + beta' omega^2 h^2) of its acceleration. A slow one keeps all but O(h^2); of one far too fast for the step, whose
-displacement d has the acceleration omega^2 d, remains d/(beta' h^2): what displaces it by d in one step.
+displacement d has the acceleration omega^2 d, remains d/(beta' h^2): what displaces it by d in one step. With other
+weights of K and M the limit lies at another frequency.
 """
 
 import numpy as np

@@ -25,12 +25,17 @@ from mecano.solve.interpolate import interpolate
 
 WRITER = Path(__file__).parent.parent.parent / "inputs" / "make_reflector.py"
 FIXED = "{{end: 4, step: {}, rho_inf: 0.0}}"
-ADAPTIVE = "{{end: 4, step: 0.01, adaptive: {{tolerance: {}}}, rho_inf: {}}}"
+ADAPTIVE = "{{end: 4, step: 0.01, adaptive: {{tolerance: {}, maximum_step: {}}}, rho_inf: {}}}"
 TIMES = {
     **{f"fixed {h:g} s": FIXED.format(h) for h in (0.02, 0.01, 0.005)},
-    **{f"{tol:g}, rho_inf {rho}": ADAPTIVE.format(tol, rho) for rho in (0.0, 0.5) for tol in (1e-2, 3e-3, 1e-3)},
-}
-REFERENCE = ADAPTIVE.format(3e-5, 0.0)
+    **{
+        f"{tolerance:g}, up to {longest:g} s, rho_inf {rho}": ADAPTIVE.format(tolerance, longest, rho)
+        for tolerance, longest, rho in (
+            (1e-2, 0.05, 0.0), (3e-3, 0.2, 0.0), (3e-3, 0.05, 0.0), (3e-3, 0.05, 0.5), (1e-3, 0.05, 0.0),
+        )
+    },
+}  # fmt: skip
+REFERENCE = ADAPTIVE.format(3e-5, 0.05, 0.0)
 MODULES = 1, 7, 19, 37
 WINDER = "payout_tension: $payout_tension, "
 EVERY = 0.05  # [s]: times at which nodes are compared
@@ -112,7 +117,7 @@ def _rates(run):
 def growth():
     """CPU per unknown and step of larger reflectors that begin to deploy, their diagonals still slack."""
     for modules in MODULES:
-        done = Deployment(deck("--modules", str(modules), without=WINDER), EARLY)
+        done = Deployment(deck("--modules", str(modules), without=WINDER, time=FIXED.format(0.01)), EARLY)
         each = done.march / done.unknowns / done.run.steps
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(

@@ -1,0 +1,32 @@
+"""The documentation as a site: `sphinx-build -W -b html docs build/site`; pages are Markdown, read by MyST."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "site"))
+
+import formulas  # noqa: E402
+import pages  # noqa: E402
+
+project = "mecano"
+extensions = ["myst_parser"]
+exclude_patterns = ["site"]
+myst_heading_anchors = 3
+myst_fence_as_directive = ["math"]  # as GitHub writes displayed formulas
+smartquotes = False  # two apostrophes are a second derivative
+highlight_language = "none"
+html_math_renderer = "mathml"
+html_theme = "furo"
+html_title = "mecano"
+html_copy_source = False
+html_show_sphinx = False
+html_show_copyright = False
+html_static_path = ["site/static"]
+html_css_files = ["site.css"]
+
+
+def setup(app):
+    """Formulas for the pages, and the pages that are made of the code and of the tests' numbers."""
+    app.add_html_math_renderer("mathml", (formulas.inline, None), (formulas.displayed, None))
+    app.connect("builder-inited", lambda app: pages.write(HERE / "generated"))

@@ -1,0 +1,22 @@
+"""The pages that are not written by hand: reference, example decks, verification."""
+
+import decks
+import reference
+import verification
+
+
+def write(folder):
+    """Write all of them into a folder; files that are right already stay untouched, for the sake of quick builds."""
+    known = decks.decks()
+    made = {**reference.pages(known), "decks.md": decks.page(known), **verification.pages()}
+    for path, content in made.items():
+        _write(folder / path, content.encode() if isinstance(content, str) else content)
+    for old in folder.rglob("*.*"):
+        if old.relative_to(folder).as_posix() not in made:
+            old.unlink()
+
+
+def _write(path, content):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_bytes() != content:
+        path.write_bytes(content)

@@ -1,0 +1,70 @@
+"""The documentation builds to a site without a warning, and the site asks for nothing from elsewhere."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from verification import Verify
+
+from mecano.elements import KINDS
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The built site; of a copy, so that nothing is written beside the sources, and with two numbers of tests."""
+    pytest.importorskip("sphinx")
+    pytest.importorskip("furo")
+    folder = tmp_path_factory.mktemp("site")
+    for name in ("docs", "inputs"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated"))
+    told = []
+    Verify(told)("Rolling", "disc: speed [m/s]", [2.0, 3.00000001], [2.0, 3.0], "closed form", relative=1e-8)
+    Verify(told).second_order("Shocks", "a ball", 1.04, 1.01, 1.0, 1e-3, "its flight")
+    (folder / "build").mkdir()
+    (folder / "build" / "verification.json").write_text(json.dumps([record for _, record in told]))
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", folder / "docs", folder / "built"]
+    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+    return folder / "built"
+
+
+def test_every_kind_has_a_page_with_its_fields_and_outputs(site):
+    for kind in KINDS.values():
+        if kind.section:
+            page = (site / "generated" / "reference" / f"{kind.name}.html").read_text(encoding="utf-8")
+            for name in (*(field.name for field in kind.fields), *(output.name for output in kind.outputs)):
+                assert f">{name}<" in page, f"{kind.name}: {name}"
+
+
+def test_formulas_are_drawn_by_the_browser_alone(site):
+    pages = {path.stem: path.read_text(encoding="utf-8") for path in (site / "generated" / "reference").glob("*.html")}
+    assert "<math" in pages["hinge"]
+    for name, page in pages.items():
+        assert not re.search(r":math:|\{math\}|\.\. math|mathjax", page), name
+
+
+def test_pages_ask_for_nothing_from_elsewhere(site):
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        asked = re.findall(r"<(?:script|img|iframe)[^>]*\bsrc=\"([^\"]*)\"", text)
+        asked += re.findall(r"<link[^>]*rel=\"stylesheet\"[^>]*href=\"([^\"]*)\"", text)
+        assert not [address for address in asked if re.match(r"(https?:)?//", address)], page.name
+
+
+def test_the_manual_shows_what_tests_told(site):
+    page = (site / "generated" / "verification.html").read_text(encoding="utf-8")
+    for shown in ("3.00000001", "disc: speed [m/s], 2 numbers", "order 2.00", "its flight", "verification_shocks.svg"):
+        assert shown in page
+
+
+def test_a_number_beyond_its_tolerance_fails_and_is_told():
+    told = []
+    with pytest.raises(AssertionError, match="speed"):
+        Verify(told)("Rolling", "speed", 1.1, 1.0, "closed form", relative=0.01)
+    assert told[0][1]["error"] == pytest.approx(0.1)
