@@ -19,12 +19,12 @@ SCRIPT = """\
 #SBATCH --open-mode=append
 #SBATCH --output={output}
 cd {directory} || exit 5
+trap '[ -n "$run" ] && kill -USR1 $run' USR1
 {command} --case "$SLURM_ARRAY_TASK_ID" &
 run=$!
-trap 'kill -USR1 $run' USR1
 wait $run; code=$?
 while kill -0 $run 2>/dev/null; do wait $run; code=$?; done # the signal ended the first wait
-if [ $code -eq 75 ]; then # stopped in time: back into the queue, to go on
+if [ $code -eq 75 ] || [ $code -eq 138 ]; then # stopped in time, or while it began: back into the queue, to go on
     scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
 fi
 exit $code
