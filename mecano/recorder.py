@@ -26,6 +26,12 @@ class Recorder:
         self.writer.extremes.take(run.motion.t, row)
         self.writer.append(run.motion.t, row)
 
+    def go_on(self, run, saved):
+        """Go on at a checkpoint, where so many times had been ``saved``: nothing is written."""
+        self.saved = saved
+        self._observe(run.motion)
+        self.sampler.take(run)
+
     def __call__(self, accepted):
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         run, info = accepted.run, accepted.info
@@ -62,9 +68,12 @@ class Recorder:
 
     def _between(self, accepted, t):
         state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
+        self._observe(state)
+        return self.sampler.take(accepted.at(state))
+
+    def _observe(self, state):
         self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(state)
-        return self.sampler.take(accepted.at(state))
 
     def _next(self):
         """The next time to be saved; the last one is the end."""

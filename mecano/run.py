@@ -80,7 +80,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     source = _source(deck, left.automatic, left.model, [*left.remarks, note])
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=left.copy_to) as writer:
         recorder = Recorder(prepared, writer, sampler, march.control)
-        recorder.saved = saved
+        recorder.go_on(start, saved)
         march.pause = Keeper(march, recorder, interruption, interval)
         return _to_the_end(deck, start, march, recorder, observers, announce)
 

@@ -1,6 +1,7 @@
 """Runs that end early and are gone on with: the same bits as without; what may not be gone on with; changed bytes."""
 
 import json
+import math
 import os
 import random
 import resource
@@ -19,7 +20,7 @@ from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, 
 
 import mecano
 from mecano import keeper
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import ConvergenceError, ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
 from mecano.results.seal import seal_file
 from mecano.results.verify import verify
@@ -91,6 +92,21 @@ class TestTheSameBits:
         while stopped(deck, tmp_path / "r.h5", 5):
             pass
         check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
+
+
+def test_latches_stand_where_they_were_when_it_cannot_go_on(tmp_path, monkeypatch):
+    """A resumed run that fails in its first step tells of the angle at the checkpoint, (pi/2) (1 - cos(sqrt(6) t))."""
+    deck, path = input_deck("panel_lock"), tmp_path / "r.h5"
+    assert stopped(deck, path, 300)
+
+    def fail(*_):
+        raise ConvergenceError("no way on")
+
+    monkeypatch.setattr("mecano.solve.march.March.to", fail)
+    with pytest.raises(ConvergenceError, match="latches never closed") as failed:
+        resume(deck, path)
+    at = float(str(failed.value).partition("hinge 'hinge' at ")[2].partition(" of")[0])
+    assert at == pytest.approx(0.5 * math.pi * (1.0 - math.cos(math.sqrt(6.0) * 0.3)), rel=1e-3)  # told in 4 digits
 
 
 class TestAFullDisk:

@@ -18,6 +18,7 @@ from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel, event_marks
 from mecano.post.sheets import default_sheets, overview
+from mecano.results.whole_file import appearing
 
 MOST_FRAMES = 600
 FILMS = (".gif", ".mp4")
@@ -57,9 +58,10 @@ def animate(path, page, plots=(), title=None):
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     try:
         page.parent.mkdir(parents=True, exist_ok=True)
-        page.write_text(template.replace('"DATA"', text), encoding="utf-8")
     except OSError as error:
         raise ResultsError(f"cannot write {page}: {error.strerror}") from error
+    with appearing(page) as hidden:
+        hidden.write_text(template.replace('"DATA"', text), encoding="utf-8")
     return page
 
 

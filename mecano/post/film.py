@@ -15,6 +15,7 @@ from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.wire import view
+from mecano.results.whole_file import appearing
 
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
@@ -45,9 +46,10 @@ def film(path, target, title=None):
     with matplotlib.rc_context(SETTINGS):
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
-            _write(scene_of(run, FRAMES), target, writer, title or run.title)
         except OSError as error:
             raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+        with appearing(target) as hidden:
+            _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
     return target
 
 

@@ -26,7 +26,7 @@ import h5py
 from mecano.results.seal import seal
 
 PAGE = 4096
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
 _DEFERRED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGALRM)
 
@@ -76,7 +76,7 @@ class Disk:
     def write(self, data):
         """Write bytes, making room first when they announce a longer file."""
         data = memoryview(data).cast("B")
-        if self._position == 0 and data[:8] == _SIGNATURE:
+        if self._position == 0 and data[:8] == SIGNATURE:
             end = struct.unpack("<Q", data[_END_OF_FILE])[0]
             if end > self._size:
                 self.truncate(end)

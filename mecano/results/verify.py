@@ -1,6 +1,7 @@
 """Whether the bytes of a results file are those that were written, and if not, of which datasets they are."""
 
 import zlib
+from bisect import bisect_left, bisect_right
 from itertools import pairwise
 
 import h5py
@@ -65,10 +66,11 @@ def owners(path, blocks):
             extents = sorted(_extents(file))
     except (OSError, RuntimeError, KeyError, ValueError):
         return [STRUCTURE]
+    begins, ends = [a for a, _, _ in extents], [b for _, b, _ in extents]  # both ascend, for extents do not overlap
     found, between = [], False
     for block in blocks:
-        first, last = BLOCK * block, BLOCK * (block + 1)
-        inside = [(a, b, name) for a, b, name in extents if a < last and b > first]
+        first, last = BLOCK * int(block), BLOCK * (int(block) + 1)
+        inside = extents[bisect_right(ends, first) : bisect_left(begins, last)]
         found += [name for _, _, name in inside]
         edges = [first, *(edge for a, b, _ in inside for edge in (a, b)), last]
         between |= any(a < b for a, b in list(pairwise(edges))[::2])

@@ -4,7 +4,6 @@ Format VTKHDF 2.2, UnstructuredGrid with Steps: the values of one saved time aft
 joins the points never changes, so it is there once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
-import os
 import shutil
 from dataclasses import dataclass
 
@@ -12,7 +11,7 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.seal import block_sums, seal, seal_of
+from mecano.results.seal import block_sums, seal_file, seal_of
 from mecano.results.table import describe, name_axes
 from mecano.results.whole_file import appearing
 
@@ -96,8 +95,7 @@ def add_grid(path, grid, *, force=False):
                 del file[GROUP]
             write_grid(file, grid)
         if sealed:
-            with open(hidden, "r+b") as raw:
-                raw.write(seal(raw.fileno(), raw.seek(0, os.SEEK_END)))
+            seal_file(hidden)
 
 
 def _is_sealed(path):

@@ -16,7 +16,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.results.checkpoints import Slots
-from mecano.results.disk import Disk, new_file, undisturbed
+from mecano.results.disk import SIGNATURE, Disk, new_file, undisturbed
 from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
 from mecano.results.provenance import lives, provenance
@@ -27,9 +27,6 @@ MOST_VIEWS = 3000
 """Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 _TEXT_LENGTHS = {"status": 16, "reason": 8000}
-
-
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 class Writer:
@@ -330,7 +327,7 @@ def refuse_existing(path, force):
     if not Path(path).exists():
         return
     if not force:
-        raise ResultsError(f"{path} exists already; give another name, or --force to replace it")
+        raise ResultsError(_EXISTS.format(path))
     with open(path, "rb") as file:
         if file.read(len(SIGNATURE)) != SIGNATURE:
             raise ResultsError(f"{path} exists already and is no results file; give another name")
