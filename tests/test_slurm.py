@@ -26,7 +26,10 @@ SCRIPTS = dict(
     for text in re.findall(r"```bash\n(#!/bin/bash\n.*?)```", PAGE.read_text(), re.DOTALL)
 )
 SHORT = ("--time=1", "--signal=B:USR1@55")  # told within the first seconds: Slurm may be a minute early
-LONG = {"end: 4.0": "end: 30.0", "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null"}  # half a minute
+LONG = {
+    "end: 4.0": "end: 80.0",
+    "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null",
+}  # more than a minute
 STUDY = """\
 study: 1
 deck: gear.yaml
@@ -34,7 +37,7 @@ list:
   - {parameters.speed: 30, time.end: 0.5}
   - {parameters.speed: 40, time.end: -1}
   - {parameters.speed: 50, time.end: 0.5}
-  - {parameters.speed: 60, time.end: 30, time.adaptive: null}
+  - {parameters.speed: 60, time.end: 60, time.adaptive: null}
 outputs:
   load: {of: wheel.radial_force, take: max}
 """
@@ -99,7 +102,7 @@ def test_a_long_run_goes_back_into_the_queue_until_it_is_complete(folder):
     assert set(ended(number).values()) == {"COMPLETED"}
     assert restarts(number) >= 1
     with mecano.open_results("long.h5") as results:
-        assert results.status == "complete" and results.time[-1] == 30.0
+        assert results.status == "complete" and results.time[-1] == 80.0
         assert any(text.startswith("resumed at") for text in results.remarks)
 
 
