@@ -26,7 +26,6 @@ SCRIPTS = dict(
     for text in re.findall(r"```bash\n(#!/bin/bash\n.*?)```", PAGE.read_text(), re.DOTALL)
 )
 SHORT = ("--time=1", "--signal=B:USR1@55")  # told within the first seconds: Slurm may be a minute early
-# Takes more than a minute
 LONG = {
     "end: 4.0": "end: 80.0",
     "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null",
