@@ -49,6 +49,12 @@ class ConvergenceError(MecanoError):
     exit_code = 3
 
 
+class IncompleteStudyError(MecanoError):
+    """Some cases of a study did not come to their end; the message counts them."""
+
+    exit_code = 3
+
+
 class AssemblyError(MecanoError):
     """The initial configuration cannot be assembled or the equations are singular."""
 

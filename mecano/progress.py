@@ -118,6 +118,7 @@ class SweepProgress(Progress):
     """Told of every state of a sweep of modes: a bar on a terminal, else a line for each tenth of a long one."""
 
     LONG = 50  # states
+    WHAT = "states"
 
     def __init__(self, quiet, path):
         super().__init__({"start": 0.0, "end": 1.0}, quiet, path)
@@ -126,7 +127,7 @@ class SweepProgress(Progress):
         """Show how many states are done, which was the last, and the time that is left."""
         now, share = time.monotonic(), done / total
         left = (now - self.begun) * (1 - share) / share
-        numbers = f"{done} of {total} states, {text}, {left:.0f} s left"
+        numbers = f"{done} of {total} {self.WHAT}, {text}, {left:.0f} s left"
         if self.quiet:
             return
         if self.terminal and now - self.drawn >= INTERVAL:
@@ -139,4 +140,10 @@ class SweepProgress(Progress):
 
     def done(self, total):
         """The last lines."""
-        self.finished(f"{total} states")
+        self.finished(f"{total} {self.WHAT}")
+
+
+class StudyProgress(SweepProgress):
+    """Told of every case of a study as it ends."""
+
+    LONG, WHAT = LINES, "cases"

@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import dataclass, field
 
+from mecano.contract import SECTIONS
 from mecano.deck.compose import Node
 
 
@@ -39,6 +40,11 @@ class Deck:
             else:
                 break
         return (place if type(node.value) is dict else node).mark
+
+    @property
+    def kinds(self):
+        """Names of the kinds of its elements, joints and loads."""
+        return {d["type"] for section in SECTIONS for d in self.values[section].values()}
 
     def gives(self, key):
         """True when the deck or an override gives a value for the section ``key``; else it has its default."""

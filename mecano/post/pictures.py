@@ -13,19 +13,20 @@ from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
+from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
-from mecano.results import modes_file, sweep_file
+from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.modes_file import format_of
 
 FORMATS = ("png", "svg")
-OF_MODES = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep}
+ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study}
 LONGEST_STEM = 60
 
 
 def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None):
     """Make pictures of results files, several of them in one; yields the path of each file written.
 
-    Files of modes and of sweeps are drawn one by one.
+    Files of modes, of sweeps and of studies are drawn one by one.
 
     Parameters
     ----------
@@ -53,9 +54,9 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
-    others = [path for path in paths if format_of(path) in OF_MODES]
+    others = [path for path in paths if format_of(path) in ALONE]
     if others:
-        yield from _of_modes(paths, others, [*plots, *spectra], output, kind)
+        yield from _alone(paths, others, [*plots, *spectra], output, kind)
         return
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
@@ -83,16 +84,18 @@ def asked_sheets(plots, spectra, runs):
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
-def _of_modes(paths, others, plots, output, kind):
-    """Pictures of files of modes and of sweeps, one each."""
+def _alone(paths, others, plots, output, kind):
+    """Pictures of files of modes, sweeps and studies, one each."""
     if plots or len(others) < len(paths):
-        raise UsageError(f"{others[0]} is a file of modes: it is drawn alone, without --plot or --spectrum")
+        raise UsageError(
+            f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
+        )
     if len(paths) > 1 and output and not Path(output).is_dir():
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
         name = f"{Path(path).stem}.{kind}"
         target = Path(output) / name if output and Path(output).is_dir() else output
-        yield OF_MODES[format_of(path)](path, target, kind)
+        yield ALONE[format_of(path)](path, target, kind)
 
 
 def _default_pictures(runs):

@@ -1,0 +1,63 @@
+"""Commands about decks, and about what they can contain."""
+
+import click
+
+from mecano.commands import overrides, show
+
+
+@click.command()
+@click.argument("deck", type=click.Path())
+@overrides
+@click.option("--all", "every", is_flag=True, help="Name all that can move, however many there are.")
+def check(deck, overrides, every):
+    """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(deck, overrides)
+    from mecano.summary import summary
+
+    show(summary(checked, every))
+
+
+@click.command(name="list")
+def list_():
+    """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
+    from mecano.deck.catalogue import catalogue
+
+    show(catalogue())
+
+
+@click.command()
+@click.argument("name")
+def explain(name):
+    """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations."""
+    from mecano.deck.catalogue import explain as text
+
+    show(text(name).rstrip())
+
+
+@click.command()
+@click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
+def schema(output):
+    """Write the grammar of decks as JSON Schema, for editors that then complete, explain and check while you type."""
+    from mecano.deck.new import schema_text, write_text
+
+    if output:
+        write_text(output, schema_text(), replace=True)
+    else:
+        show(schema_text())
+
+
+@click.command()
+@click.argument("template", required=False)
+@click.argument("deck", required=False, type=click.Path())
+def new(template, deck):
+    """Write a commented deck to begin with, by default TEMPLATE.yaml here; without TEMPLATE: list them."""
+    from mecano.deck.new import list_of_starters, starter, write_text
+
+    if template is None:
+        show(list_of_starters())
+        return
+    path = deck or f"{template}.yaml"
+    write_text(path, starter(template))
+    show(f"{path}: try `mecano check {path}`, then `mecano run {path}`")

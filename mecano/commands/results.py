@@ -1,0 +1,93 @@
+"""Commands about results files."""
+
+import click
+
+from mecano.commands import show
+
+
+@click.command()
+@click.argument("results", nargs=-1, required=True, type=click.Path())
+@click.option(
+    "--plot",
+    "plots",
+    multiple=True,
+    metavar="Y[,Y2][:X]",
+    help="Plot outputs over another one, or over time; may be repeated.",
+)
+@click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
+@click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at these times [s], in one picture.")
+@click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
+@click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
+@click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
+@click.option("--title", help="Title of the pictures; default: that of the deck.")
+@click.option(
+    "--animate", "page", metavar="PAGE.html", type=click.Path(),
+    help="Write a page that plays the motion; or a film, .gif or .mp4.",
+)  # fmt: skip
+@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
+def post(results, plots, spectra, at, output, kind, columns, title, page, report):
+    """Draw pictures of results; several files are drawn into the same pictures.
+
+    Without --plot, --spectrum, --at: the pictures that show this model, from the overview to the step size. Names of
+    outputs are those of `mecano info RESULTS --names`, vectors have components: --plot axle.position.z,
+    --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
+
+    --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
+    colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
+    page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
+    """
+    if (page or report) and len(results) > 1:
+        raise click.UsageError("--animate and --report are about one results file")
+    if page:
+        from mecano.post.animation import animate
+
+        click.echo(animate(results[0], page, plots, title))
+    if report:
+        from mecano.post.report_page import write_report
+
+        click.echo(write_report(results[0], report, title, plots, spectra))
+    if page or report:
+        return
+    from mecano.post.pictures import post as draw
+
+    for path in draw(results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at):
+        click.echo(path)
+
+
+@click.command()
+@click.argument("results", type=click.Path())
+@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf.")
+@click.option("--series", multiple=True, metavar="NAME", help="Only this one, or those of a pattern; may be repeated.")
+@click.option("--vtk", is_flag=True, help="Cells and points for ParaView instead; without -o into RESULTS itself.")
+@click.option("--force", is_flag=True, help="Replace what exists.")
+def export(results, output, series, vtk, force):
+    """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
+
+    Without -o columns go to a file beside RESULTS with the ending .csv. Names as in `mecano post --plot`.
+    """
+    from mecano.post.export import export as write
+
+    click.echo(write(results, output, series=series, vtk=vtk, force=force))
+
+
+@click.command()
+@click.argument("results", type=click.Path())
+@click.option(
+    "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
+    help="Outputs with units and meanings, of a pattern such as 'wheel.*' or all.",
+)  # fmt: skip
+@click.option("--events", is_flag=True, help="List all events, each in a line of its own.")
+def info(results, pattern, events):
+    """Say what is in a results file and how the run went: status, steps, events, extremes."""
+    from mecano.post.info import info as text
+
+    show(text(results, pattern, events))
+
+
+@click.command()
+@click.argument("results", type=click.Path())
+def verify(results):
+    """Look for changed or missing bytes in a results file: exit code 5, and which data they are of."""
+    from mecano.results.verify import verify as text
+
+    show(text(results))

@@ -1,0 +1,150 @@
+"""Commands that solve decks."""
+
+import os
+import signal
+from functools import partial
+
+import click
+
+from mecano.commands import overrides, show
+from mecano.interrupt import Interruption, again, seconds
+
+
+@click.command()
+@click.argument("deck", type=click.Path())
+@click.option("-o", "--output", type=click.Path(), help="Results file; default: the deck's name with .h5, here.")
+@click.option("--force", is_flag=True, help="Replace an existing results file.")
+@click.option("--resume", is_flag=True, help="Go on with the results file from its last checkpoint, if there is one.")
+@click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time, for --resume: 3600, 2h30m or 02:30:00.")
+@click.option(
+    "--checkpoint", "interval", type=click.FloatRange(0), default=30.0, show_default=True, metavar="SECONDS",
+    help="Wall-clock time between checkpoints.",
+)  # fmt: skip
+@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@overrides
+def run(deck, output, force, resume, limit, interval, quiet, overrides):
+    """Solve a deck into a results file.
+
+    SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --max-walltime end the run after the step at hand; --resume goes on with the
+    same bits. A second Ctrl-C ends it at once.
+    """
+    if resume and force:
+        raise click.UsageError("--resume goes on with a results file, --force replaces it")
+    interruption = Interruption(seconds(limit) if limit else None, again())
+    interruption.listen()
+    from mecano.deck.read import read_deck
+    from mecano.progress import Progress, StaticProgress
+
+    checked = read_deck(deck, overrides)
+    path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
+    static = checked.values["static"]
+    progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
+    progress.compiling(checked.kinds)
+    from importlib import import_module
+
+    runs = import_module("mecano.static_run" if static else "mecano.run")
+    solve = runs.resume if resume else partial(runs.run, force=force)
+    told = {} if static else {"interruption": interruption, "interval": interval}
+    final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
+    if final is not None:
+        progress.done(final)
+
+
+@click.command()
+@click.argument("deck", type=click.Path())
+@click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
+@click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
+@click.option(
+    "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
+    help="Over a parameter of the deck, or any number (as --set); or NAME=A,B,C. Twice: a map of stability.",
+)  # fmt: skip
+@click.option(
+    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
+    help="Axes in which the motions are seen: that turn with a node, or with an angular velocity [rad/s].",
+)  # fmt: skip
+@click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
+@click.option(
+    "-o", "--output", type=click.Path(), help="File; default: the deck's name with _modes.h5, or _sweep.h5, here."
+)
+@click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Write the numbers of a sweep beside the file, too.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@overrides
+def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
+    """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
+
+    With 'static' or 'initial: static' in the deck: about the static equilibrium, with 'initial: {steady: ...}' about
+    straight steady running. Complex eigenvalues with constraints, damping, gyroscopic and follower terms; a table here,
+    shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
+    """
+    if sweeps:
+        if at is not None:
+            raise click.BadParameter("is about one state, and --sweep about many", param_hint="--at")
+        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
+    if columns:
+        raise click.BadParameter("belongs to --sweep", param_hint="--csv")
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(deck, overrides)
+    path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
+    from mecano.modes_run import modes as find
+
+    text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
+    show(text)
+    if plot:
+        from mecano.post.mode_shapes import draw_modes
+
+        show(str(draw_modes(path)))
+
+
+def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
+    from mecano.progress import SweepProgress
+    from mecano.sweep_run import sweep_into
+
+    path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
+    progress = SweepProgress(quiet, path)
+    Interruption().listen((signal.SIGINT, signal.SIGTERM))
+    text, total = sweep_into(
+        path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
+        progress=progress,
+    )  # fmt: skip
+    progress.done(total)
+    show(text)
+    if plot:
+        from mecano.post.loci import draw_sweep
+
+        show(str(draw_sweep(path)))
+
+
+@click.command(name="reduce")
+@click.argument("deck", type=click.Path())
+@click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all of the deck.")
+@click.option("--nodes", metavar="A,B,...", required=True, help="Its boundary nodes, which the superelement will have.")
+@click.option("--modes", "number", metavar="N|all", default="10", show_default=True, help="Modes kept.")
+@click.option("-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, here.")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@overrides
+def reduce_(deck, elements, nodes, number, output, force, overrides):
+    """Reduce a part of a deck to matrices over its boundary nodes and modes: the file of a superelement.
+
+    Of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these held, about
+    the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
+    """
+    if number != "all" and not number.isdigit():
+        raise click.BadParameter("must be a whole number or 'all'", param_hint="--modes")
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(deck, overrides)
+    path = output or os.path.splitext(os.path.basename(deck))[0] + ".npz"
+    from mecano.reduce_run import reduce_part
+
+    told, _ = reduce_part(
+        checked, path, elements=_names(elements), nodes=_names(nodes),
+        number=None if number == "all" else int(number), force=force,
+    )  # fmt: skip
+    show(told)
+
+
+def _names(text):
+    return [name.strip() for name in text.split(",") if name.strip()] if text else []

@@ -1,0 +1,98 @@
+"""Commands for many runs, here and on clusters."""
+
+import os
+import shlex
+import sys
+
+import click
+
+from mecano.commands import overrides, show
+from mecano.interrupt import seconds
+
+
+@click.command()
+@click.argument("study", type=click.Path())
+@click.option(
+    "-o", "--output", type=click.Path(), help="Folder of the cases; default: the study's name with _runs, here."
+)
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="Cases side by side; default: one for each core.")
+@click.option("--time-limit", metavar="TIME", help="Of each case, by the clock: 3600, 2h30m or 02:30:00.")
+@click.option("--memory-limit", type=click.IntRange(1), metavar="MB", help="Of each case.")
+@click.option("--resume", is_flag=True, help="Run what is not complete and has not failed.")
+@click.option("--again", type=click.Choice(["failed"]), help="As --resume, and what has failed from its start.")
+@click.option("--force", is_flag=True, help="Begin anew, whatever there is.")
+@click.option("--executor", type=click.Choice(["local", "slurm"]), default="local", show_default=True)
+@click.option(
+    "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
+)
+@click.option("--wait", is_flag=True, help="With Slurm: until all its tasks have ended, then write the table.")
+@click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of what there is.")
+@click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
+@click.option("--plot", is_flag=True, help="Draw the outputs over what is varied into a picture beside the table.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, options, wait, only_table,
+          number, plot, quiet):  # fmt: skip
+    """Run a deck many times with other values, each case as a process of its own.
+
+    STUDY is a file that names the deck, what is varied (grid, list, csv, latin_hypercube, seeds) and which numbers of
+    each run are wanted: docs/studies.md. The folder gets a results file and a log for each case, table.csv and
+    table.h5. A case that fails stops no other. Exit code 0: all cases are complete, 3: some are not.
+    """
+    if resume and force:
+        raise click.UsageError("--resume goes on with the cases, --force begins anew")
+    from mecano.study import perform
+    from mecano.study.folder import Folder
+    from mecano.study.pool import Limits
+    from mecano.study.read import read_study, try_deck
+
+    limits = Limits(seconds(time_limit) if time_limit else None, memory_limit and memory_limit * 10**6)
+    checked = read_study(study)
+    folder = Folder(output or os.path.splitext(os.path.basename(study))[0] + "_runs", checked)
+    if number is not None:
+        sys.exit(perform.one_case(folder, number, limits))
+    deck = try_deck(checked)
+    if only_table:
+        return _finish(perform.collect(folder), plot)
+    cases = perform.due(folder, resume=resume, failed=again == "failed", force=force)
+    if executor == "slurm" and cases:
+        from mecano.study.slurm import submit
+
+        show(submit(folder, cases, limits, shlex.split(options), wait))
+        if not wait:
+            return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
+        return _finish(perform.collect(folder), plot)
+    from mecano.progress import StudyProgress
+
+    progress = StudyProgress(quiet, folder.path)
+    progress.compiling(deck.kinds)
+    if cases:
+        perform.compile_first(deck)
+    table = perform.perform(folder, cases, jobs=jobs, limits=limits, progress=progress)
+    progress.done(len(cases))
+    _finish(table, plot)
+
+
+def _finish(table, plot):
+    """Say how the study went and draw it; raises IncompleteStudyError unless all cases are complete."""
+    from mecano.study.perform import judge
+
+    show(table.summary())
+    if plot:
+        from mecano.post.study_plots import draw_study
+
+        show(str(draw_study(table.folder.table)))
+    judge(table)
+
+
+@click.command()
+@click.argument("decks", nargs=-1, type=click.Path())
+@overrides
+def warmup(decks, overrides):
+    """Compile all that decks can contain, or what the given DECKS do, before many runs want it at once.
+
+    Compiled code is kept on the disk; this says where. For a cluster see docs/cluster.md.
+    """
+    from mecano.warmup import warmup as compile_all
+
+    for text in compile_all(decks, overrides):
+        show(text)

@@ -1,0 +1,77 @@
+"""Picture of a study: each output over each value that is varied, a dot for each complete case."""
+
+from collections import Counter
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.post.figure import plain_figure, save
+from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, shown_unit, with_unit
+from mecano.results.study_file import read_study
+
+PANEL = (3.4, 2.4)  # inches
+MOST_COLOURS = 8  # values of another parameter that colours tell apart
+MOST_JOINED = 2  # parameters up to which dots that differ in one alone are joined by lines
+
+
+def draw_study(path, output=None, kind="png"):
+    """Draw the picture of the table of a study beside it, or at ``output``; returns its path. Raises ResultsError."""
+    table = read_study(path)
+    target = Path(output) if output else Path(path).with_suffix(f".{kind}")
+    parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]
+    outputs = [column for column in table.group("outputs") if np.any(np.isfinite(column.values))]
+    if not parameters or not outputs:
+        raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
+    with matplotlib.rc_context(SETTINGS):
+        figure = _figure(table, parameters, outputs)
+    try:
+        save(figure, target)
+    except OSError as error:
+        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    return target
+
+
+def _figure(table, parameters, outputs):
+    counts = Counter(table["case/status"])
+    facts = f"{len(table['case/status'])} cases: " + ", ".join(f"{count} {word}" for word, count in counts.items())
+    size = len(parameters) * PANEL[0], len(outputs) * PANEL[1]
+    figure = plain_figure(max(size[0], 5.0), size[1], table.title or Path(table.deck).stem, facts)
+    grid = figure.subplots(len(outputs), len(parameters), squeeze=False, sharex="col", sharey="row")
+    for i, output in enumerate(outputs):
+        for j, parameter in enumerate(parameters):
+            other = parameters[(j + 1) % len(parameters)] if len(parameters) > 1 else None
+            _panel(grid[i, j], output, parameter, other, joined=len(parameters) <= MOST_JOINED, named=i == 0)
+            if i == len(outputs) - 1:
+                grid[i, j].set_xlabel(_short(parameter.name))
+        factor, unit = shown_unit(output.unit, output.values)
+        grid[i, 0].set_ylabel(with_unit(output.name.replace("_", " "), unit))
+    return figure
+
+
+def _panel(ax, output, parameter, other, joined, named):
+    """Dots, in colours by the values of the ``other`` parameter where these are few; ``named``: with a legend."""
+    factor, _ = shown_unit(output.unit, output.values)
+    values = sorted(set(other.values)) if other is not None else []
+    told_apart = 1 < len(values) <= MOST_COLOURS
+    groups = [other.values == value for value in values] if told_apart else [np.ones(len(output.values), bool)]
+    for number, group in enumerate(groups):
+        known = np.flatnonzero(group & np.isfinite(output.values))
+        if not len(known):
+            continue
+        known = known[np.argsort(parameter.values[known], kind="stable")]
+        label = f"{values[number]:.5g}" if told_apart and other.numeric else str(values[number]) if told_apart else None
+        ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
+                linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
+                label=label)  # fmt: skip
+    if told_apart and named:
+        ax.legend(title=_short(other.name), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7,
+                  title_fontsize=7, handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",
+                  labelcolor=GREY)  # fmt: skip
+
+
+def _short(path):
+    """The last two keys of a path, or all but 'parameters'."""
+    keys = path.removeprefix("parameters.").split(".")
+    return ".".join(keys[-2:])

@@ -1,0 +1,116 @@
+"""The table of a study by `mecano sweep`: HDF5, layout in docs/studies.md; and as CSV."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.provenance import provenance
+from mecano.results.table import describe
+from mecano.results.whole_file import appearing
+
+FORMAT, FORMAT_VERSION = "mecano study", 1
+TEXT = h5py.string_dtype()
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the table: ``group`` is "case", "parameters" or "outputs"; values (n,) numbers or texts."""
+
+    group: str
+    name: str
+    unit: str
+    doc: str
+    values: np.ndarray
+
+    @property
+    def numeric(self):
+        """True when its values are numbers."""
+        return self.values.dtype.kind in "fi"
+
+    @property
+    def path(self):
+        """In the file."""
+        return f"{self.group}/{self.name.replace('/', '|')}"
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """The table of a study, a row for each case: all its columns, the text of the study file, title and deck."""
+
+    title: str
+    text: str
+    deck: str
+    columns: tuple
+
+    def group(self, name):
+        """The columns of a group."""
+        return tuple(column for column in self.columns if column.group == name)
+
+    def __getitem__(self, path):
+        """The values of a column, by its path such as "case/status"."""
+        return next(column.values for column in self.columns if column.path == path)
+
+
+def column(group, name, unit, doc, values):
+    """A Column of Python values: of floats when all are numbers, else of texts; None is no number."""
+    numbers = all(value is None or type(value) in (int, float) for value in values)
+    array = np.array([np.nan if value is None else value for value in values], float) if numbers else np.array(
+        ["" if value is None else str(value) for value in values], object
+    )  # fmt: skip
+    return Column(group, name, unit, doc, array)
+
+
+def write_study(path, table):
+    """Write a StudyTable; the file appears when it is complete. Raises ResultsError."""
+    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+        for one in table.columns:
+            kind = None if one.numeric else TEXT
+            dataset = file.create_dataset(one.path, data=one.values, dtype=kind)
+            describe(dataset, units=one.unit, long_name=one.doc)
+        file["study/text"] = table.text
+        file["study/columns"] = np.array([one.path for one in table.columns], TEXT)
+        run = file.create_group("run")
+        run.attrs.update({"title": table.title, "deck_path": table.deck, **provenance()})
+        file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
+
+
+def read_study(path):
+    """Read the StudyTable of a file. Raises ResultsError."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if file.attrs.get("format") != FORMAT:
+                raise ResultsError(f"{path} is no table of a study")
+            columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
+            run = file["run"].attrs
+            return StudyTable(run["title"], file["study/text"][()].decode(), run["deck_path"], columns)
+    except (OSError, KeyError, ValueError) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+
+
+def _read(file, path):
+    dataset, (group, _, name) = file[path], path.partition("/")
+    values = dataset[:] if dataset.dtype.kind in "fi" else dataset.asstr()[:]
+    return Column(group, name.replace("|", "/"), dataset.attrs["units"], dataset.attrs["long_name"], values)
+
+
+def write_columns(path, table):
+    """Write a StudyTable as comma-separated values: a row for each case. Raises ResultsError."""
+    try:
+        with appearing(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file, lineterminator="\n")
+            rows.writerow([one.name + (f" [{one.unit}]" if one.unit else "") for one in table.columns])
+            rows.writerows(zip(*([_cell(value) for value in one.values] for one in table.columns), strict=True))
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _cell(value):
+    if not isinstance(value, float):
+        return value
+    if np.isnan(value):
+        return ""
+    return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))

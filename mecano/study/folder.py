@@ -1,0 +1,91 @@
+"""The folder of a study: of each case its results file, what it said, and how it ended."""
+
+import fcntl
+import json
+import os
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from mecano.errors import ResultsError, UsageError
+from mecano.results.whole_file import appearing
+
+STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
+GO_ON = (75, 130, 143)  # exit codes of runs that --resume goes on with
+WORDS = "was run with other values, or another deck; --force begins the study anew, -o NAME another one"
+
+
+@dataclass(frozen=True)
+class Record:
+    """How a case ended: ``processor_time`` and ``wall_time`` [s] of all its processes, ``memory`` [B] at most."""
+
+    status: str = WAITING
+    exit_code: int | None = None
+    processor_time: float = 0.0
+    wall_time: float = 0.0
+    memory: float = 0.0
+    reason: str = ""
+
+
+class Folder:
+    """Files of a study by the number of the case: 0001.h5, 0001.log, 0001.json; and the table of all."""
+
+    def __init__(self, path, study):
+        self.path, self.study = Path(path), study
+        self.digits = max(4, len(str(len(study.cases))))
+        self.table = self.path / "table.h5"
+
+    def file(self, case, ending):
+        """The path of a file of a case."""
+        return self.path / f"{case.number:0{self.digits}d}{ending}"
+
+    def record(self, case):
+        """The Record of a case. Raises UsageError where it is of other values, ResultsError."""
+        try:
+            told = json.loads(self.file(case, ".json").read_text(encoding="utf-8"))
+            record, run = Record(**told["ended"]), told["run"]
+        except FileNotFoundError:
+            return Record()
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise ResultsError(f"cannot read {self.file(case, '.json')}: {error}") from error
+        if run != self._run(case):
+            raise UsageError(f"case {case.number} in {self.path} {WORDS}")
+        return record
+
+    def write(self, case, record):
+        """Keep the Record of a case."""
+        with appearing(self.file(case, ".json")) as hidden:
+            hidden.write_text(json.dumps({"run": self._run(case), "ended": asdict(record)}, indent=1) + "\n")
+
+    def _run(self, case):
+        return {"deck_sha256": self.study.digest, "overrides": list(self.study.overrides(case))}
+
+    def clear(self, cases):
+        """Remove what there is of some cases."""
+        for case in cases:
+            for ending in (".h5", ".json", ".log"):
+                self.file(case, ending).unlink(missing_ok=True)
+
+    def begun(self):
+        """True when a case of the study has been run here."""
+        return self.path.is_dir() and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
+
+    @contextmanager
+    def held(self, alone=True):
+        """In this block no other process runs cases here, or if not ``alone`` only such ones. Raises UsageError."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            place = os.open(self.path, os.O_RDONLY)
+        except OSError as error:
+            raise ResultsError(f"cannot make the folder {self.path}: {error.strerror}") from error
+        try:
+            fcntl.flock(place, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(place)
+            raise UsageError(f"another process is running cases in {self.path}") from None
+        except OSError:  # a file system without locks
+            pass
+        try:
+            yield
+        finally:
+            os.close(place)

@@ -1,0 +1,152 @@
+"""What a study file may contain, and how its values are checked: the fields and types beside those of decks."""
+
+from dataclasses import replace
+
+from mecano.deck.check import CHECKS
+from mecano.deck.compose import MAX_DEPTH
+from mecano.deck.limits import at_least_one
+from mecano.deck.scope import INVALID
+from mecano.deck.units import ANY, UnitError, converted, is_quantity
+from mecano.deck.wording import quoted
+from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
+
+VERSION = 1
+PATH = "a value of the deck, as in --set: 'time.end'"
+SETTINGS = Type("settings", "a mapping of values of the deck, as in --set, to what they are: {time.end: 2}")
+CHOICES = Type("choices", "a mapping of values of the deck to lists, or to {from: 1, to: 2, number: 5}")
+RANGES = Type("ranges", "a mapping of values of the deck to [lowest, highest]")
+PATH_TEXT = Type("path", PATH)
+OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
+OF_EVENTS = ("first", "last", "count")
+
+
+def check_output(output):
+    """Check of the values together: of a series or of events, and what can be taken of it."""
+    if (output["of"] is None) == (output["event"] is None):
+        return "an output is 'of' a series, or of an 'event'"
+    known, what = (OF_SERIES, "a series") if output["event"] is None else (OF_EVENTS, "events")
+    if output["take"] not in known:
+        return f"'take' of {what} is one of: {', '.join(known)}"
+    if output["event"] is not None and len(output["event"].split()) != 2:
+        return "'event' is the name of an element and that of its event: 'wheel touch_down'"
+    return None
+
+
+def check_number(number):
+    """Check: a number of cases."""
+    return at_least_one(number) or ("must be at most 100000" if number > 100_000 else None)
+
+
+SPAN_FIELDS = (
+    Field("from", NUMBER, ANY, "first value"),
+    Field("to", NUMBER, ANY, "last value"),
+    Field("number", INTEGER, "-", "how many values, at equal distances", check=check_number),
+)
+HYPERCUBE_FIELDS = (
+    Field("ranges", RANGES, "-", "what is varied, and between which numbers"),
+    Field("number", INTEGER, "-", "how many rows of values", check=check_number),
+    Field("seed", INTEGER, "-", "of the random numbers: the same seed gives the same rows", 0),
+)
+SEED_FIELDS = (
+    Field("path", PATH_TEXT, "-", PATH),
+    Field("number", INTEGER, "-", "how many seeds", check=check_number),
+    Field("first", INTEGER, "-", "the first of them; they follow one another", 1),
+)
+OUTPUT_FIELDS = (
+    Field("of", TEXT, "-", "a series of the results, as in `mecano post --plot`: wheel.radial_force", None),
+    Field("event", TEXT, "-", "an element and its event: wheel touch_down", None),
+    Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "which number of it"),
+)
+FIELDS = (
+    Field("study", INTEGER, "-", "version of the study file"),
+    Field("title", TEXT, "-", "title of the study", ""),
+    Field("deck", TEXT, "-", "the deck, a file seen from that of the study"),
+    Field("set", SETTINGS, "-", "values of the deck that are the same in all cases", {}),
+    Field("grid", CHOICES, "-", "all combinations of values", None),
+    Field("list", list_of(SETTINGS), "-", "rows of values that go together", None),
+    Field("csv", TEXT, "-", "a file of such rows: its first line has what is varied", None),
+    Field("latin_hypercube", mapping(*HYPERCUBE_FIELDS), "-", "rows of random values that fill ranges evenly", None),
+    Field("seeds", mapping(*SEED_FIELDS), "-", "one case for each seed of random numbers", None),
+    Field("outputs", named(mapping(*OUTPUT_FIELDS), check_output), "-", "numbers of each case, for the table", {}),
+)  # fmt: skip
+
+
+def path_of(node, scope):
+    """The text of a path of keys, or INVALID with the problem noted."""
+    keys = node.value.split(".") if type(node.value) is str else []
+    if not keys or not all(keys) or len(keys) > MAX_DEPTH or set(node.value) & set("=\n"):
+        return scope.refuse(node, f"{quoted(str(node.value))} is no path of keys with dots between, as 'time.end'")
+    return node.value
+
+
+def path(node, field, scope):
+    """A path of keys."""
+    return path_of(node, scope)
+
+
+def settings(node, field, scope):
+    """{path: plain value}, at least one."""
+    return _by_path(node, field, scope, lambda value, name: plain(value))
+
+
+def choices(node, field, scope):
+    """{path: [plain value]}."""
+    return _by_path(node, field, scope, lambda value, name: _values(value, name, scope))
+
+
+def ranges(node, field, scope):
+    """{path: [lowest, highest]} of numbers."""
+    return _by_path(node, field, scope, lambda value, name: _range(value, name, scope))
+
+
+def _by_path(node, field, scope, value_of):
+    if type(node.value) is not dict or (not node.value and field.required):
+        return scope.refuse_value(node, field)
+    found = {path_of(key, scope): value_of(value, name) for name, (key, value) in node.value.items()}
+    return INVALID if INVALID in found or any(value is INVALID for value in found.values()) else found
+
+
+def _values(node, name, scope):
+    if type(node.value) is dict:
+        return _span(node, name, scope)
+    if type(node.value) is not list or not node.value:
+        return scope.refuse_value(node, Field(name, Type("", "a list, or {from: 1, to: 2, number: 5}"), "-", ""))
+    return [plain(item) for item in node.value]
+
+
+def _span(node, name, scope):
+    span = scope.checks["mapping"](node, Field(name, mapping(*SPAN_FIELDS), "-", ""), scope)
+    if span is INVALID:
+        return INVALID
+    first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
+    return [first + (last - first) * i / steps for i in range(span["number"])]
+
+
+def _range(node, name, scope):
+    pair = replace(SPAN_FIELDS[0], name=name, type=Type("numbers", "[lowest, highest]"))
+    if type(node.value) is not list or len(node.value) != 2:
+        return scope.refuse_value(node, pair)
+    found = scope.checks["numbers"](node, pair, scope)
+    if found is INVALID or found[0] < found[1]:
+        return found
+    return scope.refuse_value(node, pair, "must rise")
+
+
+def plain(node):
+    """The value of a node as JSON has it."""
+    if type(node.value) is dict:
+        return {key: plain(item) for key, (_, item) in node.value.items()}
+    return [plain(item) for item in node.value] if type(node.value) is list else node.value
+
+
+def shown(value):
+    """A value as it stands in tables: a quantity as a number in SI units, lists and mappings as text."""
+    if type(value) is str and is_quantity(value):
+        try:
+            return converted(value, ANY)
+        except UnitError:
+            return value
+    return value if type(value) in (int, float, str) else repr(value)
+
+
+STUDY_CHECKS = {**CHECKS, "settings": settings, "choices": choices, "ranges": ranges, "path": path}

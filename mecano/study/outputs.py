@@ -1,0 +1,105 @@
+"""Numbers of a run for the table of a study: of a series, or of the times of an event."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.deck.wording import quoted, suggestion
+from mecano.errors import UnknownNameError
+from mecano.model.sampler import Sampler
+from mecano.results.lookup import Lookup
+from mecano.run import layout_of
+
+MAGNITUDE = ".magnitude"
+
+
+@dataclass(frozen=True)
+class Output:
+    """A column of the table: what is taken ``of`` a series, or of an ``event`` "element name"."""
+
+    name: str
+    of: str | None
+    event: str | None
+    take: str
+
+    @property
+    def doc(self):
+        """What it is, in words."""
+        return f"{self.take.replace('_', ' ')} of {self.of or self.event}"
+
+    def value(self, results):
+        """The number and its unit from open Results; nan where there is no such event. Raises UnknownNameError."""
+        return self._of_events(results) if self.event else self._of_series(results)
+
+    def _of_events(self, results):
+        element, name = self.event.split()
+        times = [e.time for e in results.events if e.name == name and quoted(element) in e.element]
+        if self.take == "count":
+            return float(len(times)), ""
+        if not times:
+            return np.nan, results.axis.unit
+        return times[0 if self.take == "first" else -1], results.axis.unit
+
+    def _of_series(self, results):
+        trace = results.find(self.of.removesuffix(MAGNITUDE))
+        values = trace.values.reshape(len(trace.time), -1)
+        values = np.linalg.norm(values, axis=1) if self.of.endswith(MAGNITUDE) else values[:, 0]
+        if self.take == "final":
+            return values[-1], trace.unit
+        if self.take == "mean":
+            span = trace.time[-1] - trace.time[0]
+            return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
+        return self._extreme(results.extremes.get(trace.path), trace, values, results.axis.unit)
+
+    def _extreme(self, extreme, trace, values, axis_unit):
+        """Over all accepted steps where these are known, else over the saved times."""
+        largest, of_time = self.take.endswith("max"), self.take.startswith("time")
+        if extreme and not self.of.endswith(MAGNITUDE):
+            found = (extreme.maximum, extreme.maximum_time) if largest else (extreme.minimum, extreme.minimum_time)
+        else:
+            i = np.argmax(values) if largest else np.argmin(values)
+            found = values[i], trace.time[i]
+        return (found[1], axis_unit) if of_time else (found[0], trace.unit)
+
+
+def checked_outputs(outputs, prepared, node_of, scope):
+    """Note what the outputs name that the model of a Prepared has not; ``node_of(name)`` is where one is written."""
+    lookup = Lookup(layout_of(Sampler(prepared.system)).series)
+    happenings = _happenings(prepared.system)
+    for output in outputs:
+        node = node_of(output.name)
+        scope.subject = f"output {quoted(output.name)}"
+        if output.event:
+            _check_event(output.event, happenings, node.value["event"][1], scope)
+        else:
+            _check_series(output.of, lookup, node.value["of"][1], scope)
+
+
+def _check_series(name, lookup, node, scope):
+    try:
+        series, component = lookup.find(name.removesuffix(MAGNITUDE))
+    except UnknownNameError as error:
+        scope.refuse(node, str(error).replace("in this file", "in the results"))
+        return
+    if (len(series.shape) > 0) == (component is None and not name.endswith(MAGNITUDE)):
+        components = ", ".join(series.components)
+        hint = f"add one of {components}, or magnitude" if components else "it is one number"
+        scope.refuse(node, f"{quoted(name)} is not one number", hint)
+
+
+def _check_event(event, happenings, node, scope):
+    element, name = event.split()
+    if element not in happenings:
+        scope.refuse(node, f"nothing named {quoted(element)} has events", suggestion(element, happenings))
+    elif name not in happenings[element]:
+        scope.refuse(node, f"{quoted(element)} has no event {quoted(name)}", suggestion(name, happenings[element]))
+
+
+def _happenings(system):
+    """{name of an element: names of the events of it and its parts}."""
+    found = {}
+    for batch in system.batches:
+        for path, _ in batch.paths:
+            if batch.kind.events:
+                found.setdefault(path.partition("/")[2], []).extend(event.name for event in batch.kind.events)
+    return found

@@ -1,0 +1,132 @@
+"""A study file -> a checked Study: what is run, with which values, and what is asked of the results."""
+
+import json
+import os
+from dataclasses import dataclass, field
+
+from mecano.deck.compose import Node, compose
+from mecano.deck.containers import filled
+from mecano.deck.read import read_deck
+from mecano.deck.scope import Scope
+from mecano.deck.source import Unreadable, read_source
+from mecano.errors import DeckError, Mark, Problem
+from mecano.prepare import prepare
+from mecano.schema import TEXT, Field
+from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, shown
+from mecano.study.outputs import Output, checked_outputs
+from mecano.study.variation import rows_of
+
+TRIED = 5  # cases, spread over the study, of which the deck of one must be right
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run of a study: its number, from 1, and {path: value} of what is varied, as JSON has it."""
+
+    number: int
+    values: dict
+
+    @property
+    def shown(self):
+        """The values as they stand in tables: numbers, in SI units, and texts."""
+        return {path: shown(value) for path, value in self.values.items()}
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study: ``common`` are the values that all cases have, ``digest`` the SHA-256 of the deck's file."""
+
+    file: str
+    text: str
+    title: str
+    deck: str
+    digest: str
+    common: dict
+    cases: tuple
+    outputs: tuple  # of Output
+    tree: Node = field(repr=False, compare=False)
+
+    @property
+    def paths(self):
+        """What is varied."""
+        return tuple(dict.fromkeys(path for case in self.cases for path in case.values))
+
+    def overrides(self, case):
+        """What `mecano run --set` is told for a case."""
+        return tuple(f"{path}={json.dumps(value)}" for path, value in {**self.common, **case.values}.items())
+
+
+def read_study(path):
+    """The Study of a file; raises DeckError with all problems of the first step that finds any."""
+    source, _ = _source(path, Mark(str(path), 1, 1), "study")
+    problems = []
+    root = compose(source, problems) or Node(None, source)
+    scope = Scope(STUDY_CHECKS, {}, {}, "", problems)
+    values = _values(root, scope)
+    scope.owner = root
+    rows = rows_of(values, lambda name: _table_source(path, name, root, scope), scope)
+    _stop_at(problems)
+    deck = os.path.join(os.path.dirname(path), values["deck"])
+    _, digest = _source(deck, root.value["deck"][1].mark, "deck")
+    cases = tuple(Case(i + 1, row) for i, row in enumerate(rows))
+    outputs = tuple(Output(name, **given) for name, given in values["outputs"].items())
+    return Study(str(path), source.text, values["title"], deck, digest, values["set"], cases, outputs, root)
+
+
+def try_deck(study):
+    """Look at the deck of a study, with the values of some cases, and for its outputs; returns the first right Deck.
+
+    Raises DeckError where none of these decks is right, or an output is of something that is not in the model.
+    """
+    checked, scope = _one_deck(study), Scope(STUDY_CHECKS, {}, {}, "", [])
+    if study.outputs:
+        checked_outputs(
+            study.outputs, prepare(checked), lambda name: study.tree.value["outputs"][1].value[name][1], scope
+        )
+    _stop_at(scope.problems)
+    return checked
+
+
+def _source(path, mark, what):
+    try:
+        return read_source(path)
+    except Unreadable as error:
+        raise DeckError([Problem(f"the {what} {path} cannot be read: {error}", mark)]) from None
+
+
+def _table_source(path, name, root, scope):
+    file = os.path.join(os.path.dirname(path), name)
+    try:
+        return read_source(file)[0]
+    except Unreadable as error:
+        scope.refuse(root.value["csv"][1], f"the table {file} cannot be read: {error}")
+        return None
+
+
+def _values(root, scope):
+    """The values of the fields; the version comes first."""
+    if type(root.value) is not dict or "study" not in root.value:
+        hint = "begin with 'study: 1'" + (": this is a deck" if "mecano" in (root.value or ()) else "")
+        scope.problems.append(Problem("missing 'study', the version of the study file", root.mark, hint))
+    elif root.value["study"][1].value != VERSION:
+        scope.refuse(root.value["study"][1], f"this program reads studies of version {VERSION}", "write 'study: 1'")
+    _stop_at(scope.problems)
+    values = filled(root, Field("", TEXT, "-", "a study"), FIELDS, scope)
+    _stop_at(scope.problems)
+    return values
+
+
+def _one_deck(study):
+    """The checked deck of the first of some cases for which it is right; raises the errors of the first."""
+    count, first = len(study.cases), None
+    for number in dict.fromkeys(i * (count - 1) // (TRIED - 1) for i in range(TRIED)):
+        try:
+            return read_deck(study.deck, study.overrides(study.cases[number]))
+        except DeckError as error:
+            first = first or error
+    raise first
+
+
+def _stop_at(problems):
+    if problems:
+        raise DeckError(problems)

@@ -1,0 +1,75 @@
+"""A study as an array of jobs of Slurm: a script beside the cases, a task for each of them."""
+
+import os
+import shlex
+import subprocess
+
+from mecano.errors import ResultsError, UsageError
+from mecano.study.pool import PROGRAM
+
+NOTICE = 60  # s before the end of its time at which a task is told, unless the options of the user say otherwise
+SCRIPT = """\
+#!/bin/bash
+#SBATCH --job-name={name}
+#SBATCH --array={numbers}
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=1
+#SBATCH --requeue
+#SBATCH --signal=B:USR1@{notice}
+#SBATCH --open-mode=append
+#SBATCH --output={output}
+cd {directory} || exit 5
+trap '[ -n "$run" ] && kill -USR1 $run' USR1
+{command} --case "$SLURM_ARRAY_TASK_ID" &
+run=$!
+wait $run; code=$?
+while kill -0 $run 2>/dev/null; do wait $run; code=$?; done # the signal ended the first wait
+if [ $code -eq 75 ] || [ $code -eq 138 ]; then # stopped in time, or while it began: back into the queue, to go on
+    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
+fi
+exit $code
+"""
+
+
+def script(folder, cases, limits):
+    """The text of the script that runs these cases, one in each task."""
+    words = [*PROGRAM, "sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
+    words += ["--memory-limit", str(limits.memory // 10**6)] if limits.memory else []
+    words += ["--time-limit", str(limits.time)] if limits.time else []
+    return SCRIPT.format(
+        name=shlex.quote(folder.path.name), numbers=ranges([case.number for case in cases]), notice=NOTICE,
+        output=folder.path.absolute() / "%4a.slurm", directory=shlex.quote(os.getcwd()), command=shlex.join(words),
+    )  # fmt: skip
+
+
+def ranges(numbers):
+    """Rising whole numbers as an array of Slurm has them: 1-3,7."""
+    parts, first = [], None
+    for number, following in zip(numbers, [*numbers[1:], None], strict=True):
+        first = number if first is None else first
+        if following != number + 1:
+            parts.append(str(first) if first == number else f"{first}-{number}")
+            first = None
+    return ",".join(parts)
+
+
+def submit(folder, cases, limits, options, wait=False):
+    """Write the script into the folder and give it to sbatch with ``options``; returns what sbatch says.
+
+    With ``wait`` until all tasks have ended. Raises ResultsError where sbatch refuses, UsageError without sbatch.
+    """
+    path = folder.path / "array.sbatch"
+    try:
+        folder.path.mkdir(parents=True, exist_ok=True)
+        path.write_text(script(folder, cases, limits), encoding="utf-8")
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+    words = ["sbatch", *(["--wait"] if wait else []), *options, str(path)]
+    try:
+        ended = subprocess.run(words, capture_output=True, text=True)
+    except FileNotFoundError:
+        raise UsageError(f"there is no sbatch on this machine; the script is in {path}") from None
+    told = ended.stdout.strip()
+    if "Submitted" not in told:
+        raise ResultsError(f"sbatch refuses {path}: {ended.stderr.strip()}")
+    return told

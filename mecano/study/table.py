@@ -1,0 +1,91 @@
+"""The table of a study: parameters, how each case ended, and the numbers that are asked of the results."""
+
+from collections import Counter
+
+import numpy as np
+
+from mecano.errors import ResultsError
+from mecano.results.reader import open_results
+from mecano.results.study_file import StudyTable, column, write_columns, write_study
+from mecano.study.folder import COMPLETE, STATUSES
+
+ENDED = (
+    ("status", "", "complete, failed, stopped (goes on with --resume) or waiting"),
+    ("exit_code", "", "of the process, negative: the signal that ended it"),
+    ("processor_time", "s", "time of the processor, of all processes of the case"),
+    ("wall_time", "s", "time by the clock"),
+    ("memory", "MB", "memory in use at most"),
+)
+MOST_REASONS = 10  # told at the end
+
+
+class Table:
+    """Takes the cases as they end; ``written`` puts all into files."""
+
+    def __init__(self, folder):
+        self.folder, self.study = folder, folder.study
+        self.records, self.numbers, self.units = {}, {}, {}
+
+    def take(self, case, record):
+        """Note how a case ended, and read its outputs if it is complete."""
+        self.records[case.number] = record
+        if record.status == COMPLETE:
+            self.numbers[case.number] = self._outputs(case)
+
+    def _outputs(self, case):
+        """{name: number} of a complete case; what its file has not is nan."""
+        found = {}
+        try:
+            with open_results(self.folder.file(case, ".h5")) as results:
+                for output in self.study.outputs:
+                    value, self.units[output.name] = output.value(results)
+                    found[output.name] = float(value)
+        except ResultsError:
+            return {}
+        return found
+
+    def gather(self):
+        """Take all cases that have not been taken."""
+        for case in self.study.cases:
+            if case.number not in self.records:
+                self.take(case, self.folder.record(case))
+
+    def written(self):
+        """Write table.h5 and table.csv into the folder, of all cases; returns the path of the latter."""
+        self.gather()
+        table = StudyTable(self.study.title, self.study.text, self.study.deck, tuple(self._columns()))
+        path = self.folder.path / "table.csv"
+        write_study(self.folder.table, table)
+        write_columns(path, table)
+        return path
+
+    def _columns(self):
+        cases, records = self.study.cases, [self.records[case.number] for case in self.study.cases]
+        shown = [case.shown for case in cases]
+        yield column("case", "case", "", "number of the case, and name of its files", [case.number for case in cases])
+        for path in self.study.paths:
+            yield column("parameters", path, "", "value of the deck", [values.get(path) for values in shown])
+        for name, unit, doc in ENDED:
+            values = [getattr(record, name) for record in records]
+            yield column("case", name, unit, doc, [v / 1e6 for v in values] if unit == "MB" else values)
+        for output in self.study.outputs:
+            values = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
+            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values)
+        yield column("case", "reason", "", "why a case is not complete", [record.reason for record in records])
+
+    def summary(self):
+        """How many cases ended how, and why those that are not complete are not: text on lines."""
+        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}"]
+        reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
+        lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
+        more = sum(count for _, count in reasons[MOST_REASONS:])
+        return "\n".join([*lines, f"  and {more} others, see table.csv"] if more else lines)
+
+    @property
+    def incomplete(self):
+        """Numbers of cases by status, of those that are not complete, in words; empty when all are."""
+        return self._counted(STATUSES[1:])
+
+    def _counted(self, statuses):
+        counts = Counter(record.status for record in self.records.values())
+        return ", ".join(f"{counts[status]} {status}" for status in statuses if counts[status])

@@ -1,0 +1,88 @@
+"""The cases of a study: rows of values from grids, lists, tables, random numbers; several ways: all combinations."""
+
+import csv
+from itertools import product
+
+import numpy as np
+
+from mecano.deck.compose import Node
+from mecano.deck.scalar import resolved
+from mecano.deck.wording import quoted
+from mecano.study.grammar import path_of
+
+MOST = 100_000  # cases
+
+
+def rows_of(values, source, scope):
+    """[{path: value}] of all cases, from the checked values of a study; the last way varies fastest.
+
+    ``source(name)`` gives the Source of a file, or None. What is wrong is noted in the scope.
+    """
+    ways = {
+        "grid": _grid(values["grid"]), "list": values["list"], "csv": _table(values["csv"], source, scope),
+        "latin_hypercube": _hypercube(values["latin_hypercube"]), "seeds": _seeds(values["seeds"]),
+    }  # fmt: skip
+    given = {name: rows for name, rows in ways.items() if values[name] is not None}
+    seen = dict.fromkeys(values["set"], "set")
+    for name, rows in given.items():
+        for path in dict.fromkeys(path for row in rows for path in row):
+            if path in seen:
+                scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}'")
+            seen[path] = name
+    if not given:
+        ways = "', '".join(ways)
+        scope.refuse(scope.owner, f"nothing is varied: a study has at least one of '{ways}'")
+    if scope.problems:
+        return []
+    count = int(np.prod([len(rows) for rows in given.values()], dtype=float))
+    if count > MOST:
+        scope.refuse(scope.owner, f"{count} cases are more than {MOST}")
+        return []
+    return [{path: value for row in rows for path, value in row.items()} for rows in product(*given.values())]
+
+
+def _grid(grid):
+    return [dict(zip(grid, row, strict=True)) for row in product(*grid.values())] if grid else []
+
+
+def _hypercube(cube):
+    """Rows in which each of ``number`` equal parts of every range has one value, at a random place of it."""
+    if cube is None:
+        return []
+    random, number = np.random.default_rng(cube["seed"] & (2**63 - 1)), cube["number"]
+    columns = {}
+    for path, (low, high) in cube["ranges"].items():
+        places = (random.permutation(number) + random.random(number)) / number
+        columns[path] = (low + (high - low) * places).tolist()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _seeds(seeds):
+    if seeds is None:
+        return []
+    return [{seeds["path"]: seeds["first"] + i} for i in range(seeds["number"])]
+
+
+def _table(name, source, scope):
+    """Rows of a CSV file; ``#`` begins a comment."""
+    found = source(name) if name else None
+    if found is None:
+        return []
+    lines = csv.reader(found.lines, skipinitialspace=True)
+    head, rows = None, []
+    try:
+        for cells in lines:
+            cells, place = [cell.strip() for cell in cells], Node(None, found, lines.line_num - 1)
+            if not any(cells) or cells[0].startswith("#"):
+                continue
+            if head is None:
+                head = [path_of(Node(cell, found, lines.line_num - 1), scope) for cell in cells]
+            elif len(cells) != len(head):
+                scope.refuse(place, f"the row has {len(cells)} columns, the first line {len(head)}")
+            else:
+                rows.append(dict(zip(head, map(resolved, cells), strict=True)))
+    except csv.Error as error:
+        scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
+    if not rows:
+        scope.refuse(Node(None, found), "the table has no rows: the first line names what is varied")
+    return rows

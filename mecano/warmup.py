@@ -1,0 +1,78 @@
+"""Compiling ahead: what all decks can contain, or what some decks do."""
+
+import os
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+from mecano import constraints, elements
+from mecano.contract import Kind
+from mecano.deck.new import starters
+from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.model.loops import PURPOSES, loop_of
+from mecano.prepare import prepare
+from mecano.run import run
+from mecano.static_run import run as run_static
+
+STEPS = 3
+
+
+def warmup(decks=(), overrides=()):
+    """Compile the loops of all kinds and what solves every model, or all that the ``decks`` need; yields texts.
+
+    Raises what reading and running a deck raises.
+    """
+    before = _size()
+    if decks:
+        for path in decks:
+            yield f"running the beginning of {path}"
+            _begin(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
+    else:
+        kinds = all_kinds()
+        yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
+        _compile(kinds)
+        yield "running the beginnings of the decks of `mecano new`"
+        for name, text in starters().items():
+            file, data = f"{name}.yaml", text.encode()
+            _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
+    after = _size()
+    yield f"compiled code is in {os.environ['NUMBA_CACHE_DIR']}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
+
+
+def all_kinds():
+    """All kinds, those of basic constraints and variants among them."""
+    found = {}
+    for package in (constraints, elements):
+        for module in iter_modules(package.__path__, f"{package.__name__}."):
+            kinds = [value for value in vars(import_module(module.name)).values() if isinstance(value, Kind)]
+            found |= {id(kind): kind for kind in kinds}
+    return list(found.values())
+
+
+def _shortened(deck):
+    """Overrides that leave some steps of a march; an equilibrium has none to be left out."""
+    time = deck.values["time"]
+    return [f"time.end={time['start'] + STEPS * time['step']!r}"] if time and _longer(time) else []
+
+
+def _longer(time):
+    return time["end"] - time["start"] > STEPS * time["step"]
+
+
+def _compile(kinds):
+    for kind in kinds:
+        for purpose in PURPOSES:
+            loop_of(kind, purpose)
+
+
+def _begin(deck):
+    """Compile all loops of the model, those that are called late as well, and run some steps."""
+    _compile(batch.kind for batch in prepare(deck).system.batches)
+    with tempfile.TemporaryDirectory() as folder:
+        (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))
+
+
+def _size():
+    """Bytes of compiled code on the disk."""
+    return sum(path.stat().st_size for path in Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*") if path.is_file())

@@ -1,0 +1,133 @@
+"""Studies and the scripts of docs/cluster.md in a real Slurm: `pytest -m slurm`, as root, some minutes."""
+
+import os
+import re
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import slurm
+from marching import INPUTS
+from process import COMMAND
+
+import mecano
+from mecano.results.study_file import read_study
+
+pytestmark = [
+    pytest.mark.slurm,
+    pytest.mark.skipif(not slurm.available(), reason="no Slurm, or not root"),
+]
+PAGE = Path(__file__).parent.parent / "docs" / "cluster.md"
+SCRIPTS = dict(
+    (re.search(r"--job-name=(\w+)", text)[1], text)
+    for text in re.findall(r"```bash\n(#!/bin/bash\n.*?)```", PAGE.read_text(), re.DOTALL)
+)
+SHORT = ("--time=1", "--signal=B:USR1@55")  # told within the first seconds: Slurm may be a minute early
+LONG = {
+    "end: 4.0": "end: 80.0",
+    "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null",
+}  # more than a minute
+STUDY = """\
+study: 1
+deck: gear.yaml
+list:
+  - {parameters.speed: 30, time.end: 0.5}
+  - {parameters.speed: 40, time.end: -1}
+  - {parameters.speed: 50, time.end: 0.5}
+  - {parameters.speed: 60, time.end: 60, time.adaptive: null}
+outputs:
+  load: {of: wheel.radial_force, take: max}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with decks in it, the current one, while Slurm runs; `mecano` is on its path."""
+    folder = tmp_path_factory.mktemp("jobs")
+    gear = (INPUTS / "nose_gear_rigid.yaml").read_text()
+    (folder / "gear.yaml").write_text(gear.replace("end: 4.0", "end: 0.5"))
+    for old, new in LONG.items():
+        gear = gear.replace(old, new)
+    (folder / "long.yaml").write_text(gear)
+    (folder / "study.yaml").write_text(STUDY)
+    for name, text in SCRIPTS.items():
+        (folder / f"{name}.sbatch").write_text(text)
+    program = folder / "bin" / "mecano"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m mecano "$@"\n')
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    here = os.getcwd()
+    state = tmp_path_factory.mktemp("slurm")
+    with pytest.MonkeyPatch.context() as patch, slurm.running(state):
+        patch.setenv("PATH", f"{program.parent}{os.pathsep}{os.environ['PATH']}")
+        patch.setenv("PYTHONPATH", str(Path(mecano.__file__).parent.parent))
+        os.chdir(folder)
+        yield folder
+        os.chdir(here)
+
+
+def submitted(name, *options):
+    """The number of a job of one of the scripts."""
+    ended = subprocess.run(["sbatch", "--parsable", *options, f"{name}.sbatch"], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout.strip()
+
+
+def ended(number, seconds=600.0):
+    """Wait until a job and all its tasks have ended: their states, and the exit codes of the tasks."""
+    end = time.monotonic() + seconds
+    while True:
+        own = {key: state for key, state in slurm.states().items() if key.partition("_")[0] == number}
+        if all(state in ("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT") for state in own.values()):
+            return own
+        assert time.monotonic() < end, own
+        slurm.hasten()
+        time.sleep(1.0)
+
+
+def restarts(number):
+    """How often a job was put back into the queue."""
+    return int(re.search(r"Restarts=(\d+)", slurm.told("scontrol", "show", "job", number))[1])
+
+
+def test_the_page_has_three_scripts():
+    assert set(SCRIPTS) == {"long", "speeds", "pictures"}
+
+
+def test_a_long_run_goes_back_into_the_queue_until_it_is_complete(folder):
+    number = submitted("long", *SHORT)
+    assert set(ended(number).values()) == {"COMPLETED"}
+    assert restarts(number) >= 1
+    with mecano.open_results("long.h5") as results:
+        assert results.status == "complete" and results.time[-1] == 80.0
+        assert any(text.startswith("resumed at") for text in results.remarks)
+
+
+def test_an_array_and_pictures_of_it(folder):
+    number = submitted("speeds")
+    pictures = submitted("pictures", f"--dependency=afterok:{number}")
+    assert set(ended(number).values()) == {"COMPLETED"} and set(ended(pictures).values()) == {"COMPLETED"}
+    assert len(list(folder.glob("speed_*.h5"))) == 5
+    assert list((folder / "pictures").glob("*.png")) and (folder / "report.html").stat().st_size > 100_000
+
+
+def test_a_study_with_a_failing_case_and_one_that_needs_more_time(folder):
+    words = ["sweep", "study.yaml", "--executor", "slurm", "--sbatch", " ".join(SHORT), "--wait"]
+    process = subprocess.Popen([*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    end = time.monotonic() + 600.0
+    while process.poll() is None:
+        assert time.monotonic() < end
+        slurm.hasten()
+        time.sleep(1.0)
+    said = process.communicate()[0]
+    assert process.returncode == 3 and "3 complete, 1 failed" in said, said
+    table = read_study("study_runs/table.h5")
+    assert table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
+    assert table["case/exit_code"].tolist() == [0.0, 2.0, 0.0, 0.0]
+    with mecano.open_results("study_runs/0004.h5") as results:
+        assert any(text.startswith("resumed at") for text in results.remarks)
+    states = slurm.states()
+    assert sorted(states.values()).count("FAILED") == 1

@@ -1,0 +1,283 @@
+"""Studies: what a study file may say, the cases side by side, what is left of them, the table and its picture."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pytest
+from marching import INPUTS
+from process import COMMAND, mecano_process
+
+from mecano.deck.format import deck_error_text
+from mecano.elements import KINDS
+from mecano.errors import DeckError, UsageError
+from mecano.post.pictures import post
+from mecano.results.study_file import read_study as read_table
+from mecano.study.folder import COMPLETE, FAILED, Folder, Record
+from mecano.study.perform import due
+from mecano.study.pool import Limits
+from mecano.study.read import read_study, try_deck
+from mecano.study.slurm import ranges, script
+from mecano.warmup import all_kinds, warmup
+
+HEAD = "study: 1\ndeck: deck.yaml\n"
+BALL = """\
+mecano: 1
+parameters: {speed: 10}
+nodes:
+  ball: {position: [0, 0, 1]}
+elements:
+  ball: {type: point_mass, node: ball, mass: 2.0}
+time: {end: 0.2, step: 1.0e-2}
+initial:
+  velocities:
+    - {nodes: [ball], velocity: [$speed, 0, 0]}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty current folder with the deck of a ball in it."""
+    (tmp_path / "deck.yaml").write_text(BALL)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def study(folder, text, head=HEAD):
+    """The Study of a text."""
+    (folder / "study.yaml").write_text(head + dedent(text))
+    return read_study("study.yaml")
+
+
+def values(folder, text):
+    """The values of all cases of a study, row by row."""
+    return [tuple(case.values.values()) for case in study(folder, text).cases]
+
+
+class TestCases:
+    def test_a_grid_has_all_combinations(self, folder):
+        found = values(folder, "grid: {parameters.speed: [1, 2], time.end: {from: 1, to: 2, number: 3}}")
+        assert found == [(1, 1.0), (1, 1.5), (1, 2.0), (2, 1.0), (2, 1.5), (2, 2.0)]
+
+    def test_rows_of_a_list_and_of_a_table_go_together(self, folder):
+        assert values(folder, "list: [{parameters.speed: 1, time.end: 2}, {parameters.speed: 3, time.end: 4}]") == [
+            (1, 2), (3, 4),
+        ]  # fmt: skip
+        (folder / "rows.csv").write_text("# speeds\nparameters.speed, time.method\n1e1, hht\n20 km/h, newmark\n")
+        found = study(folder, "csv: rows.csv")
+        assert [tuple(case.values.values()) for case in found.cases] == [(10.0, "hht"), ("20 km/h", "newmark")]
+        assert found.overrides(found.cases[1]) == ('parameters.speed="20 km/h"', 'time.method="newmark"')
+        assert found.cases[1].shown["parameters.speed"] == pytest.approx(20 / 3.6)
+
+    def test_a_hypercube_has_one_value_in_each_part_of_every_range(self, folder):
+        text = "latin_hypercube: {{ranges: {{parameters.speed: [10, 20], time.end: [1, 2 s]}}, number: 8, seed: {}}}"
+        found = np.array(values(folder, text.format(3)))
+        for column, low, width in zip(found.T, (10.0, 1.0), (10.0, 1.0), strict=True):
+            assert sorted(np.floor(8 * (column - low) / width)) == list(range(8))
+        assert np.array_equal(found, values(folder, text.format(3)))
+        assert not np.array_equal(found, values(folder, text.format(4)))
+
+    def test_seeds_and_ways_together(self, folder):
+        found = values(folder, "seeds: {path: parameters.speed, number: 2, first: 7}\ngrid: {time.end: [1, 2]}\n")
+        assert found == [(1, 7), (1, 8), (2, 7), (2, 8)]
+
+    def test_what_all_cases_have_comes_first(self, folder):
+        found = study(folder, "set: {time.end: 2}\ngrid: {parameters.speed: [1]}")
+        assert found.overrides(found.cases[0]) == ("time.end=2", "parameters.speed=1")
+
+
+@pytest.mark.parametrize(
+    "text,place,message",
+    [
+        ("grids: {time.end: [1]}", "3:1", "unknown key 'grids'; did you mean 'grid'?"),
+        ("grid: {time.end: 1}", "3:18", "'time.end' must be a list, or {from: 1, to: 2, number: 5}, got 1"),
+        ("grid: {time.end: {from: 1, to: 2}}", "3:", "missing 'time.end.number', a whole number"),
+        ("grid: {time..end: [1]}", "3:8", "'time..end' is no path of keys with dots between"),
+        ("latin_hypercube: {ranges: {time.end: [2, 1]}, number: 3}", "3:38", "must rise, got [2, 1]"),
+        ("latin_hypercube: {ranges: {time.end: [1, 2]}, number: 0}", "3:", "must be at least 1, got 0"),
+        ("csv: rows.csv", "3:6", "the table rows.csv cannot be read: No such file or directory"),
+        ("grid: {time.end: [1]}\nlist: [{time.end: 2}]", "1:1", "'time.end' is given by 'grid' and by 'list'"),
+        ("title: nothing", "1:1", "nothing is varied: a study has at least one of 'grid', 'list'"),
+        ("grid: {a: {from: 1, to: 2, number: 90000}, b: [1, 2]}", "1:1", "180000 cases are more than 100000"),
+        ("grid: {time.end: [1]}\noutputs: {a: {take: max}}", "4:", "an output is 'of' a series, or of an 'event'"),
+        ("grid: {time.end: [1]}\noutputs: {a: {of: x, take: first}}", "4:28", "'take' of a series is one of: max, min"),
+        ("grid: {time.end: [1]}\noutputs: {a: {event: x, take: first}}", "4:22", "'event' is the name of an element"),
+    ],
+)  # fmt: skip
+def test_errors_of_a_study_have_places(folder, text, place, message):
+    with pytest.raises(DeckError) as info:
+        study(folder, text)
+    told = deck_error_text(info.value)
+    assert re.match(rf"study.yaml:{place}.*", told) and message in told, told
+
+
+@pytest.mark.parametrize(
+    "head,message",
+    [
+        (BALL, "missing 'study', the version of the study file; begin with 'study: 1': this is a deck"),
+        ("study: 2\ndeck: deck.yaml\n", "this program reads studies of version 1"),
+        ("study: 1\ndeck: other.yaml\n", "study.yaml:2:7: the deck other.yaml cannot be read: No such file"),
+        ("", "missing 'study'"),
+    ],
+)
+def test_what_is_no_study(folder, head, message):
+    with pytest.raises(DeckError) as info:
+        study(folder, "grid: {time.end: [1]}" if head else "", head=head)
+    assert message in deck_error_text(info.value)
+
+
+class TestDecks:
+    def test_a_value_that_no_deck_has_is_refused(self, folder):
+        with pytest.raises(DeckError, match="unknown key 'time.stop'"):
+            try_deck(study(folder, "grid: {time.stop: [1, 2, 3]}"))
+
+    def test_a_case_that_is_wrong_is_not(self, folder):
+        found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
+        assert found.overrides == ("time.end=2",) and found.values["time"]["end"] == 2.0
+
+    @pytest.mark.parametrize(
+        "output,message",
+        [
+            ("of: ball.positon.z, take: max", "no output 'ball.positon.z' in the results; did you mean"),
+            ("of: ball.position, take: max", "'ball.position' is not one number; add one of x, y, z, or magnitude"),
+            ("event: bal touch_down, take: first", "nothing named 'bal' has events"),
+        ],
+    )
+    def test_outputs_that_the_model_has_not(self, folder, output, message):
+        with pytest.raises(DeckError) as info:
+            try_deck(study(folder, f"grid: {{time.end: [1]}}\noutputs: {{a: {{{output}}}}}"))
+        told = deck_error_text(info.value)
+        assert told.startswith("study.yaml:4:") and f"output 'a': {message}" in told
+
+
+class TestFolder:
+    def test_what_is_due(self, folder):
+        found = study(folder, "grid: {time.end: [1, 2, 3]}")
+        runs = Folder("runs", found)
+        with runs.held():
+            for case, status in zip(found.cases[:2], (COMPLETE, FAILED), strict=True):
+                runs.write(case, Record(status, 0, 1.0))
+        with pytest.raises(UsageError, match="there are cases in runs: --resume"):
+            due(runs)
+        assert [case.number for case in due(runs, resume=True)] == [3]
+        assert [case.number for case in due(runs, failed=True)] == [2, 3]
+        assert [case.number for case in due(runs, force=True)] == [1, 2, 3] and not runs.begun()
+
+    def test_a_study_that_has_changed_is_noticed(self, folder):
+        found = study(folder, "grid: {time.end: [1, 2, 3]}")
+        runs = Folder("runs", found)
+        with runs.held():
+            runs.write(found.cases[0], Record(COMPLETE, 0))
+        (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: 3.0"))
+        with pytest.raises(UsageError, match="case 1 in runs was run with other values, or another deck"):
+            due(Folder("runs", read_study("study.yaml")), resume=True)
+
+    def test_two_at_a_time_are_refused(self, folder):
+        runs = Folder("runs", study(folder, "grid: {time.end: [1]}"))
+        with runs.held(), pytest.raises(UsageError, match="another process"), runs.held():
+            pass
+
+
+def test_a_study_from_its_beginning_to_its_table(folder):
+    """One process after the other: x = v t and z = 1 - g t^2/2 in free fall; a case with another fault each."""
+    (folder / "study.yaml").write_text(HEAD + dedent("""\
+        title: Throws
+        set: {output.every: 0.1}
+        list:
+          - {parameters.speed: 10, elements.ball.mass: 1}
+          - {parameters.speed: 20, elements.ball.mass: -1}
+          - {parameters.speed: 36 km/h, elements.ball.mass: 2}
+          - {parameters.speed: 30, elements.ball.mass: 1}
+        outputs:
+          way: {of: ball.position.x, take: final}
+          height: {of: ball.position.z, take: min}
+          mean_speed: {of: ball.velocity.magnitude, take: mean}
+          when: {of: ball.position.x, take: time_of_max}
+        """))  # fmt: skip
+    code, out, err = mecano_process("sweep", "study.yaml", "--plot")
+    assert code == 3 and "4 cases: 3 complete, 1 failed" in out and "not all cases are complete: 1 failed" in err
+    assert "1 x exit code 2: --set elements.ball.mass" in out and "'mass' must be greater than zero" in out
+    table = read_table("study_runs/table.h5")
+    assert table.title == "Throws" and table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
+    assert table["parameters/parameters.speed"].tolist() == [10.0, 20.0, 10.0, 30.0]
+    speed = np.array([10.0, np.nan, 10.0, 30.0])
+    np.testing.assert_allclose(table["outputs/way"], 0.2 * speed, rtol=1e-9)
+    np.testing.assert_allclose(table["outputs/height"], 1.0 - 0.5 * 9.81 * 0.04 + 0.0 * speed, rtol=1e-3)
+    np.testing.assert_allclose(table["outputs/when"], 0.2 + 0.0 * speed, rtol=1e-12)
+    fall = np.hypot(speed[:, None], 9.81 * np.array([0.0, 0.1, 0.2]))  # at the saved times
+    np.testing.assert_allclose(table["outputs/mean_speed"], fall @ [0.25, 0.5, 0.25], rtol=1e-9)
+    assert all(table["case/processor_time"] > 0.1) and table["case/exit_code"].tolist() == [0, 2, 0, 0]
+    with open("study_runs/table.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["way [m]"] for row in rows] == [repr(float(x)) if x == x else "" for x in table["outputs/way"]]
+    assert (folder / "study_runs" / "table.png").stat().st_size > 10_000
+    before = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("*.h5")}
+    os.remove("study_runs/0004.json")  # as if it had been killed before it could be noted
+    code, out, _ = mecano_process("sweep", "study.yaml", "--resume")
+    assert code == 3 and "3 complete" in out
+    after = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("000*.h5")}
+    assert all(after[name] == before[name] for name in ("0001.h5", "0003.h5", "0004.h5"))
+    assert list(post(["study_runs/table.h5"], output="own.svg", kind="svg")) == [Path("own.svg")]
+
+
+def test_limits_and_signals(folder):
+    """A case that would never end is stopped by its time, taken up again, stopped by Ctrl-C, and killed for memory."""
+    (folder / "study.yaml").write_text(HEAD + "list: [{time.end: 1.0e5}]\n")
+    code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "5")
+    assert code == 3 and "1 cases: 1 stopped\n  1 x exit code 75: stopped by the end of its wall-clock time" in out
+    file = folder / "study_runs" / "0001.h5"
+    before = file.exists() and file.stat().st_ino
+    process = subprocess.Popen([*COMMAND, "sweep", "study.yaml", "--resume", "-q"], stderr=subprocess.PIPE, text=True)
+    wait_until(lambda: file.exists() and file.stat().st_ino != before)  # the run has been taken up again
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130 and "go on with: mecano sweep study.yaml -q --resume" in err
+    assert read_table("study_runs/table.h5")["case/status"].tolist() == ["stopped"]
+    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--memory-limit", "20")
+    assert code == 3 and "1 x exit code -9: used more than 20 MB of memory" in out
+
+
+def wait_until(true, seconds=60.0):
+    """Wait until something is true; AssertionError when that takes too long."""
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_the_script_of_an_array(folder):
+    assert ranges([1, 2, 3, 7, 9, 10]) == "1-3,7,9-10"
+    found = study(folder, "grid: {time.end: [1, 2, 3]}")
+    text = script(Folder("runs", found), found.cases[1:], Limits(60, 10**9))
+    assert "#SBATCH --array=2-3\n" in text and "--time-limit 60" in text and "--memory-limit 1000" in text
+    assert subprocess.run(["bash", "-n"], input=text, text=True).returncode == 0
+
+
+def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):
+    (folder / "study.yaml").write_text(HEAD + "grid: {time.end: [0.1, -1]}\n")
+    assert mecano_process("sweep", "study.yaml", "--case", "2")[0] == 2
+    code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
+    assert code == 3 and "2 cases: 1 failed, 1 waiting" in out
+    assert mecano_process("sweep", "study.yaml", "--case", "3")[0] == 2
+
+
+def test_the_study_of_the_page(folder):
+    """That of docs/studies.md: 15 cases, whose deck and outputs there are."""
+    text = (Path(__file__).parent.parent / "docs" / "studies.md").read_text()
+    (folder / "study.yaml").write_text(re.search(r"```yaml\n(study: 1\n.*?)```", text, re.DOTALL)[1])
+    (folder / "nose_gear_rigid.yaml").write_text((INPUTS / "nose_gear_rigid.yaml").read_text())
+    found = read_study("study.yaml")
+    assert len(found.cases) == 15 and try_deck(found).values["parameters"]["sink"] == -2.0
+
+
+def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
+    assert {kind.name for kind in all_kinds()} > set(KINDS)
+    told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
+    assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
+    assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
