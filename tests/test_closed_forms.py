@@ -145,7 +145,7 @@ def test_strut():
     """The order is kept through the corner of the stop, which is located to the order, too."""
     exact, touches = strut_motion(TENTHS)
     strokes, events, lost = [], [], []
-    for h in (2e-3, 1e-3):
+    for h in (1e-3, 5e-4):
         march = March(input_deck("strut", f"time.step={h}", "time.end=2"))
         stroke = CubicHermiteSpline(march.time, march["elements/strut/stroke"], -march["elements/strut/rate"])
         strokes.append(stroke(TENTHS))
