@@ -1,0 +1,85 @@
+"""What swings faster than the steps gets no energy and holds no error control back; what does not is not let go."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from marching import March, deck
+from scipy.integrate import solve_ivp
+
+TOLERANCE = 1e-3
+
+
+def oscillator(stiffness, stretch, time):
+    """A mass of 1 kg on a spring, ``stretch`` [m] from where it is at rest, beside one that moves slowly."""
+    return deck(f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes:
+          hook: {{position: [0, 0, 0], fixed: true}}
+          weight: {{position: [{1.0 + stretch}, 0, 0]}}
+          slow: {{position: [0, 3, 0]}}
+        elements:
+          mass: {{type: point_mass, node: weight, mass: 1.0}}
+          spring:
+            {{type: spring_damper, nodes: [hook, weight], law: {{spring: {{stiffness: {stiffness}}}}}, natural_length: 1}}
+          load: {{type: point_mass, node: slow, mass: 1.0}}
+          string: {{type: spring_damper, nodes: [hook, slow], law: {{spring: {{stiffness: 1.0}}}}, natural_length: 2}}
+        time: {time}
+    """)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
+def test_a_stiff_member_gains_no_energy_at_a_start_and_where_steps_grow(rho):
+    """With its acceleration as it is, it would get (omega h)^2/16 times its own, 100, for rho_inf 0 (theory.md, 2.1)."""
+    stiffness, stretch = 4e6, 1e-6  # omega h = 40
+
+    time = f"{{end: 0.4, step: 0.02, rho_inf: {rho}}}"
+    march = March(oscillator(stiffness, stretch, time), change=lambda march, run: replace(run, h=1e-3))
+    x, v = (march[f"nodes/weight/{name}"][:, 0] for name in ("position", "velocity"))
+    assert march.run.steps > 20 and np.diff(march.time).max() > 19e-3
+    assert (0.5 * v**2 + 0.5 * stiffness * (x - 1.0) ** 2).max() <= 1.01 * 0.5 * stiffness * stretch**2
+
+
+def test_steps_of_a_slow_motion_are_not_held_by_a_small_fast_one():
+    """A swing of 1e-6 m and 1600 Hz beside one of 1 m: as many steps, to a tenth, as without it."""
+    time = f"{{end: 6, step: 1.0e-3, rho_inf: 0.8, adaptive: {{tolerance: {TOLERANCE}, maximum_step: 0.5}}}}"
+    still, swinging = (March(oscillator(1e8, stretch, time)).run for stretch in (0.0, 1e-6))
+    assert swinging.steps <= 1.1 * still.steps
+
+
+def pendulum(angle, end):
+    """A bar of 1 m on a hinge, ``angle`` [rad] from where it hangs, with the error of its end [rad]."""
+    march = March(
+        deck(f"""
+        mecano: 1
+        nodes:
+          pin: {{position: [0, 0, 0]}}
+        elements:
+          bar: {{type: rigid_body, node: pin, mass: 1.0, inertia: [1.0e-4, 0.1, 0.1],
+            center_of_mass: [{np.sin(angle)}, 0, {-np.cos(angle)}]}}
+        joints:
+          hinge: {{type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+        time: {{end: {end}, step: 1.0e-3, rho_inf: 0.9, adaptive: {{tolerance: {TOLERANCE}, maximum_step: 0.5}}}}
+    """)
+    )
+    swing = lambda t, y: (y[1], -9.81 / 1.1 * np.sin(y[0]))
+    exact = solve_ivp(swing, (0.0, end), (angle, 0.0), method="DOP853", rtol=1e-12, atol=1e-14).y[0, -1]
+    # turning about y by the angle of the hinge takes off the angle from the vertical
+    return march, abs(angle - march["joints/hinge/angle"][-1] - exact)
+
+
+def test_a_motion_that_steps_resolve_keeps_to_the_tolerance():
+    """Small swings for 75 periods: within a factor 10 of the tolerance, as all others (test_adaptive.py)."""
+    march, error = pendulum(0.05, 150.0)
+    assert march.run.steps > 75 * 20
+    assert error <= 10.0 * TOLERANCE
+
+
+@pytest.mark.parametrize("angle, counts_whole", [(np.pi - 0.05, True), (0.05, False)])
+def test_what_grows_is_not_called_small(angle, counts_whole):
+    """The error of a pendulum near its top is not reduced by what its stiffness, negative there, would make of it."""
+    march, _ = pendulum(angle, 0.1)
+    method, run = march.march.method, march.run
+    s, history, info = method.step(run.motion, method.restart(run.motion, run.history, 0.02), 0.02)
+    assert (method.bounded_error(s, history, info, 1e5) == info.error) == counts_whole
