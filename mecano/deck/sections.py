@@ -122,7 +122,7 @@ INITIAL_FIELDS = (
 )  # fmt: skip
 
 ADAPTIVE_FIELDS = (
-    Field("tolerance", NUMBER, "-", "error of one step relative to 'length_scale', or [rad]", check=below_one),
+    Field("tolerance", NUMBER, "-", "error of the run relative to 'length_scale', or [rad]", check=below_one),
     Field("minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops where less is needed", AUTOMATIC, positive),
     Field("maximum_step", either(NUMBER, AUTOMATIC), "s", "longest step", AUTOMATIC, positive),
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
