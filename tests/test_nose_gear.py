@@ -60,7 +60,8 @@ def test_redundant_hinges_change_nothing(flat):
     )
     march = March(input_deck("nose_gear_rigid", pin, ball))
     assert [group.count for group in march.prepared.analysis.redundant] == [3]
-    assert np.array(flights(march)) == pytest.approx(np.array(flights(flat)), abs=1e-7)
+    # rounding may decide over the size of a step: to a tenth of the 20 us that the tolerance of the deck leaves
+    assert np.array(flights(march)) == pytest.approx(np.array(flights(flat)), abs=2e-6)
     assert march.run.steps == pytest.approx(flat.run.steps, abs=20)
 
 

@@ -40,6 +40,7 @@ from mecano.solve.resolved import resolved
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
@@ -190,8 +191,15 @@ class GeneralizedAlpha:
         cC, cM = self._weights(h)
         history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
         if more.any():
-            a[:n_q] += self._resolved(s, (whole - a)[:n_q], self._scales(history, h))
+            a[:n_q] += self._followed(s, (whole - a)[:n_q], self._scales(history, h))
         return history
+
+    def _followed(self, s, a, scales):
+        """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
+        n_q, kind, part = self.system.n_q, self.system.numbering.kind, self._resolved(s, a, scales)
+        part = np.where(self.system.relaxing, a, part)  # scalars without inertia swing with nothing
+        left, whole = (largest_change(x, a, kind, n_q, self.length) for x in (part, np.zeros(n_q)))
+        return part if left > TOO_FAST * whole else a
 
     def _resolved(self, s, a, scales):
         """Part of the accelerations ``a`` (n_q,) at ``s`` (resolved.py); all of it where the tangent is singular."""
