@@ -225,6 +225,7 @@ class Arc:
             return statics.evaluate(s, mu, k, penalty, tangent)
 
         def solve(fresh):
+            """The correction (n,), or None where the tangent is singular; ``fresh``: the tangent is a new one."""
             nonlocal change
             r, x = statics.system.residual[:n].copy(), np.empty(n)
             if fresh:

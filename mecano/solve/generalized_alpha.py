@@ -180,31 +180,39 @@ class GeneralizedAlpha:
         The constrained parts of accelerations and velocities are shifted to where the method keeps them.
         """
         c, n_q = self.coefficients, self.system.n_q
-        v_shift, whole = np.zeros_like(a), a + more
+        v_shift, whole, added = np.zeros_like(a), a + more, more.any()
         if self.system.n_l:
             rate = consistent.jerk_rate(s, h)
-            for part in (a, whole):
+            for part in (a, whole) if added else (a,):
                 consistent.project_acceleration(s, part, -(c.am - c.af) * h * rate)
             shifted = s.copy()
             consistent.project_velocity(shifted, c.error * h * h * np.where(self._exact_rates, 0.0, rate))
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
         history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
-        if more.any():
+        if added:
             a[:n_q] += self._followed(s, (whole - a)[:n_q], self._scales(history, h))
         return history
 
     def _followed(self, s, a, scales):
         """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
-        n_q, kind, part = self.system.n_q, self.system.numbering.kind, self._resolved(s, a, scales)
+        part = self._filtered(s, a, scales)
+        if part is None:
+            return a
         part = np.where(self.system.relaxing, a, part)  # scalars without inertia swing with nothing
-        left, whole = (largest_change(x, a, kind, n_q, self.length) for x in (part, np.zeros(n_q)))
-        return part if left > TOO_FAST * whole else a
+        return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
-    def _resolved(self, s, a, scales):
-        """Part of the accelerations ``a`` (n_q,) at ``s`` (resolved.py); all of it where the tangent is singular."""
+    def _filtered(self, s, a, scales, times=1):
+        """Part (n_q,) of the accelerations ``a`` at ``s`` (resolved.py); None where the tangent is singular."""
         here = s.copy()
-        return resolved(self.system, self.linear, here, a, scales[-1]) if self._factor(here, scales).ok else a
+        if not self._factor(here, scales).ok:
+            return None
+        return resolved(self.system, self.linear, here, a, scales[-1], times)
+
+    def _size(self, a):
+        """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar."""
+        n_q = self.system.n_q
+        return largest_change(np.zeros(n_q), a, self.system.numbering.kind, n_q, self.length)
 
     def bounded_error(self, s, history, info, duration):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
@@ -219,20 +227,15 @@ class GeneralizedAlpha:
         h, change = history.h, (history.a - info.began.a)[: self.system.n_q]
         w = 1.0 / (duration * self.coefficients.error * h)
         cases = (FREE * w, 1), (w, 1), (math.sqrt(self._weights(h)[1] * w), 2)
-        (whole, stable), *bounded = (self._filtered(s, history, change, *case) for case in cases)
+        (whole, stable), *bounded = (self._share(s, history, change, *case) for case in cases)
         if not 0.0 < whole < np.inf or any(negative != stable for _, negative in bounded):
             return info.error
         return info.error * min(max(size for size, _ in bounded) / whole, 1.0)
 
-    def _filtered(self, s, history, change, w, times):
-        """Size of the change of accelerations after so many filters (K + w M)^-1 w M; negative pivots of K + w M."""
-        here, n_q = s.copy(), self.system.n_q
-        if not self._factor(here, (*self._scales(history, history.h)[:2], 0.0, w)).ok:
-            return np.inf, -1
-        for _ in range(times):
-            change = resolved(self.system, self.linear, here, change, w)
-        size = largest_change(np.zeros(n_q), change, self.system.numbering.kind, n_q, self.length)
-        return size, int(np.sum(self.linear.pivots() < 0.0))
+    def _share(self, s, history, change, w, times):
+        """Size of the ``change`` (n_q,) filtered by (K + w M)^-1 w M so many times; negative pivots of K + w M."""
+        part = self._filtered(s, change, (*self._scales(history, history.h)[:2], 0.0, w), times)
+        return (np.inf, -1) if part is None else (self._size(part), int(np.sum(self.linear.pivots() < 0.0)))
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""

@@ -121,20 +121,21 @@ class March:
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion.t, h)
-        plain = info.error
-        if self._within(trial, h):
+        plain, info.error = info.error, self._judged(trial, h)
+        if self.control.accept(info.error, h):
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
         return self.control.retry(plain, h)  # only steps that resolve what swings make its error smaller
 
-    def _within(self, trial, h):
-        """True when the error of the ``trial`` is accepted; what swings is bounded where the plain estimate is not."""
-        info = trial[2]
-        if not self.control.accept(info.error, h):
-            info.error = self.method.bounded_error(*trial, self.control.duration)
-        return self.control.accept(info.error, h)
+    def _judged(self, trial, h):
+        """The error of the ``trial``; with what swings bounded where the plain estimate is not accepted."""
+        plain = trial[2].error
+        return plain if self.control.accept(plain, h) else self._bounded(trial)
+
+    def _bounded(self, trial):
+        return self.method.bounded_error(*trial, self.control.duration)
 
     def _step(self, run, h):
         return self.method.step(run.motion, self._history_for(run, h), h)
@@ -157,7 +158,7 @@ class March:
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
         if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
-            info.error = self.method.bounded_error(*trial, self.control.duration)
+            info.error = self._bounded(trial)
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
@@ -191,8 +192,8 @@ class March:
 
     def _accept_event(self, run, found, rejected):
         h, trial, hit = found
-        self._within(trial, h)
         s, history, info = trial
+        info.error = self._judged(trial, h)
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)

@@ -12,8 +12,8 @@ weights of K and M the limit lies at another frequency.
 import numpy as np
 
 
-def resolved(system, linear, s, a, cM):
-    """Part (n_q,) of the accelerations ``a`` (n_q,) that a step can follow, along the constraints.
+def resolved(system, linear, s, a, cM, times=1):
+    """Part (n_q,) of the accelerations ``a`` (n_q,) that a step can follow, along the constraints; so many times.
 
     ``linear`` holds the factored effective tangent, ``s`` is the state of the masses; cM [1/s^2] is their weight in it.
     The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.
@@ -23,6 +23,8 @@ def resolved(system, linear, s, a, cM):
     among = (system.rows < n_q) & (system.cols < n_q)
     rows, columns, masses = system.rows[among], system.cols[among], system.data[:-1][among]
     forces, x = np.zeros(system.n), np.zeros(system.n)
-    forces[:n_q] = np.bincount(rows, masses * a[columns], n_q)
-    linear.resolve(cM * forces, x)
+    x[:n_q] = a
+    for _ in range(times):
+        forces[:n_q] = np.bincount(rows, masses * x[columns], n_q)
+        linear.resolve(cM * forces, x)
     return x[:n_q]
