@@ -11,6 +11,7 @@ from numba import njit
 
 from mecano.constraints.carried import relative_rotation, turned
 from mecano.constraints.in_plane import IN_PLANE
+from mecano.constraints.joint_frame import triad
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.constraints.relative_angle import RELATIVE_ANGLE
 from mecano.constraints.slide import slide
@@ -19,7 +20,7 @@ from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
 from mecano.constraints.twist_law import TWIST_LAW, twist_law_record
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, scale, vec
+from mecano.maths.vec import mat, put, scale, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
@@ -140,6 +141,18 @@ def pair_moment(p, laws, q, v, R):
     M_1 = held(p, laws, q, 1, tilt_1, rate_1)
     M_1 = -M_1 if p.row[1] >= 0.0 else M_1
     return M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate)
+
+
+@njit
+def put_reactions(p, laws, q, v, R, y, i):
+    """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, from y[i] on."""
+    put(y, i, pair_force(p, laws, q, v, R))
+    put(y, i + 3, pair_moment(p, laws, q, v, R))
+
+
+def axis_place(d, nodes):
+    """{mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``."""
+    return triads_together(nodes, triad(d["axis"], d["axis_1"]))
 
 
 def triads_together(nodes, mu, xi=None):
