@@ -27,9 +27,8 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
-from mecano.constraints.carried import carried, product_rates
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.slide import add_slide_curvature, slide_gradient
+from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Output, Row, record
 from mecano.elements.guiding_curve import (
     CURVE_RECORD,
@@ -66,11 +65,9 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 @njit
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates along each axis."""
-    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
     X, slope, curvature = curve_at(p, laws, q[S])
     for i in range(p.rows):
-        along = carried(mat(R[0]), vec(v, 3), vec(a, 3), vec(p.axes[i], 0))
-        Phi, rate, second = product_rates(along, d)
+        Phi, rate, second = slide_rates(q, v, a, mat(R[0]), vec(p.axes[i], 0))
         second -= slope[i] * a[S] + curvature[i] * v[S] * v[S]
         put_levels(g, i, Phi - X[i], rate - slope[i] * v[S], second)
 
