@@ -10,14 +10,8 @@ import math
 
 from numba import njit
 
-from mecano.constraints.axis_law import add_along, turning_blocks
-from mecano.constraints.carried import (
-    add_blocks,
-    relative_rotation,
-    turning_rate,
-    twist_curvature,
-    twist_gradient,
-)  # fmt: skip
+from mecano.constraints.axis_law import add_turning
+from mecano.constraints.carried import relative_rotation, turning_rate, twist_curvature, twist_gradient
 from mecano.constraints.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
@@ -59,8 +53,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     gradient, H = twist_gradient(A, mu, xi), twist_curvature(A, mu, xi)
     omega_0, omega_1 = vec(v, 0), vec(v, 3)
     moment, moment_rate, by, _ = _moment(p, laws, q, turning_rate(gradient, omega_0, omega_1))
-    add_along(f, K, C, moment, 0.0, moment_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
-    add_blocks(K, 0, 3, moment, H)
+    add_turning(f, K, C, moment, 0.0, moment_rate, gradient, H, omega_0, omega_1)
     for i in range(5):
         add_col(K, 0, BORROWED + i, k * by[i], gradient[0])
         add_col(K, 3, BORROWED + i, k * by[i], gradient[1])
