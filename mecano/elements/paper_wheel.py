@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
-from mecano.constraints.ground import check_axle, ends, lean_of, normal_and_level
+from mecano.constraints.ground import check_axle, ends, lean_of, slope_below
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -58,8 +58,7 @@ def check(d, nodes):
 
 def sample(rng):
     """A wheel that leans on a slope."""
-    normal, level = normal_and_level(rng)
-    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+    ground, normal, level = slope_below(rng)
     return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 
 

@@ -21,7 +21,7 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, ends, lean_of, normal_and_level, touch
+from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, ends, lean_of, slope_below, touch
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
@@ -92,14 +92,11 @@ def sample(rng):
     """Wheels that lean on a slope and on waves, one level, one in the air."""
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     found = []
-    for profile, axle, unilateral, mode in (
+    for height, axle, unilateral, mode in (
         (None, "free", False, "contact"), (wave, "free", True, "contact"), (None, "level", False, "contact"),
         (wave, "free", True, "air"),
     ):  # fmt: skip
-        normal, level = normal_and_level(rng)
-        ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-        if profile:
-            ground["profile"] = {"direction": rng.normal(size=3), "height": profile}
+        ground, normal, level = slope_below(rng, height)
         values = {
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
