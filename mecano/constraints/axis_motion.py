@@ -1,6 +1,6 @@
 """What joints with an axis tell: the turning about it, the sliding along it, the reactions.
 
-Local unknowns x0, R0, x1, R1; the record has the axes mu and xi (pair.py) and, where it slides, the start.
+Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
 """
 
 from numba import njit

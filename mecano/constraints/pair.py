@@ -24,8 +24,12 @@ from mecano.maths.vec import mat, put, scale, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
-PAIR_RECORD = record(row=6, law=6, mu=(3, 3), xi=(3, 3), start=3)
-"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; axes, c."""
+AXES_FIELDS = {"mu": (3, 3), "xi": (3, 3), "start": 3}
+"""Of a record: axes mu and xi, constants c. What more it has stands before them: numba takes a record that begins as
+another one for the same."""
+AXES_RECORD = record(**AXES_FIELDS)
+PAIR_RECORD = record(row=6, law=6, **AXES_FIELDS)
+"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; the axes."""
 FIRST_ROW = 12
 AXIS_1 = Field(
     "axis_1", DIRECTION, "-",
@@ -150,8 +154,8 @@ def put_reactions(p, laws, q, v, R, y, i):
     put(y, i + 3, pair_moment(p, laws, q, v, R))
 
 
-def axis_place(d, nodes):
-    """{mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``."""
+def axis_place(d, nodes, context):
+    """{mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``: its ``prepare``."""
     return triads_together(nodes, triad(d["axis"], d["axis_1"]))
 
 

@@ -50,12 +50,12 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 
 def prepare(d, nodes, context):
     """Axes of both nodes, the start of b along those of a, what holds each axis."""
-    return pair_record(axis_place(d, nodes), HELD, d["compliance"], context)
+    return pair_record(axis_place(d, nodes, context), HELD, d["compliance"], context)
 
 
 def parts(d, nodes, context):
     """The axis of b stays parallel to that of a, and b in two planes of a; laws along the axis, friction."""
-    p, friction = axis_place(d, nodes), d["friction"]
+    p, friction = axis_place(d, nodes, context), d["friction"]
     parts = pair_parts(p, HELD, d["compliance"], context) + turning_parts(d, p, context) + sliding_parts(d, p, context)
     if friction:
         values = round_record(p["mu"][2], p["xi"][2], friction, context)

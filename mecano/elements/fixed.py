@@ -43,18 +43,18 @@ def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 3, mul(mat(R[0]), tmul(mat(p.mu), pair_moment(p, laws, q, v, R))))
 
 
-def _place(d, nodes):
-    return {**axis_place(d, nodes), "start": np.zeros(3)}
+def _place(d, nodes, context):
+    return {**axis_place(d, nodes, context), "start": np.zeros(3)}
 
 
 def prepare_held(d, nodes, context):
     """Axes of both nodes, and what holds each axis."""
-    return pair_record(_place(d, nodes), AXES, d["compliance"], context)
+    return pair_record(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
 def parts_held(d, nodes, context):
     """Six axes held."""
-    return pair_parts(_place(d, nodes), AXES, d["compliance"], context)
+    return pair_parts(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
 def variant(d):

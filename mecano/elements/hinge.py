@@ -38,6 +38,7 @@ from mecano.constraints.joint_frame import (
 )  # fmt: skip
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.pair import (
+    AXES_RECORD,
     AXIS_1,
     PAIR_RECORD,
     compliance_field,
@@ -48,11 +49,10 @@ from mecano.constraints.pair import (
     triads_together,
 )  # fmt: skip
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
-from mecano.contract import Kind, Part, nothing, record
+from mecano.contract import Kind, Part, nothing
 from mecano.maths.vec import mat, mul, put, scale, tmul, vec
 from mecano.schema import DIRECTION, Field
 
-RECORD = record(mu=(3, 3), xi=(3, 3))
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
 
 
@@ -71,33 +71,27 @@ def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_reactions(p, laws, q, v, R, y, 2)
 
 
-def _place(d, nodes):
+def prepare(d, nodes, context):
     """Axes of both nodes; those of b are mu_1, mu_2, mu_3 turned with the axis of a onto that of b."""
     mu = triad(d["axis"], d["axis_1"])
     axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
     return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
 
 
-def prepare(d, nodes, context):
-    """Axes of both nodes."""
-    place = _place(d, nodes)
-    return {"mu": place["mu"], "xi": place["xi"]}
-
-
 def prepare_held(d, nodes, context):
     """Axes of both nodes, and what holds each axis."""
-    return pair_record(_place(d, nodes), HELD, d["compliance"], context)
+    return pair_record(prepare(d, nodes, context), HELD, d["compliance"], context)
 
 
 def parts(d, nodes, context):
     """mu_1 and mu_2 perpendicular to xi_3; the law of the angle."""
-    p = _place(d, nodes)
+    p = prepare(d, nodes, context)
     return pair_parts(p, HELD[:2], None, context) + turning_parts(d, p, context) + angle_end_parts(d, p)
 
 
 def parts_held(d, nodes, context):
     """Five axes held, the law of the angle, friction."""
-    p, friction = _place(d, nodes), d["friction"]
+    p, friction = prepare(d, nodes, context), d["friction"]
     parts = pair_parts(p, HELD, d["compliance"], context) + turning_parts(d, p, context)
     if friction:
         values = hinge_friction_record(p["mu"][2], p["xi"][2], friction, context)
@@ -135,7 +129,7 @@ HINGE = Kind(
     name="hinge",
     section="joints",
     doc=__doc__,
-    dtype=RECORD,
+    dtype=AXES_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,

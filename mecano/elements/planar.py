@@ -16,15 +16,14 @@ from numba import njit
 from mecano.constraints.axis_motion import MOMENT, TURNING, follow_turning, put_turning
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
-from mecano.constraints.pair import AXIS_1, axis_place, pair_parts
+from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
 from mecano.constraints.slide import slide
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
-from mecano.contract import Kind, Output, record
+from mecano.contract import Kind, Output
 from mecano.maths.vec import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_axis")
-RECORD = record(mu=(3, 3), xi=(3, 3), start=3)
 
 
 @njit
@@ -38,14 +37,9 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 9, (-q[13], q[12], 0.0))
 
 
-def prepare(d, nodes, context):
-    """Axes of both nodes and the start of b along those of a."""
-    return axis_place(d, nodes)
-
-
 def parts(d, nodes, context):
     """The normal of b stays parallel to that of a, and b in the plane; the law of the angle."""
-    p = prepare(d, nodes, context)
+    p = axis_place(d, nodes, context)
     return pair_parts(p, HELD, None, context) + turning_parts(d, p, context)
 
 
@@ -60,7 +54,7 @@ PLANAR = Kind(
     name="planar",
     section="joints",
     doc=__doc__,
-    dtype=RECORD,
+    dtype=AXES_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,
@@ -77,7 +71,7 @@ PLANAR = Kind(
     ),
     optional=(("turning_law", TWIST_LAW, ""),),
     memory=("angle",),
-    prepare=prepare,
+    prepare=axis_place,
     parts=parts,
     check=not_across,
     observe=observe,

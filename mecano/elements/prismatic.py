@@ -24,6 +24,7 @@ from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped, not_parallel, one_rotation
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
 from mecano.constraints.pair import (
+    AXES_RECORD,
     AXIS_1,
     PAIR_RECORD,
     axis_place,
@@ -35,12 +36,11 @@ from mecano.constraints.pair import (
 )  # fmt: skip
 from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
-from mecano.contract import Kind, Part, nothing, record
+from mecano.contract import Kind, Part, nothing
 from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import DIRECTION, NUMBER, Field, positive
 
 HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
-RECORD = record(mu=(3, 3), start=3)
 
 
 @njit
@@ -58,26 +58,20 @@ def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_reactions(p, laws, q, v, R, y, 2)
 
 
-def prepare(d, nodes, context):
-    """Axes carried by a and the start of b along them."""
-    place = axis_place(d, nodes)
-    return {"mu": place["mu"], "start": place["start"]}
-
-
 def prepare_held(d, nodes, context):
     """Axes of both nodes, and what holds each axis."""
-    return pair_record(axis_place(d, nodes), HELD, d["compliance"], context)
+    return pair_record(axis_place(d, nodes, context), HELD, d["compliance"], context)
 
 
 def parts(d, nodes, context):
     """b stays in two planes of a; the law along the axis."""
-    p = axis_place(d, nodes)
+    p = axis_place(d, nodes, context)
     return pair_parts(p, HELD[3:], None, context) + sliding_parts(d, p, context) + slide_end_parts(d, p)
 
 
 def parts_held(d, nodes, context):
     """Five axes held, the law along the sixth, friction."""
-    p, friction = axis_place(d, nodes), d["friction"]
+    p, friction = axis_place(d, nodes, context), d["friction"]
     parts = pair_parts(p, HELD, d["compliance"], context) + sliding_parts(d, p, context)
     if friction:
         values = keyed_record(p["mu"][2], friction, context)
@@ -112,7 +106,7 @@ PRISMATIC = Kind(
     name="prismatic",
     section="joints",
     doc=__doc__,
-    dtype=RECORD,
+    dtype=AXES_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,
@@ -141,7 +135,7 @@ PRISMATIC = Kind(
         ("friction", KEYED_FRICTION, ""),
         *law_outputs("compliance", HELD),
     ),
-    prepare=prepare,
+    prepare=axis_place,
     shares=one_rotation,
     parts=parts,
     variant=variant,

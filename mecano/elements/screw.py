@@ -21,7 +21,7 @@ from mecano.constraints.carried import follow
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import not_across, not_flipped
 from mecano.constraints.joint_samples import SLIDE_ENDS, SPRUNG, two_places
-from mecano.constraints.pair import AXIS_1, axis_place, pair_parts
+from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Part, record
@@ -29,7 +29,7 @@ from mecano.maths.vec import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2")
-RECORD = record(mu=(3, 3), xi=(3, 3), start=3, travel=())
+RECORD = record(travel=(), **AXES_FIELDS)
 
 
 @njit
@@ -44,7 +44,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 
 def prepare(d, nodes, context):
     """Axes of both nodes, the start of b along those of a, the travel per radian."""
-    return {**axis_place(d, nodes), "travel": d["pitch"] / (2.0 * math.pi)}
+    return {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)}
 
 
 def parts(d, nodes, context):
