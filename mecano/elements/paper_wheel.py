@@ -31,8 +31,8 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     axis = mul(Rn, vec(p.axis, 0))
     g = disc_contact(n, ZERO, p.radius, axis)
     frame, arm = (n, *directions(axis, g)), scale(-p.radius, n)
-    spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[HEIGHT], q[DRIVING], q[LATERAL], frame, p.radius, arm, spin, lean_of(g))
+    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[HEIGHT], q[DRIVING], q[LATERAL])
+    put_outputs(y, q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
 
 
 def prepare(d, nodes, context):

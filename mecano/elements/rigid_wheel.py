@@ -49,9 +49,10 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     axis = mul(Rn, vec(p.axis, 0))
     g = touch(p, laws, vec(q, 0), axis)
     along, across = directions(axis, g)
-    arm = scale(p.radius if mode == AIR else g.r, g.c)
-    spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin, lean_of(g))
+    radius = p.radius if mode == AIR else g.r
+    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[RADIAL] / g.q, q[DRIVING], q[LATERAL])
+    arm, height = scale(radius, g.c), g.r * g.q
+    put_outputs(y, q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
 
 
 @njit
