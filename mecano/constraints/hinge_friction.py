@@ -15,6 +15,7 @@ from mecano.constraints.carried import relative_rotation, turning_rate, twist_cu
 from mecano.constraints.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
+    FRICTION_MOMENT,
     FRICTION_RECORD,
     NORMAL_FORCE,
     PADS,
@@ -24,7 +25,7 @@ from mecano.constraints.friction import (
     friction_record,
     pads,
 )  # fmt: skip
-from mecano.contract import Kind, Output, record
+from mecano.contract import Kind, record
 from mecano.maths.vec import add_col, mat, vec
 
 RECORD = record(mu=3, xi=3, radius=(), collar_radius=(), **FRICTION_RECORD)
@@ -82,11 +83,7 @@ HINGE_FRICTION = Kind(
     dtype=RECORD,
     layout=("R0", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS),
-    outputs=(
-        Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate"),
-        NORMAL_FORCE,
-        POWER,
-    ),
+    outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
     force=force,
     observe=observe,
 )

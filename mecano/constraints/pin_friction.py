@@ -14,9 +14,18 @@ from numba import njit
 
 from mecano.constraints.axis_law import add_turning
 from mecano.constraints.carried import product_gradient, relative_rotation, turning_rate
-from mecano.constraints.friction import FRICTION_RECORD, NORMAL_FORCE, POWER, REGULARIZED, drag, friction_record, pads
+from mecano.constraints.friction import (
+    FRICTION_MOMENT,
+    FRICTION_RECORD,
+    NORMAL_FORCE,
+    POWER,
+    REGULARIZED,
+    drag,
+    friction_record,
+    pads,
+)  # fmt: skip
 from mecano.constraints.pin_angle import pin_curvature, pin_gradient
-from mecano.contract import Kind, Output, Row, record
+from mecano.contract import Kind, Row, record
 from mecano.maths.vec import add, add_col, add_mat, cross, dot, mat, mul, outer, scale, tmul, vec
 
 RECORD = record(mu=(3, 3), xi=3, radius=(), **FRICTION_RECORD)
@@ -82,11 +91,7 @@ PIN_FRICTION = Kind(
         Row("moment that keeps the pins perpendicular", "N m", "rad"),
         *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     ),
-    outputs=(
-        Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle"),
-        NORMAL_FORCE,
-        POWER,
-    ),
+    outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
     force=force,
     observe=observe,
 )

@@ -15,26 +15,13 @@ from typing import NamedTuple
 from numba import njit
 
 from mecano.constraints.augmented import let_go
-from mecano.constraints.ground import GROUND_RECORD, ends
+from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import NO_MATRIX, PSI, Y, by_positions, by_velocities, patch, patch_column
-from mecano.contract import Event, Kind, Row, record
+from mecano.contract import Event
 from mecano.elements.lateral_force import relax
-from mecano.elements.lateral_law import LATERAL_RECORD
 from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
-from mecano.elements.patch_wheel import (
-    FIELDS,
-    OUTPUTS,
-    SCALARS,
-    check,
-    event_values,
-    limits,
-    prepare,
-    put_patch,
-    sample,
-    start,
-)
-from mecano.elements.tire_law import TIRE_RECORD
-from mecano.elements.tire_wheel import AIR, CONTACT, LIFT_OFF, MODES
+from mecano.elements.patch_wheel import patch_wheel, put_patch
+from mecano.elements.tire_wheel import AIR, CONTACT, LIFT_OFF
 from mecano.maths.surface import Block, directions, directions_variation
 from mecano.maths.vec import (
     ZERO,
@@ -153,27 +140,13 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_patch(p, laws, mode == CONTACT, k, q, v, load.radial, reaction, grip, 0.0, load.law, y, e)
 
 
-ADHESIVE_WHEEL = Kind(
-    name="adhesive_wheel",
-    section="elements",
-    doc=__doc__,
-    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
-    layout=("x0", "R0"),
-    scalars=SCALARS,
-    relaxing=("psi", "bow"),
-    multipliers=(Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s")),
-    fields=FIELDS,
-    outputs=OUTPUTS,
-    modes=MODES,
+ADHESIVE_WHEEL = patch_wheel(
+    "adhesive_wheel",
+    __doc__,
+    ("psi", "bow"),
+    force,
+    observe,
     events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock"), LIFT_OFF),
-    prepare=prepare,
-    start=start,
-    check=check,
-    limits=limits,
-    ends=ends,
-    force=force,
+    multipliers=ROWS,
     levels=levels,
-    observe=observe,
-    event_values=event_values,
-    sample=sample,
 )

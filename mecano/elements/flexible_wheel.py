@@ -27,26 +27,12 @@ from typing import NamedTuple
 
 from numba import njit
 
-from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.constraints.tire_patch import Y, patch
-from mecano.contract import Kind, record
 from mecano.elements.lateral_force import relax
-from mecano.elements.lateral_law import LATERAL_RECORD
 from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
-from mecano.elements.patch_wheel import (
-    FIELDS,
-    OUTPUTS,
-    SCALARS,
-    check,
-    event_values,
-    limits,
-    prepare,
-    put_patch,
-    sample,
-    start,
-)
-from mecano.elements.tire_law import TIRE_RECORD, gripping
-from mecano.elements.tire_wheel import AIR, CONTACT, EVENTS, MODES
+from mecano.elements.patch_wheel import SCALARS, patch_wheel, put_patch
+from mecano.elements.tire_law import gripping
+from mecano.elements.tire_wheel import AIR, CONTACT
 from mecano.maths.vec import ZERO, add, dot, madd, mat, mscale, norm, outer, scale, tmul
 
 
@@ -106,25 +92,4 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_patch(p, laws, mode == CONTACT, k, q, v, load.radial, on_wheel, slip.grip, lost, load.law, y, e)
 
 
-FLEXIBLE_WHEEL = Kind(
-    name="flexible_wheel",
-    section="elements",
-    doc=__doc__,
-    dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
-    layout=("x0", "R0"),
-    scalars=SCALARS,
-    relaxing=SCALARS,
-    fields=FIELDS,
-    outputs=OUTPUTS,
-    modes=MODES,
-    events=EVENTS,
-    prepare=prepare,
-    start=start,
-    check=check,
-    limits=limits,
-    ends=ends,
-    force=force,
-    observe=observe,
-    event_values=event_values,
-    sample=sample,
-)
+FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, force, observe)

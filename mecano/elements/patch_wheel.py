@@ -2,14 +2,24 @@
 
 from numba import njit
 
-from mecano.constraints.ground import touch
+from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import PSI, Y
-from mecano.contract import Output
+from mecano.contract import Kind, Output, record
 from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
-from mecano.elements.lateral_law import FORMS, check_lateral, prepare_lateral
+from mecano.elements.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral
+from mecano.elements.tire_law import TIRE_RECORD
+from mecano.elements.tire_wheel import (
+    EVENTS,
+    MODES,
+    Grip,
+    check_wheel,
+    large_wheel,
+    prepare_wheel,
+    put_tire,
+    range_of_law,
+)
 from mecano.elements.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.tire_wheel import OUTPUTS as TIRE_OUTPUTS
-from mecano.elements.tire_wheel import Grip, check_wheel, large_wheel, prepare_wheel, put_tire, range_of_law
 from mecano.maths.vec import add, dot, mat, mul, put, scale, sub, vec
 from mecano.schema import NUMBER, Field, mapping
 
@@ -127,3 +137,30 @@ def sample(rng):
         (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
     )  # fmt: skip
     return [_sample(rng, *case) for case in cases]
+
+
+def patch_wheel(name, doc, relaxing, force, observe, events=EVENTS, **constraints):
+    """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
+    return Kind(
+        name=name,
+        section="elements",
+        doc=doc,
+        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+        layout=("x0", "R0"),
+        scalars=SCALARS,
+        relaxing=relaxing,
+        fields=FIELDS,
+        outputs=OUTPUTS,
+        modes=MODES,
+        events=events,
+        prepare=prepare,
+        start=start,
+        check=check,
+        limits=limits,
+        ends=ends,
+        force=force,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+        **constraints,
+    )
