@@ -101,5 +101,8 @@ def check_friction(d):
     if curve_at(d["friction"]["coefficient"], 0.0)[0] < 0.0:
         texts.append("'friction' needs a coefficient that is not negative")
     if d.get("compliance"):
-        texts.append("'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'")
+        texts.append(
+            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that to "
+            "a second joint, with a node between both"
+        )
     return texts
