@@ -102,7 +102,7 @@ def check_friction(d):
         texts.append("'friction' needs a coefficient that is not negative")
     if d.get("compliance"):
         texts.append(
-            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that to "
-            "a second joint, with a node between both"
+            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that "
+            "to a second joint, with a node between both"
         )
     return texts
