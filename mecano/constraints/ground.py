@@ -156,3 +156,13 @@ def normal_and_level(rng):
     normal /= np.linalg.norm(normal)
     level = np.cross(normal, rng.normal(size=3))
     return normal, level / np.linalg.norm(level)
+
+
+def slope_below(rng, height=None):
+    """For samples: a checked ground 8 m below the origin, its unit normal, a unit direction across that.
+
+    ``height`` is the law of its profile, if it has one.
+    """
+    normal, level = normal_and_level(rng)
+    profile = None if height is None else {"direction": rng.normal(size=3), "height": height}
+    return {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": profile}, normal, level

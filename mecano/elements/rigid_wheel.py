@@ -35,7 +35,7 @@ from mecano.constraints.ground import (
     check_ground,
     ends,
     lean_of,
-    normal_and_level,
+    slope_below,
     touch,
 )
 from mecano.constraints.level_axis import LEVEL_AXIS
@@ -67,9 +67,10 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     axis = mul(Rn, vec(p.axis, 0))
     g = touch(p, laws, vec(q, 0), axis)
     along, across = directions(axis, g)
-    arm = scale(p.radius if mode == AIR else g.r, g.c)
-    spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin, lean_of(g))
+    radius = p.radius if mode == AIR else g.r
+    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[RADIAL] / g.q, q[DRIVING], q[LATERAL])
+    arm, height = scale(radius, g.c), g.r * g.q
+    put_outputs(y, q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
 
 
 @njit
@@ -137,14 +138,11 @@ def sample(rng):
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     waves = (*wave, ("bump", {"start": -2.0, "length": 9.0, "height": 0.1}))
     found = []
-    for profile, axle, unilateral, mode in (
+    for height, axle, unilateral, mode in (
         (None, "free", False, "contact"), (waves, "free", True, "contact"), (None, "level", False, "contact"),
         (wave, "free", True, "air"),
     ):  # fmt: skip
-        normal, level = normal_and_level(rng)
-        ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-        if profile:
-            ground["profile"] = {"direction": rng.normal(size=3), "height": profile}
+        ground, normal, level = slope_below(rng, height)
         values = {
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
