@@ -11,8 +11,9 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.seal import block_sums, seal_file, seal_of
+from mecano.results.seal import seal_file
 from mecano.results.table import describe, name_axes
+from mecano.results.verify import compared
 from mecano.results.whole_file import appearing
 
 GROUP = "VTKHDF"
@@ -101,12 +102,10 @@ def add_grid(path, grid, *, force=False):
 def _is_sealed(path):
     """True when a file has the sums by which its bytes are checked; ResultsError when they have changed."""
     with open(path, "rb") as raw:
-        sums = seal_of(raw.fileno())
-        if sums is None:
-            return False
-        if not sums.whole or np.any(block_sums(raw.fileno(), sums.covered) != sums.sums):
-            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
-    return True
+        seal, changed = compared(path, raw.fileno())
+    if seal is not None and (not seal.whole or len(changed)):
+        raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
+    return seal is not None
 
 
 def _write_cells(group, grid):
