@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from marching import INPUTS
-from process import COMMAND, mecano_process
+from process import COMMAND, mecano_process, settings
 
 from mecano.cli import commands
 from mecano.deck.format import deck_error_text
@@ -328,3 +328,14 @@ def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
     assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
+
+
+@pytest.mark.slow
+def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
+    """Of a deck that it does not contain; some 6 minutes of processor time."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    subprocess.run([*COMMAND, "warmup"], env=environment, check=True)
+    before = sorted((tmp_path / "cache").rglob("*.nb?"))
+    deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
+    subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
+    assert len(before) > 500 and sorted((tmp_path / "cache").rglob("*.nb?")) == before
