@@ -1,5 +1,6 @@
 """One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
 
+from functools import partial
 from pathlib import Path
 
 from mecano.errors import ConvergenceError
@@ -78,7 +79,8 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     note = left.note(start.motion.t)
     announce(note)
     source = _source(deck, left.automatic, left.model, [*left.remarks, note])
-    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=left.copy_to) as writer:
+    begin = partial(left.copy_to, interruption=interruption)
+    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.go_on(start, saved)
         march.pause = Keeper(march, recorder, interruption, interval)

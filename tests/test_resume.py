@@ -160,6 +160,23 @@ class TestTheCheckpoint:
             resume(deck, path)
         assert path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
 
+    def test_a_limit_that_leaves_no_time_for_a_step_is_refused(self, left):
+        """Exit code 75 would let a batch system try the same for ever."""
+        deck, path = left
+        before = path.read_bytes()
+        with pytest.raises(UsageError, match=r"too short: taking up .*r\.h5 \(.* MB\), and closing .* about .* s"):
+            resume(deck, path, interruption=Interruption(limit=1e-3))
+        assert path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+
+    def test_a_signal_while_the_file_is_taken_up_leaves_it_as_it_was(self, left):
+        deck, path = left
+        before, asked = path.read_bytes(), Interruption()
+        with asked.postponed():
+            asked._ask(signal.SIGUSR1, None)
+        with pytest.raises(Stopped, match="by SIGUSR1 while taking up .*the file is as it was") as stop:
+            resume(deck, path, interruption=asked)
+        assert stop.value.exit_code == 75 and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+
     def test_a_file_without_one_begins_again(self, tmp_path):
         deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
         assert stopped(deck, path, 150)
@@ -383,6 +400,12 @@ class TestInterruption:
         now = time.monotonic()
         assert not interruption.wanted(now) and not interruption.wanted(now + 4e5)
         assert interruption.wanted(now + 6.5e5)
+
+    def test_time_is_left_for_a_large_file_to_be_closed(self):
+        interruption = Interruption(100.0)
+        now = time.monotonic()
+        left = interruption._deadline - now
+        assert not interruption.wanted(now) and interruption.wanted(now, ending=left + 1.0)
 
 
 class TestVerify:
