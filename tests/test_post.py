@@ -397,6 +397,11 @@ class TestInfo:
         assert "Events: 2" in text and "0.5 s  wheel 'one_wheel'  touch down  (air -> contact)" in text
         assert f"mecano {mecano.__version__}" in text and "joints, hinge: one_hinge: angle, rate, force, moment" in text
 
+    def test_times_say_of_which_clock_they_are(self, path, runs):
+        text, data = " ".join(info(path).split()), runs[0].results.metadata
+        assert f"{data['wall_time']:.2f} s by the clock for the march" in text
+        assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
+
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))
         text = info(every_kind.write(tmp_path / "many.h5", events=events))

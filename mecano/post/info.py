@@ -54,7 +54,8 @@ def facts(results):
         ("saved", _saved(results)),
         (
             "time spent",
-            f"{data['processor_time']:.2f} s of the processor with compiling, {data['wall_time']:.2f} s for the march",
+            f"{data['wall_time']:.2f} s by the clock for the march; {data['processor_time']:.2f} s of CPU time for the "
+            "whole process, its start and compiling included",
         ),
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
