@@ -3,7 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, ResultsError
 from mecano.interrupt import Interruption
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
@@ -27,7 +27,7 @@ def run(
     Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
     start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
-    refuse_existing(path, force)
+    _refuse_existing(path, force)
     prepared = prepare(deck)
     found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -42,6 +42,26 @@ def run(
         recorder.first(start)
         march.pause = Keeper(march, recorder, interruption, interval)
         return _to_the_end(deck, start, march, recorder, observers, announce)
+
+
+def _refuse_existing(path, force):
+    """As ``refuse_existing``, with another way where the file can be gone on with."""
+    try:
+        refuse_existing(path, force)
+    except ResultsError as error:
+        if _resumable(path):
+            raise ResultsError(f"{error}, or --resume to go on with it") from None
+        raise
+
+
+def _resumable(path):
+    from mecano.results.reader import open_results  # for which only this should wait
+
+    try:
+        with open_results(path) as results:
+            return results.resumable
+    except ResultsError:
+        return False
 
 
 def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
@@ -78,10 +98,10 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     layout = layout_of(sampler)
     left.check_layout(layout)
     note = left.note(start.motion.t)
-    announce(note)
     source = _source(deck, left.automatic, left.model, [*left.remarks, note])
     begin = partial(left.copy_to, interruption=interruption)
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
+        announce(note)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.go_on(start, saved)
         march.pause = Keeper(march, recorder, interruption, interval)

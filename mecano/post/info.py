@@ -1,6 +1,7 @@
 """What is in a results file and how the run went, as text."""
 
 import math
+import shlex
 from textwrap import wrap
 
 import numpy as np
@@ -10,10 +11,12 @@ from mecano.post.happenings import groups
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.results.reader import open_results
+from mecano.results.writer import WRITING
 
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
+RESUME = "--resume"
 ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
@@ -69,10 +72,21 @@ def facts(results):
 
 def _run(results):
     lines = [str(results.path)]
-    for label, text in [*facts(results), *(("remark", text) for text in results.remarks), ("status", _status(results))]:
+    remarks = [("remark", text) for text in results.remarks]
+    for label, text in [*facts(results), *remarks, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
-    return lines
+    return [*lines, *(f"  {'go on with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped
+
+
+def _going_on(results):
+    """The command that takes up a run again that ended early, unless its reason says it or it would fail once more."""
+    status, reason = results.status, results.reason
+    again = status != "failed" or reason.startswith(WRITING)
+    if again and results.resumable and RESUME not in reason:
+        deck, overrides = results.metadata["deck_path"] or "DECK", results.metadata["overrides"]
+        settings = [word for text in overrides for word in ("--set", text)]
+        yield shlex.join(["mecano", "run", deck, *settings, "-o", str(results.path), RESUME])
 
 
 def _automatic(results):

@@ -26,6 +26,8 @@ STATUSES = ("running", "complete", "stopped", "failed")
 MOST_VIEWS = 3000
 """Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
 _EXISTS = "{} exists already; give another name, or --force to replace it"
+WRITING = "writing failed"
+"""How the reason begins when the disk took no more."""
 _TEXT_LENGTHS = {"status": 16, "reason": 8000}
 _CLOSING = 2e-9
 """s for a byte of a file that is closed: 0.7e-9 for its sums, measured, the rest for what the disk has not got yet."""
@@ -280,7 +282,7 @@ class Writer:
         cause = self._disk.error
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
-        self._end("failed", f"writing failed: {cause.strerror}")
+        self._end("failed", f"{WRITING}: {cause.strerror}")
         raise ResultsError(f"cannot write {self.path}: {cause.strerror}; {safe} are in it") from cause
 
     def close(self, status="complete", reason=""):
