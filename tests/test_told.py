@@ -215,6 +215,17 @@ def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
     assert f" mass {mass} kg " in said and loose in said
 
 
+def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
+    """Three points on four rods have no loops: many unknowns keep what moves from being named, not counted."""
+    monkeypatch.setattr("mecano.solve.analysis.DENSE_ROWS", 2)
+    chain, four_bar = input_deck("hanging_chain"), input_deck("four_bar")
+    said = summary(chain)
+    assert "mobility         5\n  what can move is not named where there are more than" in said and "loops" not in said
+    assert remarks(prepare(chain)) == []
+    assert "not computed: more than 3000 constraints stand in closed loops" in summary(four_bar)
+    assert "constraints stand in closed loops: which of them are redundant" in remarks(prepare(four_bar))[0]
+
+
 def test_check_names_the_first_of_many_mechanisms():
     deck = input_deck("reflector")
     short, long = summary(deck), summary(deck, every=True)
