@@ -21,6 +21,7 @@ from mecano.post.quantity import find
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.sheet import Curve, EventMark, Panel
+from mecano.post.wire import wire_figure
 from mecano.results.extremes import Extremes
 
 
@@ -313,6 +314,12 @@ def test_columns_of_several_files_of_different_length(path, tmp_path, monkeypatc
         f"{run}: {name}" for run in ("each", "short") for name in ("time [s]", "joints.one_hinge.angle [rad]")
     ]
     assert len(rows) == 41 and all(rows[10]) and rows[11][2:] == ["", ""] and all(rows[11][:2])
+
+
+def test_configurations_say_their_times_where_others_were_asked_for(runs):
+    """A file has its times every 0.05 s."""
+    titles = [ax.get_title() for ax in wire_figure(runs[0], [0.5, 0.51, 9.0], "").axes]
+    assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
 
 
 def test_the_same_numbers_give_the_same_picture(path, tmp_path):
