@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import every_kind
+import matplotlib
 import matplotlib.image
 import numpy as np
 import pytest
@@ -441,22 +442,56 @@ def test_a_file_without_saved_times(tmp_path, monkeypatch):
     assert "nothing yet" in info(path) and "no step" in info(path)
 
 
+def with_overrides(folder, given):
+    """Results, opened, of runs with so many overrides each."""
+    return [
+        mecano.open_results(every_kind.write(folder / f"{i}.h5", overrides=overrides, kinds={}))
+        for i, overrides in enumerate(given)
+    ]
+
+
 def test_labels_are_the_values_that_differ(tmp_path):
     """Of one deck: what the overrides set, or the deck where there is none; equal numbers written otherwise are one."""
     given = [(), ("parameters.wave=0.50", "nodes.tip.fixed=true"), ("parameters.wave=5e-1", "nodes.tip.fixed=false")]
-    opened = [
-        mecano.open_results(every_kind.write(tmp_path / f"{i}.h5", overrides=overrides, kinds={}))
-        for i, overrides in enumerate(given)
-    ]
+    opened = with_overrides(tmp_path, given)
     both = [("0.4", "false"), ("0.5", "true"), ("0.5", "false")]
     assert labels(opened) == [f"wave = {wave}, tip.fixed = {fixed}" for wave, fixed in both]
     assert labels(opened[1:]) == ["tip.fixed = true", "tip.fixed = false"]
 
 
-def test_labels_of_different_decks_are_their_parameters(tmp_path, monkeypatch):
-    files = []
-    for i, wave in enumerate((0.4, 0.7)):
-        monkeypatch.setitem(every_kind.DECK, "parameters", {"wave": wave, "same": 1.0})
-        monkeypatch.setattr(every_kind, "DECK_TEXT", f"wave: {wave}\n")
-        files.append(every_kind.write(tmp_path / f"{i}.h5", kinds={}))
-    assert labels([mecano.open_results(file) for file in files]) == ["wave = 0.4", "wave = 0.7"]
+def test_no_label_is_empty(tmp_path):
+    """A run without what the other one sets, an optional field for example."""
+    given = [(), ("time.adaptive={tolerance: 1e-3}",)]
+    assert labels(with_overrides(tmp_path, given)) == ["no time.adaptive", "time.adaptive = {tolerance: 1e-3}"]
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (["title=One;parameters.wave={height: 0.4}", "title=Two;nodes.tip.fixed=true"], ["false", "true"]),
+        (["nodes.tip.fixed=" + "a" * 90, "nodes.tip.fixed=" + "b" * 90], ["a" * 64 + " ...", "b" * 64 + " ..."]),
+    ],
+)
+def test_labels_are_short(tmp_path, monkeypatch, given, expected):
+    """Of a mapping what differs in it; no titles; and no more than 80 characters."""
+    monkeypatch.setitem(every_kind.DECK, "parameters", {"wave": {"height": 0.4, "length": 2.0}})
+    opened = with_overrides(tmp_path, [text.split(";") for text in given])
+    assert labels(opened) == [f"tip.fixed = {value}" for value in expected]
+
+
+def test_labels_that_are_alike_when_cut_are_names_of_files(tmp_path):
+    given = [("nodes.tip.fixed=" + "a" * length,) for length in (90, 91)]
+    assert labels(with_overrides(tmp_path, given)) == ["0", "1"]
+
+
+@pytest.mark.parametrize(("title", "ends"), [("short", "short"), ("long one " * 11, "one "), ("endless " * 30, " ...")])
+def test_titles_fit_their_pictures(title, ends):
+    """A long one is written smaller, a very long one cut; 8 inches have room for some 70 bold letters of 12 points."""
+    with matplotlib.rc_context(style.SETTINGS):
+        drawn = figure.plain_figure(8.0, 3.0, title, "heading " * 40)
+        drawn.draw_without_rendering()
+    head, below = drawn.texts
+    assert head.get_text() == f"{title}\n" or len(title) > 100
+    assert head.get_text().endswith(f"{ends}\n") and below.get_text().endswith(" ...")
+    assert (head.get_fontsize() == 12) == (len(title) < 70) and 8 <= head.get_fontsize() <= 12
+    assert max(text.get_window_extent().x1 for text in drawn.texts) <= 8.0 * drawn.dpi
