@@ -14,6 +14,7 @@ import mecano
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import draw_panel, figure, plans, sheets, style
+from mecano.post.extremes import telling
 from mecano.post.info import info
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
@@ -24,6 +25,7 @@ from mecano.post.runs import labels, open_runs
 from mecano.post.sheet import Curve, EventMark, Panel
 from mecano.post.wire import wire_figure
 from mecano.results.extremes import Extremes
+from mecano.results.reader import Extreme
 
 
 @pytest.fixture(scope="module")
@@ -413,7 +415,10 @@ class TestInfo:
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))
         text = info(every_kind.write(tmp_path / "many.h5", events=events))
-        assert "Events: 30, the first 20" in text and "event 19" in text and "event 20" not in text
+        assert "Events: 30; the first 20 lines, mecano info" in text and "event 19" in text and "event 20" not in text
+        together = tuple((0.1, "same") for _ in range(3)) + tuple((0.2 + 0.01 * i, f"event_{i}") for i in range(27))
+        text = info(every_kind.write(tmp_path / "together.h5", events=together))
+        assert "Events: 30, those that are alike at one instant in one of 28 lines; the first 20 lines, mecano" in text
 
     def test_extremes(self, path, runs):
         extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
@@ -422,6 +427,19 @@ class TestInfo:
         assert (name, unit) == ("elements.one_wheel.radial_force", "N")
         expected = [extreme.minimum, extreme.minimum_time, extreme.maximum, extreme.maximum_time]
         assert [float(x) for x in numbers] == pytest.approx(expected, rel=1e-4)
+
+    def test_extremes_without_zeros_and_rounding(self):
+        """Below 1e-10 of the largest of a unit; not a number is told, and nodes are left out."""
+        values = {
+            "a/f": (-9.0, 2.0, "N"),
+            "a/g": (0.0, 8e-10, "N"),
+            "a/u": (0.0, 8e-10, "m"),
+            "a/zero": (0.0, 0.0, "J"),
+            "a/bad": (math.nan, math.nan, "Pa"),
+            "nodes/p/position.x": (0.0, 5.0, "m"),
+        }
+        extremes = {path: Extreme(high, 1.0, low, 2.0, unit) for path, (low, high, unit) in values.items()}
+        assert [name for name, _ in telling(extremes)] == ["a.f", "a.u", "a.bad"]
 
     def test_names(self, tmp_path):
         path = every_kind.write(tmp_path / "all.h5", kinds=KINDS)

@@ -7,6 +7,7 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.errors import UnknownNameError
+from mecano.post.extremes import named, telling
 from mecano.post.happenings import groups
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
@@ -169,8 +170,10 @@ def _events(results, every):
         return ["Events: none"]
     shown = found if every else found[:MOST_EVENTS]
     lines = [f"Events: {len(results.events)}"]
+    if len(found) < len(results.events):
+        lines[0] += f", those that are alike at one instant in one of {len(found)} lines"
     if len(shown) < len(found):
-        lines[0] += f", the first {sum(len(group.events) for group in shown)}; mecano info FILE --events lists all"
+        lines[0] += f"; the first {len(shown)} lines, mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
         lines[0] += f"; {sum(group.lost for group in found):.6g} J lost in shocks"
     width = max(len(group.title) for group in shown)
@@ -203,15 +206,11 @@ def _names(results, pattern):
 
 
 def _extremes(results, paths=None, most=MOST_EXTREMES):
-    """The table of extremes; without ``paths`` of all but the nodes, as far as they are not zero throughout."""
-    chosen = results.names() if paths is None else paths
-    chosen = {path for path in chosen if paths is not None or not path.startswith("nodes/")}
-    rows = [
-        (name.replace("/", "."), extreme)
-        for name, extreme in results.extremes.items()
-        if (name in chosen or name.rpartition(".")[0] in chosen)
-        and (paths is not None or extreme.minimum or extreme.maximum)
-    ]
+    """The table of extremes: of ``paths``, or of the run as a whole."""
+    rows = telling(results.extremes)
+    if paths is not None:
+        chosen = set(paths)
+        rows = [(named(x), e) for x, e in results.extremes.items() if x in chosen or x.rpartition(".")[0] in chosen]
     if not rows or not len(results.time):
         return ["Extremes: none"]
     shown = rows if len(rows) <= most else rows[:most]
@@ -221,7 +220,7 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")
     if paths is None:
-        lines.append("  without positions of nodes and what is zero throughout")
+        lines.append("  without nodes, and without what is zero or rounding beside others of its unit")
     return lines
 
 
