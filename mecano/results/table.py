@@ -18,6 +18,7 @@ CHUNK_NUMBERS = 8192  # 64 KB
 BLOCK_NUMBERS = 2**17  # 1 MB
 _TEXT_DTYPE = h5py.string_dtype()
 _TEXT = h5t.py_create(_TEXT_DTYPE, logical=True)
+_REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
 def chunk_shape(width):
@@ -41,7 +42,7 @@ def name_axes(dataset, *scales):
     references = np.empty(len(scales), dtype=object)
     for i, scale in enumerate(scales):
         references[i] = np.array([scale.ref], dtype=h5py.ref_dtype)
-    dataset.attrs.create("DIMENSION_LIST", references, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    h5a.create(dataset.id, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(references.shape)).write(references)
 
 
 class Axes:
