@@ -7,7 +7,7 @@ joint (inertial multipliers), the multiplier m of :math:`\mu_3 \cdot \xi = 0` an
 
 .. math::  M = r\,N\,\mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v, \qquad v = r\dot\theta
 
-acts against the angle of the pin (pin_angle.py).
+acts against the angle of the pin.
 """
 
 from numba import njit

@@ -1,4 +1,4 @@
-"""Pin law: a moment from a law of the angle of a pin about an axis, followed over whole turns (see pin_angle.py)."""
+"""Pin law: a moment from a law of the angle of a pin about an axis, followed over whole turns."""
 
 from numba import njit
 

@@ -10,7 +10,7 @@ A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of whi
     B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
     B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
 
-and ``anti_skid`` lets the brake go while the slip ratio of the ``wheel`` is large (brake_bound.py). The smaller of T
+and ``anti_skid`` lets the brake go while the slip ratio of the ``wheel`` is large. The smaller of T
 and B is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A
 stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 """

@@ -8,7 +8,7 @@ hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced 
     normal force         N = F_r(w, dw/dt)/q
     patch velocity       v_C = (I - n n^T)[v + Q (omega x rho) - Q a dy/dt] - dpsi/dt y (n x a)
     friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|
-    tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}            lateral_law.py
+    tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}
 
 A third one, the bow of the contact line, has an equation X = 0 of its own, trivial but for the tyre law of a string.
 v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling

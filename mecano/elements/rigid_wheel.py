@@ -1,6 +1,6 @@
 r"""Rigid wheel that rolls without slip, exact at any inclination and on any smooth ground.
 
-With the axis a = R a0, the contact C = x + r c, its normal n and q = |n - (n.a) a| of surface.py, and the velocity
+With the axis a = R a0, the contact C = x + r c, its normal n and q = |n - (n.a) a|, and the velocity
 u = v + omega x r c of the wheel at C:
 
     r - radius = 0                   it touches the ground; on a plane (18), (x - P).n - radius q = 0

@@ -1,9 +1,9 @@
 r"""Torsion spring-damper: a moment about an axis, from a law of the relative angle of two nodes and its rate.
 
 Both nodes carry the axis; the angle is the hinge angle where a hinge keeps it common, and else the twist, the part of
-the relative rotation that is left when the smallest rotation that turns the axis of a into that of b is taken off
-(mecano/constraints/twist_law.py). It is followed over whole turns. M > 0 turns the nodes back against a positive angle,
-as N > 0 of a spring pulls its ends together:
+the relative rotation that is left when the smallest rotation that turns the axis of a into that of b is taken off.
+It is followed over whole turns. M > 0 turns the nodes back against a positive angle, as N > 0 of a spring pulls its
+ends together:
 
 .. math::  M = M(\theta - \theta_0, \dot\theta)
 """

@@ -105,17 +105,23 @@ class NumberTable:
 
     def write(self):
         """Hand the kept rows to HDF5."""
-        if self.filled == 0:
-            return
-        width = self.buffer.shape[1]
-        block = (self.filled, width)
-        self.dataset.id.set_extent((self.written + self.filled, width))
+        if self.filled:
+            self._put(self.buffer[: self.filled])
+            self.filled = 0
+
+    def extend(self, rows):
+        """Hand rows (n, width), the time first, to HDF5 behind the kept ones: what many ``add`` do, in less time."""
+        self.write()
+        self._put(rows)
+
+    def _put(self, rows):
+        count, width = rows.shape
+        self.dataset.id.set_extent((self.written + count, width))
         space = self.dataset.id.get_space()
-        space.select_hyperslab((self.written, 0), block)
-        self.dataset.id.write(h5s.create_simple(block), space, self.buffer[: self.filled])
-        self.sum = zlib.crc32(self.buffer[: self.filled], self.sum)
-        self.written += self.filled
-        self.filled = 0
+        space.select_hyperslab((self.written, 0), rows.shape)
+        self.dataset.id.write(h5s.create_simple(rows.shape), space, rows)
+        self.sum = zlib.crc32(rows, self.sum)
+        self.written += count
 
     def view(self, group, name, column, shape):
         """Make a virtual dataset that shows some columns as values of the given shape, and return it."""
