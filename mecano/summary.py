@@ -121,7 +121,7 @@ def _counts(values):
 def _gravity(deck):
     """The gravity that acts, and whether it was chosen."""
     vector = ", ".join(f"{component + 0.0:.6g}" for component in deck.values["gravity"])
-    return f"gravity          [{vector}] m/s2{'' if deck.gives('gravity') else ', the default: the deck gives none'}"
+    return f"gravity          [{vector}] m/s2{'' if 'gravity' in deck.given else ', the default: the deck gives none'}"
 
 
 def _amounts(prepared):
