@@ -34,12 +34,12 @@ class MecanoError(Exception):
 
 
 class DeckError(MecanoError):
-    """The deck cannot be used; ``problems`` holds every ``Problem`` found."""
+    """The deck cannot be used; ``problems`` holds every ``Problem`` found, ``unchecked`` says what was left out."""
 
     exit_code = 2
 
-    def __init__(self, problems):
-        self.problems = list(problems)
+    def __init__(self, problems, unchecked=""):
+        self.problems, self.unchecked = list(problems), unchecked
         super().__init__("\n".join(f"{p.mark}: {p.message}" if p.mark else p.message for p in self.problems))
 
 

@@ -67,12 +67,46 @@ class Interruption:
         finally:
             self._postponed = False
 
-    def wanted(self, now):
-        """True when the process is to end, or would not come to the next question in time; ``now`` monotonic [s]."""
+    def check(self, what, left, ending):
+        """Raise Stopped or UsageError where ``what`` is done before a march is not to be gone on with.
+
+        Parameters
+        ----------
+        what : str
+            For the user, such as "taking up r.h5".
+        left : float
+            Time that the rest of it takes [s].
+        ending : float
+            Time that the end of the process takes [s].
+
+        Raises
+        ------
+        Stopped
+            A signal asks for it.
+        UsageError
+            The wall-clock time leaves none for the march: asked for again, it would not either.
+        """
+        if self._number not in (None, CLOCK):
+            raise Stopped(self._number, f" while {what}; the file is as it was")
+        now = time.monotonic()
+        if now + ending > self._deadline:
+            from mecano.errors import UsageError  # takes a hundredth of the time of `mecano --help`
+
+            needed = now - BEGUN + left + ending
+            raise UsageError(
+                f"--max-walltime is too short: {what}, and closing it again, takes about {needed:.2g} s, which leaves "
+                "no time for a step; allow several times as much. The file is as it was"
+            )
+
+    def wanted(self, now, ending=0.0):
+        """True when the process is to end, or would not come to the next question in time.
+
+        ``now`` monotonic [s]; ``ending``: time that the end of the process takes [s].
+        """
         if self._asked is not None:
             self._longest = max(self._longest, now - self._asked)
         self._asked = now
-        if self._number is None and now + self._longest > self._deadline:
+        if self._number is None and now + self._longest + ending > self._deadline:
             self._number = CLOCK
         return self._number is not None
 

@@ -20,7 +20,7 @@ class Keeper:
     def __call__(self, run):
         """Keep the ``run`` if it is time to; raises Stopped, ResultsError."""
         now = time.monotonic()
-        if self.interruption.wanted(now):
+        if self.interruption.wanted(now, self.recorder.writer.closing_time):
             self.keep(run)
             raise self.interruption.stopped(f"at t = {run.motion.t:.9g} s")
         if now >= self.due:

@@ -9,6 +9,7 @@ from mecano.post.recovered import nodes_inside, recovered
 from mecano.prepare import march_of, prepare, remarks
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
+from mecano.results.writer import refuse_existing
 from mecano.snapshot import state_at
 from mecano.solve.increments import displaced
 from mecano.solve.linearize import linearize
@@ -54,8 +55,10 @@ def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic
     """Find the modes and write them to ``path`` unless it is None: (text of the table, Modes, About).
 
     ``frame``: "inertial", the name of a node with which the axes turn, or "wx,wy,wz" [rad/s]. Raises UsageError and
-    what ``mecano run`` of the deck may raise.
+    what ``mecano run`` of the deck may raise; ResultsError, before anything is computed, where ``path`` exists.
     """
+    if path is not None:
+        refuse_existing(path, force)
     base = about(deck, at)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)

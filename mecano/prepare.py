@@ -10,7 +10,7 @@ from mecano.errors import AssemblyError
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.results.layout import STEPS
-from mecano.solve.analysis import analyse
+from mecano.solve.analysis import DENSE_ROWS, analyse
 from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.initial import assemble_positions
@@ -106,7 +106,10 @@ def remarks(prepared, start=None):
         )
         texts += _friction_of(prepared.system, group)
     if not analysis.complete:
-        texts.append("too many constraints in closed loops to be analysed for redundancy; the run allows for it")
+        texts.append(
+            f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
+            "and the run allows for any"
+        )
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 

@@ -70,8 +70,8 @@ class Progress:
 
     def _numbers(self, accepted, now, share):
         begun, first = self.marching
-        left = (now - begun) * (1 - share) / (share - first) if share > first else float("nan")
-        return f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s, {left:.0f} s left"
+        text = f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s"
+        return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
 
     def _clear(self):
         if self.terminal:

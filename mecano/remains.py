@@ -2,14 +2,16 @@
 
 import json
 import os
+import time
 from datetime import UTC, datetime
+from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.provenance import provenance, to_json
 from mecano.results.reader import open_results
 
 COMPLETE = "{} is complete: there is nothing to go on with"
-ROWS = 1024  # copied at once
+AT_ONCE = 2**21  # numbers copied at once, 16 MB
 MOST = 5  # differences named
 SURROUNDINGS = {"processor": "processor", "machine": "machine", "threads": "number of threads"}  # and the versions
 
@@ -75,17 +77,31 @@ class Remains:
         if layout.to_json() != self.results.layout.to_json():
             raise ResultsError(f"{self.path} holds other outputs; it is of another version of mecano")
 
-    def copy_to(self, writer):
-        """Let a new writer be where the checkpoint is, and close; raises ResultsError, also for rows that changed."""
-        saved, steps, events = map(int, self.checkpoint["file"]["rows"])
-        for add, table, count in ((writer.append, "output", saved), (writer.append_step, "solver", steps)):
-            for first in range(0, count, ROWS):
-                for row in self.results.rows(table, first, min(first + ROWS, count)):
-                    add(row[0], row[1:])
+    def copy_to(self, writer, interruption):
+        """Let a new writer be where the checkpoint is, and close.
+
+        Raises ResultsError, also for rows that changed, and what ``Interruption.check`` raises.
+        """
+        size = Path(self.path).stat().st_size
+        what, done, begun = f"taking up {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
+        for table, rows in self._rows():
+            writer.extend(table, rows)
+            done += rows.nbytes
+            more = max(size / done - 1.0, 0.0)
+            interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
+        events = int(self.checkpoint["file"]["rows"][2])
         for e in self.results.events[:events]:
             writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)
         writer.resume_at(self.checkpoint)
         self.close()
+
+    def _rows(self):
+        """All rows before the checkpoint, in blocks: (table, (n, width) array)."""
+        for table, count in zip(("output", "solver"), map(int, self.checkpoint["file"]["rows"]), strict=False):
+            width = 1 + (self.results.layout.size if table == "output" else len(self.results.layout.steps))
+            at_once = max(AT_ONCE // width // 1024, 1) * 1024  # whole chunks
+            for first in range(0, count, at_once):
+                yield table, self.results.rows(table, first, min(first + at_once, count))
 
 
 def differences(was, now, path=""):

@@ -1,14 +1,16 @@
 """One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
 
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, ResultsError
 from mecano.interrupt import Interruption
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
-from mecano.prepare import chosen, march_of, model_facts, prepare, remarks, some
-from mecano.recorder import Recorder, watched
+from mecano.outcome import cut_short, exceeded, open_latches, unbalanced
+from mecano.prepare import chosen, march_of, model_facts, prepare, remarks
+from mecano.recorder import Recorder
 from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
@@ -26,7 +28,7 @@ def run(
     Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
     start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
-    refuse_existing(path, force)
+    _refuse_existing(path, force)
     prepared = prepare(deck)
     found = bring_to_start(prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -41,6 +43,26 @@ def run(
         recorder.first(start)
         march.pause = Keeper(march, recorder, interruption, interval)
         return _to_the_end(deck, start, march, recorder, observers, announce)
+
+
+def _refuse_existing(path, force):
+    """As ``refuse_existing``, with another way where the file can be gone on with."""
+    try:
+        refuse_existing(path, force)
+    except ResultsError as error:
+        if _resumable(path):
+            raise ResultsError(f"{error}, or --resume to go on with it") from None
+        raise
+
+
+def _resumable(path):
+    from mecano.results.reader import open_results  # for which only this should wait
+
+    try:
+        with open_results(path) as results:
+            return results.resumable
+    except ResultsError:
+        return False
 
 
 def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
@@ -77,9 +99,10 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     layout = layout_of(sampler)
     left.check_layout(layout)
     note = left.note(start.motion.t)
-    announce(note)
     source = _source(deck, left.automatic, left.model, [*left.remarks, note])
-    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=left.copy_to) as writer:
+    begin = partial(left.copy_to, interruption=interruption)
+    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
+        announce(note)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.go_on(start, saved)
         march.pause = Keeper(march, recorder, interruption, interval)
@@ -109,47 +132,8 @@ def _to_the_end(deck, start, march, recorder, observers, announce):
         raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
     warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
     warnings += open_latches(deck, sampler.take(final), sampler)
+    warnings += unbalanced(values, sampler, writer.extremes)
     for text in warnings:
         announce(text)
     writer.close("complete", "; ".join(["the end was reached", *warnings]))
     return final
-
-
-MOST_LATCHES = 8  # named in a warning
-NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
-
-
-def cut_short(values, cuts, final):
-    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
-    if values["adaptive"] or len(cuts) <= NOTED * final.steps:
-        return
-    since, smallest = cuts[0][0], min(h for _, h in cuts)
-    yield (
-        f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
-        f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
-        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
-    )
-
-
-def exceeded(deck, sampler, extremes):
-    """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
-    high, when = extremes.high, extremes.high_time
-    return [
-        f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
-        for name, d, output, i, limit, text in watched(deck, sampler, "limits")
-        if high[i] > limit
-    ]
-
-
-def open_latches(deck, row, sampler):
-    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
-    columns, found = {column.path: column.start for column in sampler.columns}, []
-    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
-    for name, d in latched.items():
-        if not row[columns[f"joints/{name}/latched"]]:
-            ((quantity, wanted),) = d["latch"].items()
-            rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
-            at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
-            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
-    if found:
-        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"

@@ -6,6 +6,7 @@ from textwrap import wrap
 from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, mass_of, prepare, some
+from mecano.solve.analysis import DENSE_ROWS
 from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
@@ -34,9 +35,12 @@ def summary(deck, every=False):
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
     ]
     if not analysis.complete:
-        return "\n".join([*lines, "mobility         not computed: too many constraints in closed loops"])
+        text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
+        return "\n".join([*lines, text])
     lines.append(f"mobility         {analysis.mobility}")
-    for text in _free(analysis.mechanisms, every):
+    if analysis.mechanisms is None:
+        lines.append(f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom")
+    for text in _free(analysis.mechanisms or (), every):
         lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
@@ -117,7 +121,7 @@ def _counts(values):
 def _gravity(deck):
     """The gravity that acts, and whether it was chosen."""
     vector = ", ".join(f"{component + 0.0:.6g}" for component in deck.values["gravity"])
-    return f"gravity          [{vector}] m/s2{'' if deck.gives('gravity') else ', the default: the deck gives none'}"
+    return f"gravity          [{vector}] m/s2{'' if 'gravity' in deck.given else ', the default: the deck gives none'}"
 
 
 def _amounts(prepared):

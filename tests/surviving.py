@@ -53,7 +53,7 @@ class StopAfter(Interruption):
         super().__init__(again="mecano run deck.yaml --resume")
         self.steps = steps
 
-    def wanted(self, now):
+    def wanted(self, now, ending=0.0):
         self.steps -= 1
         if self.steps < 0:
             self._number = signal.SIGTERM

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from deck_samples import FAKE, problems_of, read_fake
 
+from mecano.deck.check import UNCHECKED
 from mecano.deck.format import deck_error_text
 from mecano.deck.physics import rotations
 from mecano.deck.placing import Placement
@@ -233,7 +234,7 @@ def test_copies_count_once_in_the_text_of_errors():
         "          bar: {type: body, node: toe, mass: 3 m, center_of_mass: [0.1, 0, 0]}\n"
         "                                             ^\n"
         "  placed at deck.yaml:25:3\n"
-        "1 error"
+        f"1 error; {UNCHECKED}"
     )
 
 
@@ -348,7 +349,7 @@ def test_an_error_in_a_file_tells_where_it_is_included(tmp_path):
         "      oleo: {spring: {stiffness: 7 bar}}\n"
         "                                 ^\n"
         f"  included at {path}:2:27\n"
-        "1 error"
+        f"1 error; {UNCHECKED}"
     )
 
 

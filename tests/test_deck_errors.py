@@ -4,6 +4,7 @@
 import pytest
 from deck_samples import VALID, problems_of, read_fake
 
+from mecano.deck.format import deck_error_text
 from mecano.errors import DeckError
 
 # what is written in the valid deck, what is written instead; the line, the text at the caret, the one problem
@@ -271,10 +272,24 @@ def test_problems_of_yaml_and_structure_come_together():
     ]
 
 
-def test_names_are_looked_up_only_when_the_structure_is_right():
-    text = VALID.replace("law: oleo", "law: oloe")
-    assert len(problems_of(text)) == 1
-    assert problems_of(text.replace("title:", "titel:")) == ["2:1 unknown key 'titel'; did you mean 'title'?"]
+def test_unknown_names_come_with_the_structure():
+    """But not those of a section that is wrong as a whole, or has another name."""
+    text, unknown = VALID.replace("law: oleo", "law: oloe"), "spring 'absorber': unknown law 'oloe'"
+    wrong = text.replace("title:", "titel:").replace("[top, knee]", "[top, kne]")
+    assert [problem.split("; did")[0] for problem in problems_of(wrong)] == [
+        "2:1 unknown key 'titel'", f"14:54 {unknown}", "17:35 hinge 'pin': unknown node 'kne'",
+    ]  # fmt: skip
+    assert [problem.split("; did")[0] for problem in problems_of(text.replace("laws:", "lawss:"))][:1] != [unknown]
+    assert not any("unknown law" in problem for problem in problems_of(text.replace("laws:", "lawss:")))
+
+
+def test_what_was_not_checked_yet_is_said():
+    """The physics of a deck whose parts are wrong; when only that is left, nothing."""
+    for old, new, said in [("title:", "titel:", True), ("law: oleo", "law: oloe", True), ("mass: 7e1", "mass: 0", True),
+                           ("[0.25, 0, 0.3225]", "[0, 0, 1]", False)]:  # fmt: skip
+        with pytest.raises(DeckError) as info:
+            read_fake(VALID.replace(old, new))
+        assert ("is checked when this is mended" in deck_error_text(info.value)) == said
 
 
 def test_known_words_are_not_looked_up_for_ever():

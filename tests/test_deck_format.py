@@ -3,6 +3,7 @@
 import pytest
 from deck_samples import FAKE_KINDS, VALID, read_fake
 
+from mecano.deck.check import UNCHECKED
 from mecano.deck.describe import describe, describe_section, describe_term
 from mecano.deck.format import deck_error_text, problem_text
 from mecano.deck.sections import SECTIONS
@@ -32,18 +33,18 @@ def test_line_caret_hint_and_count():
         "deck.yaml:17:42: hinge 'pin': unknown key 'axsi'; did you mean 'axis'?\n"
         "      pin: {type: hinge, nodes: [top, knee], axsi: [0, 1, 0]}\n"
         "                                             ^\n"
-        "4 errors"
+        f"4 errors; {UNCHECKED}"
     )
 
 
 def test_one_error_is_counted_as_one():
-    assert printed(VALID.replace("title:", "titel:")).endswith("\n1 error")
+    assert printed(VALID.replace("title:", "titel:")).endswith(f"\n1 error; {UNCHECKED}")
 
 
 def test_many_errors_are_cut():
     unknown = "".join(f"n{i}: 1\n" for i in range(60))
     text = printed(f"mecano: 1\n{unknown}")
-    assert text.count("^") == 50 and text.endswith("and 13 more; 63 errors")
+    assert text.count("^") == 50 and text.endswith(f"and 13 more; 63 errors; {UNCHECKED}")
 
 
 def test_long_lines_and_tabs():

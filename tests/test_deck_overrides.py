@@ -34,8 +34,6 @@ def test_values_keys_items_and_parameters():
     assert values["elements"]["absorber"]["law"] == (("spring", {"stiffness": 5.0}),)
     assert (values["title"], values["time"]["end"]) == ("no", 3.0)
     assert deck.overrides[0] == "nodes.top.position.0=0.5" and deck.text == VALID
-    assert str(deck.mark("nodes", "top", "position", 0)) == "--set nodes.top.position.0:1:22"
-    assert str(deck.mark("nodes", "top", "position", 1)) == "deck.yaml:6:23"
 
 
 def test_a_shared_value_is_changed_in_one_place_only():

@@ -59,3 +59,21 @@ def test_units_in_a_deck():
     assert problems_of(VALID.replace("sink: 3.05", "sink: 3 furlong"))[0] == (
         "3:20 parameter 'sink': 'furlong' is no unit"
     )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("every: 5e-3", "every: -5 ms", "'output.every' must be greater than zero [s], got -5 ms"),
+        ("mass: 7e1", "mass: '7e1'", "'mass' must be a number [kg], got the text '7e1'; leave out the quotes"),
+        ("mass: 7e1", "mass: \u22125 kg", "got the text '\u22125 kg'; a number is written as 2.5 or 2.5 kg"),
+        ("{table: {points: [[0, 0], [1, 1e3]]}}", "-5 * kN", "[N], got the text '-5 * kN'; a number is written as 2.5"),
+        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 kNm", "'kNm' is no unit; did you mean 'kN m'?"),
+        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 KN", "'KN' is no unit; did you mean 'kN'?"),
+    ],
+)
+def test_quantities_that_are_refused(old, new, told):
+    """What stands there, and what would be right."""
+    assert VALID.count(old) == 1
+    (problem,) = problems_of(VALID.replace(old, new))
+    assert told in problem

@@ -161,27 +161,6 @@ def test_resolved_form_keeps_names_and_opens_everything_else():
     assert resolved["laws"]["oleo"]["stop"] == {"upper": 0.3, "stiffness": 1e6, "damping": 0.0}
 
 
-@pytest.mark.parametrize(
-    ("path", "caret"),
-    [
-        (("title",), '"A wheel'),
-        (("elements", "wheel"), "wheel: {type"),
-        (("elements", "hub", "mass"), "$mass"),
-        (("elements", "hub", "inertia", 1, 1), "1, 0], [0, 0"),
-        (("elements", "hub", "count"), "hub: {"),  # a default
-        (("nodes", "knee", "position"), "[0.0, 0.0, 1.0]"),
-        (("nodes", "knee"), "knee:"),
-        (("time", "newton", "force_tolerance"), "time:"),
-        (("laws", "oleo", "damper", "coefficient"), "1.19e4"),
-        ((), "mecano"),
-    ],
-)
-def test_marks(path, caret):
-    mark = read_fake(VALID).mark(*path)
-    assert mark.text[mark.column - 1 :].startswith(caret)
-    assert VALID.splitlines()[mark.line - 1] == mark.text and mark.stack == ()
-
-
 def test_nodes_of_an_element():
     values = read_fake(VALID).values["elements"]
     assert element_nodes(FAKE_KINDS["body"], values["leg"]) == ["knee", "top"]

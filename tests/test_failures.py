@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from marching import March, deck, input_deck
 
 import mecano
 from mecano.errors import ConvergenceError
+from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
+from mecano.solve.failure import worst_equations
 
 CATAPULT = """\
 mecano: 1
@@ -91,7 +94,7 @@ def test_forces_that_are_not_finite(tmp_path):
     assert 4.0 < results.time[-1] < 5.0
 
 
-def test_constraints_are_named_by_their_joints(tmp_path):
+def test_joints_are_among_what_acts(tmp_path):
     """A hinge whose pendulum is hit so hard that it cannot be followed within one iteration."""
     text = (
         "mecano: 1\nnodes:\n  pin: {position: [0, 0, 0]}\nelements:\n"
@@ -103,8 +106,23 @@ def test_constraints_are_named_by_their_joints(tmp_path):
     )
     code, said, results = failed_run(tmp_path, text)
     assert code == 3
-    assert "hinge 'pivot': " in said and "moment 'blow'" in said and "rigid_body 'bar'" in said
+    assert "node pin: moment about" in said and "; on it act rigid_body 'bar', hinge 'pivot', moment 'blow'" in said
     check_kept(results)
+
+
+def test_the_worst_equations_are_of_different_places_and_no_rounding():
+    """Of the two forces at 'tip' the larger; nothing below a thousandth of it, alone of its kind or not."""
+    names = ["node tip: force x", "node tip: force z", "node root: force x", "node far: force x", "rod 'r': length"]
+    system = SimpleNamespace(
+        n=5, n_q=0, residual=np.array([2.0, 3.0, -1.0, 2.9e-3, 1e-13]), size=np.array([10.0, 10.0, 10.0, 10.0, 1e-13]),
+        numbering=SimpleNamespace(kind=np.array([*[TRANSLATION] * 4, LENGTH_CONSTRAINT]), name=names),
+        nodes=[SimpleNamespace(x=(0.0, 0.0, 0.0))],
+    )  # fmt: skip
+    assert worst_equations(system) == "  node tip: force z: residual 3\n  node root: force x: residual 1"
+    system.residual[4] = 6.0
+    assert worst_equations(system).startswith("  rod 'r': length: residual 6\n  node tip")
+    system.residual[2] = np.inf
+    assert worst_equations(system) == "  node root: force x: residual inf"
 
 
 def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):

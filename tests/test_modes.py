@@ -441,7 +441,7 @@ def test_about_a_saved_equilibrium(tmp_path):
     np.testing.assert_allclose(solve(lin).values, [1j * expected], rtol=1e-8)
 
 
-def test_table_and_file(tmp_path):
+def test_table_and_file(tmp_path, monkeypatch):
     path = tmp_path / "m.h5"
     text, found, _ = modes(deck(row_of_masses(4)), path, number=3)
     lines = text.splitlines()
@@ -453,7 +453,8 @@ def test_table_and_file(tmp_path):
     np.testing.assert_allclose(file.nodes["p1"]["translation"][:, 0], found.shapes[:, 0])
     np.testing.assert_array_equal(file.nodes["p0"]["translation"], 0.0)
     assert file.kinds == ["oscillation"] * 3 and file.resolved["gravity"] == [0, 0, 0]
-    with pytest.raises(ResultsError, match="exists already"):
+    with monkeypatch.context() as patched, pytest.raises(ResultsError, match="exists already"):
+        patched.setattr("mecano.modes_run.about", lambda *_: pytest.fail("computed before it was refused"))
         modes(deck(row_of_masses(4)), path)
     with pytest.raises(UsageError, match="there is no node 'q'"):
         modes(deck(row_of_masses(4)), None, frame="q")

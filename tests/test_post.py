@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import every_kind
+import matplotlib
 import matplotlib.image
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import mecano
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import draw_panel, figure, plans, sheets, style
+from mecano.post.extremes import telling
 from mecano.post.info import info
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
@@ -21,7 +23,9 @@ from mecano.post.quantity import find
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.sheet import Curve, EventMark, Panel
+from mecano.post.wire import wire_figure
 from mecano.results.extremes import Extremes
+from mecano.results.reader import Extreme
 
 
 @pytest.fixture(scope="module")
@@ -315,6 +319,12 @@ def test_columns_of_several_files_of_different_length(path, tmp_path, monkeypatc
     assert len(rows) == 41 and all(rows[10]) and rows[11][2:] == ["", ""] and all(rows[11][:2])
 
 
+def test_configurations_say_their_times_where_others_were_asked_for(runs):
+    """A file has its times every 0.05 s."""
+    titles = [ax.get_title() for ax in wire_figure(runs[0], [0.5, 0.51, 9.0], "").axes]
+    assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
+
+
 def test_the_same_numbers_give_the_same_picture(path, tmp_path):
     (first,) = post([path], ["one_hinge.angle"], output=tmp_path / "a.svg")
     (second,) = post([path], ["one_hinge.angle"], output=tmp_path / "b.svg")
@@ -397,10 +407,18 @@ class TestInfo:
         assert "Events: 2" in text and "0.5 s  wheel 'one_wheel'  touch down  (air -> contact)" in text
         assert f"mecano {mecano.__version__}" in text and "joints, hinge: one_hinge: angle, rate, force, moment" in text
 
+    def test_times_say_of_which_clock_they_are(self, path, runs):
+        text, data = " ".join(info(path).split()), runs[0].results.metadata
+        assert f"{data['wall_time']:.2f} s by the clock for the march" in text
+        assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
+
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))
         text = info(every_kind.write(tmp_path / "many.h5", events=events))
-        assert "Events: 30, the first 20" in text and "event 19" in text and "event 20" not in text
+        assert "Events: 30; the first 20 lines, mecano info" in text and "event 19" in text and "event 20" not in text
+        together = tuple((0.1, "same") for _ in range(3)) + tuple((0.2 + 0.01 * i, f"event_{i}") for i in range(27))
+        text = info(every_kind.write(tmp_path / "together.h5", events=together))
+        assert "Events: 30, those that are alike at one instant in one of 28 lines; the first 20 lines, mecano" in text
 
     def test_extremes(self, path, runs):
         extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
@@ -409,6 +427,19 @@ class TestInfo:
         assert (name, unit) == ("elements.one_wheel.radial_force", "N")
         expected = [extreme.minimum, extreme.minimum_time, extreme.maximum, extreme.maximum_time]
         assert [float(x) for x in numbers] == pytest.approx(expected, rel=1e-4)
+
+    def test_extremes_without_zeros_and_rounding(self):
+        """Below 1e-10 of the largest of a unit; not a number is told, and nodes are left out."""
+        values = {
+            "a/f": (-9.0, 2.0, "N"),
+            "a/g": (0.0, 8e-10, "N"),
+            "a/u": (0.0, 8e-10, "m"),
+            "a/zero": (0.0, 0.0, "J"),
+            "a/bad": (math.nan, math.nan, "Pa"),
+            "nodes/p/position.x": (0.0, 5.0, "m"),
+        }
+        extremes = {path: Extreme(high, 1.0, low, 2.0, unit) for path, (low, high, unit) in values.items()}
+        assert [name for name, _ in telling(extremes)] == ["a.f", "a.u", "a.bad"]
 
     def test_names(self, tmp_path):
         path = every_kind.write(tmp_path / "all.h5", kinds=KINDS)
@@ -429,22 +460,56 @@ def test_a_file_without_saved_times(tmp_path, monkeypatch):
     assert "nothing yet" in info(path) and "no step" in info(path)
 
 
+def with_overrides(folder, given):
+    """Results, opened, of runs with so many overrides each."""
+    return [
+        mecano.open_results(every_kind.write(folder / f"{i}.h5", overrides=overrides, kinds={}))
+        for i, overrides in enumerate(given)
+    ]
+
+
 def test_labels_are_the_values_that_differ(tmp_path):
     """Of one deck: what the overrides set, or the deck where there is none; equal numbers written otherwise are one."""
     given = [(), ("parameters.wave=0.50", "nodes.tip.fixed=true"), ("parameters.wave=5e-1", "nodes.tip.fixed=false")]
-    opened = [
-        mecano.open_results(every_kind.write(tmp_path / f"{i}.h5", overrides=overrides, kinds={}))
-        for i, overrides in enumerate(given)
-    ]
+    opened = with_overrides(tmp_path, given)
     both = [("0.4", "false"), ("0.5", "true"), ("0.5", "false")]
     assert labels(opened) == [f"wave = {wave}, tip.fixed = {fixed}" for wave, fixed in both]
     assert labels(opened[1:]) == ["tip.fixed = true", "tip.fixed = false"]
 
 
-def test_labels_of_different_decks_are_their_parameters(tmp_path, monkeypatch):
-    files = []
-    for i, wave in enumerate((0.4, 0.7)):
-        monkeypatch.setitem(every_kind.DECK, "parameters", {"wave": wave, "same": 1.0})
-        monkeypatch.setattr(every_kind, "DECK_TEXT", f"wave: {wave}\n")
-        files.append(every_kind.write(tmp_path / f"{i}.h5", kinds={}))
-    assert labels([mecano.open_results(file) for file in files]) == ["wave = 0.4", "wave = 0.7"]
+def test_no_label_is_empty(tmp_path):
+    """A run without what the other one sets, an optional field for example."""
+    given = [(), ("time.adaptive={tolerance: 1e-3}",)]
+    assert labels(with_overrides(tmp_path, given)) == ["no time.adaptive", "time.adaptive = {tolerance: 1e-3}"]
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (["title=One;parameters.wave={height: 0.4}", "title=Two;nodes.tip.fixed=true"], ["false", "true"]),
+        (["nodes.tip.fixed=" + "a" * 90, "nodes.tip.fixed=" + "b" * 90], ["a" * 64 + " ...", "b" * 64 + " ..."]),
+    ],
+)
+def test_labels_are_short(tmp_path, monkeypatch, given, expected):
+    """Of a mapping what differs in it; no titles; and no more than 80 characters."""
+    monkeypatch.setitem(every_kind.DECK, "parameters", {"wave": {"height": 0.4, "length": 2.0}})
+    opened = with_overrides(tmp_path, [text.split(";") for text in given])
+    assert labels(opened) == [f"tip.fixed = {value}" for value in expected]
+
+
+def test_labels_that_are_alike_when_cut_are_names_of_files(tmp_path):
+    given = [("nodes.tip.fixed=" + "a" * length,) for length in (90, 91)]
+    assert labels(with_overrides(tmp_path, given)) == ["0", "1"]
+
+
+@pytest.mark.parametrize(("title", "ends"), [("short", "short"), ("long one " * 11, "one "), ("endless " * 30, " ...")])
+def test_titles_fit_their_pictures(title, ends):
+    """A long one is written smaller, a very long one cut; 8 inches have room for some 70 bold letters of 12 points."""
+    with matplotlib.rc_context(style.SETTINGS):
+        drawn = figure.plain_figure(8.0, 3.0, title, "heading " * 40)
+        drawn.draw_without_rendering()
+    head, below = drawn.texts
+    assert head.get_text() == f"{title}\n" or len(title) > 100
+    assert head.get_text().endswith(f"{ends}\n") and below.get_text().endswith(" ...")
+    assert (head.get_fontsize() == 12) == (len(title) < 70) and 8 <= head.get_fontsize() <= 12
+    assert max(text.get_window_extent().x1 for text in drawn.texts) <= 8.0 * drawn.dpi

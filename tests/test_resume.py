@@ -23,6 +23,7 @@ import mecano
 from mecano import keeper
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
+from mecano.post.info import info
 from mecano.results.seal import seal_file
 from mecano.results.verify import verify
 from mecano.run import resume, run
@@ -165,14 +166,45 @@ class TestTheCheckpoint:
         resume(deck, path)
         check_same(contents(path), contents(tmp_path / "whole.h5"))
 
+    def test_whoever_meets_it_is_told_that_it_can_be_gone_on_with(self, left):
+        deck, path = left
+        with pytest.raises(ResultsError, match="exists already; .*, or --resume to go on with it$"):
+            run(deck, path)
+        assert " ".join(info(path).split()).count("--resume") == 1  # what it was stopped with names the command
+        with h5py.File(path, "r+") as file:
+            file["run/reason"][()], file["run/status"][()] = b"", b"running"
+            file["run"].attrs["process"] = 4194305  # Linux gives no process this number
+        assert f"go on with mecano run {deck.file} --set time.end=4 -o {path} --resume" in " ".join(info(path).split())
+        resume(deck, path)
+        with pytest.raises(ResultsError, match="or --force to replace it$"):
+            run(deck, path)
+
     def test_rows_that_changed_are_not_gone_on_with(self, left):
         deck, path = left
+        told = []
         with h5py.File(path, "r+") as file:
             file["storage/solver"][17, 1] *= 1.0 + 1e-15
         before = path.read_bytes()
         with pytest.raises(ResultsError, match="before its checkpoint has changed"):
-            resume(deck, path)
+            resume(deck, path, announce=told.append)
+        assert not told and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+
+    def test_a_limit_that_leaves_no_time_for_a_step_is_refused(self, left):
+        """Exit code 75 would let a batch system try the same for ever."""
+        deck, path = left
+        before = path.read_bytes()
+        with pytest.raises(UsageError, match=r"too short: taking up .*r\.h5 \(.* MB\), and closing .* about .* s"):
+            resume(deck, path, interruption=Interruption(limit=1e-3))
         assert path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+
+    def test_a_signal_while_the_file_is_taken_up_leaves_it_as_it_was(self, left):
+        deck, path = left
+        before, asked = path.read_bytes(), Interruption()
+        with asked.postponed():
+            asked._ask(signal.SIGUSR1, None)
+        with pytest.raises(Stopped, match="by SIGUSR1 while taking up .*the file is as it was") as stop:
+            resume(deck, path, interruption=asked)
+        assert stop.value.exit_code == 75 and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
 
     def test_a_file_without_one_begins_again(self, tmp_path):
         deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
@@ -403,6 +435,12 @@ class TestInterruption:
         now = time.monotonic()
         assert not interruption.wanted(now) and not interruption.wanted(now + 4e5)
         assert interruption.wanted(now + 6.5e5)
+
+    def test_time_is_left_for_a_large_file_to_be_closed(self):
+        interruption = Interruption(100.0)
+        now = time.monotonic()
+        left = interruption._deadline - now
+        assert not interruption.wanted(now) and interruption.wanted(now, ending=left + 1.0)
 
 
 class TestVerify:

@@ -322,7 +322,7 @@ def test_a_rigid_wheel_that_touches_down():
     s = march.shocks.moded(s, [catch], "before")
     s.v[:3] = 10.0, 0.0, -2.0
     s, _ = march.method.start(s, 1e-3)
-    shock = march.shocks.strike(s, np.array([True, False]))
+    shock = march.shocks.strike(s, np.array([True, False, False]))
     (down,) = shock.happenings
     v = 10 * 10 / (10 + 0.5 / 0.09)
     assert shock.state.v[:6] == pytest.approx([v, 0.0, 0.0, 0.0, v / 0.3, 0.0], abs=1e-12)

@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import h5py
+import numpy as np
 import pytest
 from marching import INPUTS, input_deck
 from process import flowing, mecano_process, settings
@@ -10,8 +11,8 @@ from process import flowing, mecano_process, settings
 import mecano
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.modes_run import modes
+from mecano.outcome import cut_short, unbalanced
 from mecano.prepare import prepare, remarks
-from mecano.run import cut_short
 from mecano.solve.scales import length_scale
 from mecano.summary import summary
 
@@ -159,6 +160,38 @@ def test_a_fixed_step_that_newton_cannot_take_is_told():
     assert not list(cut_short({**values, "adaptive": {"tolerance": 1e-4}}, [(0.0, 0.025)], SimpleNamespace(steps=5)))
 
 
+def test_energy_that_is_lost_or_comes_from_nothing_is_told(tmp_path):
+    """Steps of a fifth of a period: numerical damping takes energy; without it, the balance only wavers."""
+    long = ("time.step=0.3", "time.end=3", "output.every=step")
+    err, results = run_of(tmp_path, "pendulum", *long)
+    balance = results.extremes["energy/balance"]
+    exchanged = max(np.ptp(results[f"energy.{name}"].values) for name in ("kinetic", "potential"))
+    share = (balance.maximum - balance.minimum) / exchanged
+    assert share > 0.01 and f"J, {100 * share:.3g} % of the largest change of an energy" in results.reason
+    first, last = f"{balance.maximum_time:.4g} s", f"{balance.minimum_time:.4g} s"
+    assert f"highest at t = {first} and lowest at t = {last}" in results.reason
+    assert "Energy is lost, by the numerical damping" in flowing(err) and "smaller 'time.step'" in flowing(err)
+
+
+@pytest.mark.parametrize(
+    ("low_at", "rho", "told"),
+    [(2.0, 0.8, "lost, by the numerical damping of"), (2.0, 1.0, "lost, by errors of"), (0.5, 0.8, "from nothing, by")],
+)
+def test_a_balance_is_judged_by_what_comes_first(low_at, rho, told):
+    """Kinetic and potential energy exchange 10 J, the balance is off by 0.2 J; at 0.05 J nothing is said."""
+    names = ("kinetic", "potential", "dissipated", "given", "balance")
+    sampler = SimpleNamespace(columns=[SimpleNamespace(path=f"energy/{name}", start=i) for i, name in enumerate(names)])
+    extremes = SimpleNamespace(
+        high=np.array([10.0, 0.0, 0.0, 0.0, 0.0]), low=np.array([0.0, -10.0, 0.0, 0.0, -0.2]),
+        high_time=np.full(5, 1.0), low_time=np.full(5, low_at),
+    )  # fmt: skip
+    values = {"adaptive": {"tolerance": 1e-3}, "step": 0.1, "rho_inf": rho}
+    (text,) = unbalanced(values, sampler, extremes)
+    assert told in text and "by 0.2 J, 2 % of" in text and "smaller 'time.adaptive.tolerance'" in text
+    extremes.low[4] = -0.05
+    assert not list(unbalanced(values, sampler, extremes))
+
+
 def test_friction_at_rest_is_told_to_be_a_damper():
     """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
     at_rest = "joint sticks, and these are the modes with that damper"
@@ -180,6 +213,17 @@ def test_friction_at_rest_is_told_to_be_a_damper():
 def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
     said = " ".join(summary(input_deck(name)).split())
     assert f" mass {mass} kg " in said and loose in said
+
+
+def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
+    """Three points on four rods have no loops: many unknowns keep what moves from being named, not counted."""
+    monkeypatch.setattr("mecano.solve.analysis.DENSE_ROWS", 2)
+    chain, four_bar = input_deck("hanging_chain"), input_deck("four_bar")
+    said = summary(chain)
+    assert "mobility         5\n  what can move is not named where there are more than" in said and "loops" not in said
+    assert remarks(prepare(chain)) == []
+    assert "not computed: more than 3000 constraints stand in closed loops" in summary(four_bar)
+    assert "constraints stand in closed loops: which of them are redundant" in remarks(prepare(four_bar))[0]
 
 
 def test_check_names_the_first_of_many_mechanisms():

@@ -15,8 +15,11 @@ from mecano.commands import show
     help="Plot outputs over another one, or over time; may be repeated.",
 )
 @click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
-@click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at these times [s], in one picture.")
-@click.option("-o", "--output", type=click.Path(), help="Folder, or beginning of the names of the pictures.")
+@click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
+@click.option(
+    "-o", "--output", type=click.Path(),
+    help="Folder, or beginning of the names of the pictures; default: beside the results file, with its name.",
+)  # fmt: skip
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")

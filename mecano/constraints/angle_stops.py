@@ -1,4 +1,4 @@
-"""Latch and stops of the angle between two nodes about an axis that both carry, over any turns (end_stops.py)."""
+"""Latch and stops of the angle between two nodes about an axis that both carry, over any turns."""
 
 from numba import njit
 

@@ -1,4 +1,4 @@
-r"""Slide law: a force from a law of the sliding of one node along an axis that the other carries (see slide.py).
+r"""Slide law: a force from a law of the sliding of one node along an axis that the other carries.
 
 P > 0 pulls the second node back along the axis; the first node receives the opposite force at the place of the second.
 """

@@ -1,4 +1,4 @@
-"""Latch and stops of the sliding of a node along an axis that another one carries (end_stops.py, slide.py)."""
+"""Latch and stops of the sliding of a node along an axis that another one carries."""
 
 from numba import njit
 

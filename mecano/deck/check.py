@@ -4,13 +4,14 @@ from dataclasses import replace
 
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
-from mecano.deck.copies import Copies, arguments
+from mecano.deck.copies import Copies
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
-from mecano.deck.resolve import resolve
+from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found
 from mecano.elements.cross_section import SHAPES
@@ -19,6 +20,7 @@ from mecano.schema import TEXT, Field
 from mecano.schema import mapping as mapping_type
 
 VERSION = 1
+UNCHECKED = "how the parts fit together is checked when this is mended"
 
 
 def parameter(node, field, scope):
@@ -80,7 +82,7 @@ def written_out(root, sections, scope):
     root = copies.written_out(root)
     if copies.incomplete:
         filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, root.value)
-        raise DeckError(scope.problems)
+        raise DeckError(scope.problems, UNCHECKED)
     return root
 
 
@@ -92,13 +94,14 @@ def checked_values(root, sections, scope):
     problems = scope.problems
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _check_process(root, sections, scope)
-    _stop_at(problems)
+    if problems:
+        unknown_names(root, scope)
+    _stop_at(problems, UNCHECKED)
     for start in ("static", "steady"):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
-    _stop_at(problems)
     resolve(result, scope)
-    _stop_at(problems)
+    _stop_at(problems, UNCHECKED)
     check_model(result, root, scope)
     _stop_at(problems)
     return result
@@ -114,9 +117,9 @@ def _is_mapping(node):
     return type(node.value) is dict
 
 
-def _stop_at(problems):
+def _stop_at(problems, unchecked=""):
     if problems:
-        raise DeckError(problems)
+        raise DeckError(problems, unchecked)
 
 
 def _check_process(root, sections, scope):

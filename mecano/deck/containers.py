@@ -112,10 +112,15 @@ def singular(section):
 
 
 def _check_name(name, key_node, field, scope):
+    if text := wrong_name(name, field.name):
+        scope.refuse(key_node, text)
+
+
+def wrong_name(name, section):
+    """Why nothing in a section can have that name, or ""."""
     if not IDENTIFIER.fullmatch(name):
-        scope.refuse(key_node, "a name begins with a letter or '_' and has letters, digits, '_' and '-'")
-    elif name in RESERVED.get(field.name, ()):
-        scope.refuse(key_node, f"the name {quoted(name)} is reserved")
+        return "a name begins with a letter or '_' and has letters, digits, '_' and '-'"
+    return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 
 def list_(node, field, scope):

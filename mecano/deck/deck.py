@@ -5,12 +5,11 @@ import math
 from dataclasses import dataclass, field
 
 from mecano.contract import SECTIONS
-from mecano.deck.compose import Node
 
 
 @dataclass(frozen=True)
 class Deck:
-    """Values of a checked deck, and where they were written.
+    """Values of a checked deck.
 
     ``values`` is a tree of dicts and lists in SI units with all defaults filled in. Every section is there. An
     element is {"type": name of its kind, and all fields of the kind}. Names of nodes are names; names of laws,
@@ -24,32 +23,12 @@ class Deck:
     values: dict
     overrides: tuple = ()  # "path=value"
     files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
-    tree: Node = field(default=None, repr=False, compare=False)
-
-    def mark(self, *path):
-        """Where the value at a path of keys and indices was written; for what is a default, the nearest value above.
-
-        A mapping is marked at its key.
-        """
-        node = place = self.tree
-        for key in path:
-            if type(node.value) is dict and key in node.value:
-                place, node = node.value[key]
-            elif type(node.value) is list and isinstance(key, int) and key < len(node.value):
-                place = node = node.value[key]
-            else:
-                break
-        return (place if type(node.value) is dict else node).mark
+    given: frozenset = frozenset()  # names of the sections that the deck or an override gives
 
     @property
     def kinds(self):
         """Names of the kinds of its elements, joints and loads."""
         return {d["type"] for section in SECTIONS for d in self.values[section].values()}
-
-    def gives(self, key):
-        """True when the deck or an override gives a value for the section ``key``; else it has its default."""
-        pair = self.tree.value.get(key)
-        return pair is not None and pair[1].value is not None
 
     def resolved(self):
         """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.

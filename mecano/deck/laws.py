@@ -3,7 +3,7 @@
 import re
 from dataclasses import replace
 
-from mecano.deck.containers import filled
+from mecano.deck.containers import IDENTIFIER, filled
 from mecano.deck.scope import INVALID, Reference, place_of
 from mecano.deck.tables import Wanted, table
 from mecano.deck.values import number, plain_number
@@ -25,7 +25,7 @@ def law_or_name(node, field, scope):
     if value is not None and field.type.name != "law":
         value = number(node, replace(field, type=NUMBER), scope)
         return INVALID if value is INVALID else (("constant", {"value": value}),)
-    if type(node.value) is str:
+    if type(node.value) is str and IDENTIFIER.fullmatch(node.value):
         return Reference(node.value, "laws", field.type.name, node, scope.subject)
     if type(node.value) is list and any(type(item.value) is dict for item in node.value):
         return scope.refuse(node, "a law is a mapping of terms, not a list", f"write {HOW}; terms add up")

@@ -1,4 +1,4 @@
-"""Text -> checked deck, in steps; each step is taken only when the one before found nothing wrong."""
+"""Text -> checked deck, in steps; what the next step finds would follow from what is wrong in the one before."""
 
 import os
 import re
@@ -21,8 +21,8 @@ BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # 
 def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
     """The checked Deck of a file; ``overrides`` are texts "path.to.key=value".
 
-    Raises DeckError with all problems of the first step that finds any: the bytes, the YAML, the structure (keys,
-    types, units, finite numbers), the names, the physics.
+    Raises DeckError with all problems of the first step that finds any: the bytes; the YAML and the structure (keys,
+    types, units, finite numbers), with names that nothing has; what names stand for; the physics.
     """
     try:
         source, digest = read_source(path)
@@ -49,7 +49,8 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     root = written_out(root, sections, scope)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, root)
+    given = frozenset(key for key, (_, node) in root.value.items() if node.value is not None)
+    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, given)
 
 
 def deck_of_bytes(data, file, **options):

@@ -1,6 +1,6 @@
 """Names -> what they mean: nodes must exist; laws, grounds and tire laws take the place of their names."""
 
-from mecano.deck.containers import singular
+from mecano.deck.containers import singular, wrong_name
 from mecano.deck.laws import fits
 from mecano.deck.wording import quoted
 from mecano.model.mesh import divides, inner_names
@@ -21,6 +21,22 @@ def resolve(values, scope):
         if reference.home:
             container, key = reference.home
             container[key] = found
+
+
+def unknown_names(root, scope):
+    """Note the references of the scope to what no section of the tree ``root`` has, in a deck that is wrong otherwise.
+
+    Sections that are not there or have names that are none are left out, and nodes inside members, which may be among
+    what is wrong.
+    """
+    known = {name: node.value for name, (_, node) in root.value.items() if type(node.value) is dict}
+    known = {section: names for section, names in known.items() if not any(wrong_name(n, section) for n in names)}
+    for reference in scope.references:
+        scope.subject = reference.subject
+        names = known.get(reference.section, (reference.name,))
+        inside = reference.section == "nodes" and "." in reference.name
+        if reference.name not in names and not inside:
+            _unknown(reference, list(names), scope)
 
 
 def _nodes_of_members(elements, kinds):

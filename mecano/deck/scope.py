@@ -7,7 +7,7 @@ from mecano.deck.compose import Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_expression
 from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.source import Source
-from mecano.deck.wording import found, quoted, suggestion, unit_text
+from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
 
 MAX_PROBLEMS = 10_000
@@ -63,7 +63,9 @@ class Scope:
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
-        return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}")
+        expression = type(node.value) is str and is_expression(node.value)
+        hint = "" if expression else how_to_write(node, declared)
+        return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
     def name_of(self, name):
         """The dotted path of a key below the subject."""

@@ -111,10 +111,17 @@ def _unit(unit):
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
     if found is None or not math.isfinite(found[0]):
-        near = difflib.get_close_matches(unit[:40], (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=0.5)
-        hint = f"; did you mean '{near[0]}'?" if near else ""
+        near = _meant(unit[:40])
+        hint = f"; did you mean '{near}'?" if near else ""
         raise UnitError(f"'{unit[:40]}' is no unit{hint}")
     return found
+
+
+def _meant(word):
+    """The unit that a word is but for capitals and spaces, or else is most similar to; "" when there is none."""
+    known = (*ALONE, *PREFIXED, *COMMON)
+    alike = [unit for unit in known if unit.replace(" ", "").lower() == word.replace(" ", "").lower()]
+    return next(iter(alike or difflib.get_close_matches(word, known, n=1, cutoff=0.5)), "")
 
 
 @lru_cache(maxsize=1024)

@@ -1,7 +1,12 @@
 """Words for messages: quoted texts, what was found, and did-you-mean."""
 
 import difflib
+import re
 
+from mecano.deck.scalar import number
+from mecano.deck.units import is_quantity
+
+NUMERIC = ("number", "integer", "curve", "either")  # types whose values may be numbers
 MAX_SHOWN = 60
 MAX_LISTED = 12
 
@@ -16,6 +21,8 @@ def found(node):
     value = node.value
     if value is None:
         return "nothing"
+    if type(value) is str and is_quantity(value):
+        return value
     if type(value) is str:
         return f"the text {quoted(value)}"
     if type(value) is list:
@@ -23,6 +30,18 @@ def found(node):
     if type(value) is dict:
         return "a mapping"
     return node.raw if 0 < len(node.raw) <= MAX_SHOWN else str(value)
+
+
+def how_to_write(node, field):
+    """Hint for a text with digits that stands where a number may: how one is written; else nothing."""
+    text = node.value
+    if type(text) is not str or field.type.name not in NUMERIC or is_quantity(text):
+        return ""
+    if number(text) is not None:
+        return "leave out the quotes"
+    unit = re.split(r" or |,", field.unit)[0].strip() if "unit" not in field.unit else ""
+    shown = f"2.5 or 2.5 {unit}" if unit not in ("", "-") else "2.5"
+    return f"a number is written as {shown}" if any(letter.isdigit() for letter in text) else ""
 
 
 def _listed(items):

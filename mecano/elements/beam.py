@@ -1,10 +1,10 @@
 r"""Beam: geometrically exact, shear-deformable, two nodes; straight, curved or twisted at the start.
 
 Strains are those of a helix between the end sections, exact for rigid motions and independent of the path
-(beam_elastic.py; Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element,
-so that nothing locks (beam_flexibility.py); inertia and weight are interpolated by cubics (beam_inertia.py). With
-``mesh: n`` a beam named leg becomes the elements leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other
-parts of the deck may name. docs/beams.md says how accurate it is.
+(Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, so that nothing
+locks; inertia and weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements
+leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other parts of the deck may name. docs/beams.md says how
+accurate it is.
 
 Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. Along an
 arc they are carried along, and ``twist`` turns them about axis 1. Nodes may be oriented in any way. Section forces are

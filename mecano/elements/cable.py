@@ -17,7 +17,7 @@ A natural length that changes does work, which is given by the surroundings (a w
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L
 
 A cable may be paid out by a winder, and may meet its full length with a shock (``payout_tension``,
-``at_full_length``): see constraints/wound_line.py.
+``at_full_length``): see docs/shocks.md.
 
 The mass, that of the natural length at t = 0, stays. It is consistent with the linear velocity between the nodes,
 :math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component, or one half at each node.

@@ -2,7 +2,7 @@ r"""Superelement: a part of a mechanism by its reduced stiffness and mass, linea
 
 The coordinates are those of Craig & Bampton (1968): displacements and rotations of boundary nodes, then amplitudes of
 modes with fixed boundary. They are small, and seen from a frame that moves with the boundary nodes through any number
-of turns (Cardona & Geradin 1991); superelement_frame.py has the frame, superelement_force.py the equations.
+of turns (Cardona & Geradin 1991).
 
 The file gives ``positions`` (one row for each boundary node), ``stiffness``, ``mass``, and perhaps ``damping``, with 6
 rows for each node in the order of ``nodes`` (displacements, rotations) and one for each mode, in the axes of the

@@ -1,9 +1,9 @@
 r"""Torsion spring-damper: a moment about an axis, from a law of the relative angle of two nodes and its rate.
 
 Both nodes carry the axis; the angle is the hinge angle where a hinge keeps it common, and else the twist, the part of
-the relative rotation that is left when the smallest rotation that turns the axis of a into that of b is taken off
-(mecano/constraints/twist_law.py). It is followed over whole turns. M > 0 turns the nodes back against a positive angle,
-as N > 0 of a spring pulls its ends together:
+the relative rotation that is left when the smallest rotation that turns the axis of a into that of b is taken off.
+It is followed over whole turns. M > 0 turns the nodes back against a positive angle, as N > 0 of a spring pulls its
+ends together:
 
 .. math::  M = M(\theta - \theta_0, \dot\theta)
 """
@@ -11,11 +11,11 @@ as N > 0 of a spring pulls its ends together:
 from numba import njit
 
 from mecano.constraints.axis_law import report
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.stop_modes import EVENTS, MODES
 from mecano.constraints.twist_law import RECORD, TWIST_LAW, followed, twist_law_record
 from mecano.contract import Kind, Output
-from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
+from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
 @njit
@@ -58,7 +58,7 @@ TORSION_SPRING_DAMPER = Kind(
     dtype=RECORD,
     layout=("R0", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
         Field("natural_angle", NUMBER, "rad", "angle at which the extension of the law is zero", 0.0),

@@ -16,6 +16,8 @@ ROOM = 0.8  # for the headings
 PAD = 0.08
 COLUMNS = 3  # of the overview
 MOST_COLUMNS = 6  # of the legend
+SMALLEST = 8  # points
+CUT = " ..."
 
 
 def sheet_figure(sheet, title):
@@ -74,9 +76,24 @@ def plain_figure(width, height, title, heading):
     """An empty figure with a bold title and a line below it."""
     figure = Figure(figsize=(width, height + ROOM))
     figure.get_layout_engine().set(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)
-    figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
-    figure.text(0.01, 1.0 - (PAD + 0.25) / (height + ROOM), heading, ha="left", va="top", color=GREY)
+    head = figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
+    top = 1.0 - (PAD + 0.25) / (height + ROOM)
+    below = figure.text(0.01, top, heading, ha="left", va="top", color=GREY)
+    for text in (head, below):
+        _fit(text, 0.98 * width)
     return figure
+
+
+def _fit(text, inches):
+    """Make a line of text smaller, or at last cut it, so that it fits into a width."""
+    share = inches * text.figure.dpi / max(text.get_window_extent().width, 1.0)
+    size = text.get_fontsize()
+    if share < 1.0:
+        text.set_fontsize(max(share * size, SMALLEST))
+    if share * size < SMALLEST:
+        line, *below = text.get_text().split("\n")
+        kept = int(0.97 * len(line) * share * size / SMALLEST) - len(CUT)
+        text.set_text("\n".join([line[:kept].rstrip() + CUT, *below]))
 
 
 def _over_time(panel):

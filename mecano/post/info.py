@@ -1,19 +1,23 @@
 """What is in a results file and how the run went, as text."""
 
 import math
+import shlex
 from textwrap import wrap
 
 import numpy as np
 
 from mecano.errors import UnknownNameError
+from mecano.post.extremes import named, telling
 from mecano.post.happenings import groups
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.results.reader import open_results
+from mecano.results.writer import WRITING
 
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
+RESUME = "--resume"
 ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
@@ -54,7 +58,8 @@ def facts(results):
         ("saved", _saved(results)),
         (
             "time spent",
-            f"{data['processor_time']:.2f} s of the processor with compiling, {data['wall_time']:.2f} s for the march",
+            f"{data['wall_time']:.2f} s by the clock for the march; {data['processor_time']:.2f} s of CPU time for the "
+            "whole process, its start and compiling included",
         ),
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
@@ -68,10 +73,21 @@ def facts(results):
 
 def _run(results):
     lines = [str(results.path)]
-    for label, text in [*facts(results), *(("remark", text) for text in results.remarks), ("status", _status(results))]:
+    remarks = [("remark", text) for text in results.remarks]
+    for label, text in [*facts(results), *remarks, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
-    return lines
+    return [*lines, *(f"  {'go on with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped
+
+
+def _going_on(results):
+    """The command that takes up a run again that ended early, unless its reason says it or it would fail once more."""
+    status, reason = results.status, results.reason
+    again = status != "failed" or WRITING in reason
+    if again and results.resumable and RESUME not in reason:
+        deck, overrides = results.metadata["deck_path"] or "DECK", results.metadata["overrides"]
+        settings = [word for text in overrides for word in ("--set", text)]
+        yield shlex.join(["mecano", "run", deck, *settings, "-o", str(results.path), RESUME])
 
 
 def _automatic(results):
@@ -154,8 +170,10 @@ def _events(results, every):
         return ["Events: none"]
     shown = found if every else found[:MOST_EVENTS]
     lines = [f"Events: {len(results.events)}"]
+    if len(found) < len(results.events):
+        lines[0] += f", those that are alike at one instant in one of {len(found)} lines"
     if len(shown) < len(found):
-        lines[0] += f", the first {sum(len(group.events) for group in shown)}; mecano info FILE --events lists all"
+        lines[0] += f"; the first {len(shown)} lines, mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
         lines[0] += f"; {sum(group.lost for group in found):.6g} J lost in shocks"
     width = max(len(group.title) for group in shown)
@@ -188,15 +206,11 @@ def _names(results, pattern):
 
 
 def _extremes(results, paths=None, most=MOST_EXTREMES):
-    """The table of extremes; without ``paths`` of all but the nodes, as far as they are not zero throughout."""
-    chosen = results.names() if paths is None else paths
-    chosen = {path for path in chosen if paths is not None or not path.startswith("nodes/")}
-    rows = [
-        (name.replace("/", "."), extreme)
-        for name, extreme in results.extremes.items()
-        if (name in chosen or name.rpartition(".")[0] in chosen)
-        and (paths is not None or extreme.minimum or extreme.maximum)
-    ]
+    """The table of extremes: of ``paths``, or of the run as a whole."""
+    rows = telling(results.extremes)
+    if paths is not None:
+        chosen = set(paths)
+        rows = [(named(x), e) for x, e in results.extremes.items() if x in chosen or x.rpartition(".")[0] in chosen]
     if not rows or not len(results.time):
         return ["Extremes: none"]
     shown = rows if len(rows) <= most else rows[:most]
@@ -206,7 +220,7 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")
     if paths is None:
-        lines.append("  without positions of nodes and what is zero throughout")
+        lines.append("  without nodes, and without what is zero or rounding beside others of its unit")
     return lines
 
 

@@ -8,6 +8,7 @@ import yaml
 
 from mecano.contract import SECTIONS
 from mecano.errors import ResultsError
+from mecano.post.extremes import telling
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import ENERGIES, count, facts, one_line
 from mecano.post.pictures import asked_sheets
@@ -170,16 +171,11 @@ def _event(event):
 
 
 def _extremes(results):
-    """Extremes over all accepted steps, but of nodes and of what is zero throughout."""
+    """Extremes over all accepted steps, of the run as a whole."""
     found = [
-        (
-            name.replace("/", "."),
-            e.unit.strip("-"),
-            *map(number, (e.minimum, e.minimum_time, e.maximum, e.maximum_time)),
-        )
-        for name, e in results.extremes.items()
-        if not name.startswith("nodes/") and (e.minimum or e.maximum)
-    ]  # fmt: skip
+        (name, e.unit.strip("-"), *map(number, (e.minimum, e.minimum_time, e.maximum, e.maximum_time)))
+        for name, e in telling(results.extremes)
+    ]
     at = f"at [{results.axis.unit}]" if results.axis.unit else "at"
     if found:
         yield Table(("over all accepted steps", "unit", "min", at, "max", at), found[:MOST_EXTREMES], 2)

@@ -9,6 +9,9 @@ from mecano.contract import SECTIONS
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
+LONGEST = 80  # characters of a label: more do not fit below the narrowest picture
+HEADED = ("title",)  # what pictures tell anyway
+
 
 @dataclass(frozen=True)
 class Run:
@@ -83,15 +86,20 @@ def labels(opened):
         alike = len({frozenset(results.resolved.get("parameters", {})) for results in opened}) == 1
         schemes.insert(0 if alike else 1, _parameters(opened))
     for scheme in schemes:
-        if len(set(scheme)) == len(scheme):
-            return scheme
-    return [f"{i}: {text}" for i, text in enumerate(schemes[-1], start=1)]
+        short = [_short(text) for text in scheme]
+        if len(set(short)) == len(short):
+            return short
+    return [f"{i}: {text}" for i, text in enumerate(short, start=1)]
+
+
+def _short(text):
+    return text if len(text) <= LONGEST else text[: LONGEST - 4].rstrip() + " ..."
 
 
 def _overrides(opened):
     """Values of all that was set differently; of a run that keeps the deck's value, that one."""
-    given = [dict(text.split("=", 1) for text in results.metadata["overrides"]) for results in opened]
-    paths = list(dict.fromkeys(path for some in given for path in some))
+    given = [_given(results) for results in opened]
+    paths = list(dict.fromkeys(path for some in given for path in some if path not in HEADED))
     values = [
         {path: _in_words(some[path] if path in some else _at(results.resolved, path)) for path in paths}
         for some, results in zip(given, opened, strict=True)
@@ -99,6 +107,24 @@ def _overrides(opened):
     short = [path.removeprefix("parameters.") if path.startswith("parameters.") else _ending(path) for path in paths]
     names = dict(zip(paths, short if len(set(short)) == len(paths) else paths, strict=True))
     return _told([{names[path]: text for path, text in some.items()} for some in values])
+
+
+def _given(results):
+    """Path -> value of all that was set; of a mapping, of all that is in it."""
+    found = {}
+    for path, text in (override.split("=", 1) for override in results.metadata["overrides"]):
+        value = _at(results.resolved, path)
+        found |= dict(_leaves(path, value)) if isinstance(value, dict) else {path: text}
+    return found
+
+
+def _leaves(path, value):
+    """(path, value) of all that is in a mapping and in those inside it."""
+    if not isinstance(value, dict):
+        yield path, value
+        return
+    for key, inner in value.items():
+        yield from _leaves(f"{path}.{key}", inner)
 
 
 def _ending(path):
@@ -113,7 +139,8 @@ def _parameters(opened):
 def _told(given):
     """Texts "name = value, ..." of the values that differ; ``given``: name -> text of each file."""
     names = [name for name in dict.fromkeys(n for some in given for n in some) if len({g.get(name) for g in given}) > 1]
-    return [", ".join(f"{name} = {some[name]}" for name in names if some.get(name)) for some in given]
+    nothing = ", ".join(f"no {name}" for name in names)
+    return [", ".join(f"{name} = {some[name]}" for name in names if some.get(name)) or nothing for some in given]
 
 
 def _at(deck, path):

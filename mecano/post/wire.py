@@ -63,8 +63,14 @@ def wire_figure(run, times, title):
             ax.set_ylim(low[1] - room, high[1] + room)
             ax.set_aspect("equal")
             ax.set_axis_off()
-            ax.set_title(f"t = {saved[row]:.3g} s", color=INK, fontsize=10)
+            ax.set_title(_named(saved[row], times[i]), color=INK, fontsize=10)
     return figure
+
+
+def _named(saved, asked):
+    """The time that is drawn, and the one that was asked for where they differ."""
+    shown, wanted = f"t = {saved:.4g} s", f"{asked:.4g} s"
+    return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
 
 
 def _is_thin(run, name):

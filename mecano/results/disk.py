@@ -38,18 +38,20 @@ class Disk:
     ----------
     error : OSError or None
         The first failure to write; after it nothing but patches is tried.
+    size : int
+        Bytes that it holds, or would after a failure.
     """
 
     def __init__(self, path):
         self.error = None
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
         self._position = 0
-        self._size = 0
+        self.size = 0
         self._withheld = []  # (offset, bytes) of the writes after the failure, which HDF5 may read again
 
     def seek(self, offset, whence=os.SEEK_SET):
         """Move, and return the new position."""
-        self._position = offset + (0, self._position, self._size)[whence]
+        self._position = offset + (0, self._position, self.size)[whence]
         return self._position
 
     def tell(self):
@@ -64,7 +66,7 @@ class Disk:
     def readinto(self, buffer):
         """Read into a buffer as much as there is."""
         view = memoryview(buffer).cast("B")
-        start, count = self._position, min(len(view), max(self._size - self._position, 0))
+        start, count = self._position, min(len(view), max(self.size - self._position, 0))
         os.preadv(self._descriptor, [view[:count]], start)
         for offset, data in self._withheld:
             first, last = max(offset, start), min(offset + len(data), start + count)
@@ -78,25 +80,25 @@ class Disk:
         data = memoryview(data).cast("B")
         if self._position == 0 and data[:8] == SIGNATURE:
             end = struct.unpack("<Q", data[_END_OF_FILE])[0]
-            if end > self._size:
+            if end > self.size:
                 self.truncate(end)
         if self.error is None:
             self.error = self._put(self._position, data)
         if self.error is not None:
             self._withheld.append((self._position, bytes(data)))
         self._position += len(data)
-        self._size = max(self._size, self._position)
+        self.size = max(self.size, self._position)
         return len(data)
 
     def truncate(self, size=None):
         """Make the file as long as told."""
-        self._size = self._position if size is None else size
+        self.size = self._position if size is None else size
         if self.error is None:
             try:
-                os.ftruncate(self._descriptor, self._size)
+                os.ftruncate(self._descriptor, self.size)
             except OSError as error:
                 self.error = error
-        return self._size
+        return self.size
 
     def flush(self):
         """Nothing is buffered here."""

@@ -288,6 +288,11 @@ class Results:
         there = self._rows, self._step_rows, self._event_rows
         return state if state is not None and np.all(state["file"]["rows"] <= there) else None
 
+    @property
+    def resumable(self):
+        """True when the run ended before its end and left a checkpoint, from which ``mecano run --resume`` goes on."""
+        return self.status in ("stopped", "killed", "failed", "truncated") and self.checkpoint is not None
+
     def rows(self, table, first, last):
         """Rows ``first`` to ``last`` as they are stored, the time first: of "output" or "solver"."""
         return self._read(f"storage/{table}", (slice(first, last), slice(None)))

@@ -18,6 +18,7 @@ CHUNK_NUMBERS = 8192  # 64 KB
 BLOCK_NUMBERS = 2**17  # 1 MB
 _TEXT_DTYPE = h5py.string_dtype()
 _TEXT = h5t.py_create(_TEXT_DTYPE, logical=True)
+_REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
 def chunk_shape(width):
@@ -41,7 +42,7 @@ def name_axes(dataset, *scales):
     references = np.empty(len(scales), dtype=object)
     for i, scale in enumerate(scales):
         references[i] = np.array([scale.ref], dtype=h5py.ref_dtype)
-    dataset.attrs.create("DIMENSION_LIST", references, dtype=h5py.vlen_dtype(h5py.ref_dtype))
+    h5a.create(dataset.id, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(references.shape)).write(references)
 
 
 class Axes:
@@ -104,17 +105,23 @@ class NumberTable:
 
     def write(self):
         """Hand the kept rows to HDF5."""
-        if self.filled == 0:
-            return
-        width = self.buffer.shape[1]
-        block = (self.filled, width)
-        self.dataset.id.set_extent((self.written + self.filled, width))
+        if self.filled:
+            self._put(self.buffer[: self.filled])
+            self.filled = 0
+
+    def extend(self, rows):
+        """Hand rows (n, width), the time first, to HDF5 behind the kept ones: what many ``add`` do, in less time."""
+        self.write()
+        self._put(rows)
+
+    def _put(self, rows):
+        count, width = rows.shape
+        self.dataset.id.set_extent((self.written + count, width))
         space = self.dataset.id.get_space()
-        space.select_hyperslab((self.written, 0), block)
-        self.dataset.id.write(h5s.create_simple(block), space, self.buffer[: self.filled])
-        self.sum = zlib.crc32(self.buffer[: self.filled], self.sum)
-        self.written += self.filled
-        self.filled = 0
+        space.select_hyperslab((self.written, 0), rows.shape)
+        self.dataset.id.write(h5s.create_simple(rows.shape), space, rows)
+        self.sum = zlib.crc32(rows, self.sum)
+        self.written += count
 
     def view(self, group, name, column, shape):
         """Make a virtual dataset that shows some columns as values of the given shape, and return it."""

@@ -14,7 +14,7 @@ from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
-DENSE_ROWS = 3000  # beyond this many constraints in closed loops no singular values are computed
+DENSE_ROWS = 3000  # beyond this many constraints in closed loops, or unknowns, no singular values are computed
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,17 @@ class Group:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Mobility of a model at one configuration; ``complete`` is False when it is too large to be named."""
+    """Mobility of a model at one configuration.
+
+    ``complete`` is False where too many constraints in closed loops leave the rank unknown; ``mechanisms`` is None
+    where that, or too many unknowns, keeps them from being named.
+    """
 
     unknowns: int
     constraints: int
     rank: int
     redundant: tuple  # Group
-    mechanisms: tuple  # Group
+    mechanisms: tuple | None  # Group
     dependent: sp.csr_matrix  # projector on the reactions that take part in a redundancy, see ``_directions``
     complete: bool = True
 
@@ -50,19 +54,17 @@ def analyse(system, s, length):
     loops, n_l = _in_loops(B, of.group), int(holds.sum())
     loops = loops[holds[loops]]
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, n_l, n_l, (), (), sp.diags(holds.astype(float), format="csr"), False)
+        return Analysis(system.n_q, n_l, n_l, (), None, sp.diags(holds.astype(float), format="csr"), False)
     projector, deficiency = _left_null_projector(B[loops].toarray())
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
     rank = n_l - deficiency
-    complete = system.n_q <= DENSE_ROWS
-    mechanisms = (
-        _groups(_null_projector(B.toarray(), rank), [motion_name(name) for name in of.name[: of.n_q]])
-        if complete
-        else ()
-    )
+    mechanisms = None
+    if system.n_q <= DENSE_ROWS:
+        motions = [motion_name(name) for name in of.name[: of.n_q]]
+        mechanisms = _groups(_null_projector(B.toarray(), rank), motions)
     dependent = _directions(system, projector, loops, size)
-    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent, complete)
+    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent)
 
 
 def gradient(system, s, length):

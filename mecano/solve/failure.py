@@ -3,9 +3,11 @@
 import numpy as np
 
 from mecano.errors import ConvergenceError, NonFiniteError
-from mecano.model.numbering import motion_name
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION, motion_name
+from mecano.solve.scales import ANGULAR_SHARE, TINY, length_scale
 
-REPORTED = 5  # equations named
+REPORTED = 5  # equations named, the worst of each node, joint or element
+NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
 NAMED = 6  # elements named of one equation
 NOT_FINITE = "not finite"
 TRY = {
@@ -29,13 +31,26 @@ def no_step(system, info, t, h):
 
 
 def worst_equations(system):
-    """Names and residuals of the worst equations of the last assembly, and the elements in them, one a line."""
+    """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
     of = system.numbering
-    r, size = np.abs(system.residual[: system.n]), system.size[: system.n]
-    scale = np.array([max(size[of.kind[: system.n] == kind].max(initial=0.0), 1e-300) for kind in range(5)])
-    relative = np.nan_to_num(r / scale[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
-    order = [i for i in np.argsort(-relative, kind="stable")[:REPORTED] if relative[i] > 0.0]
-    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in order)
+    r = np.abs(system.residual[: system.n])
+    relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+    least, places = max(NEGLIGIBLE * relative.max(initial=0.0), 1e-300), {}
+    for i in np.argsort(-relative, kind="stable"):
+        if relative[i] >= least:
+            places.setdefault(of.name[i].partition(": ")[0], i)
+    worst = list(places.values())[:REPORTED]
+    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in worst)
+
+
+def _scales(system):
+    """Sizes (5,) that residuals of each kind of equation are judged by, as in ``norms``; of constraints as forces."""
+    kind, size, length = system.numbering.kind, system.size, length_scale(system.nodes)
+    force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
+    f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
+    scales = np.full(5, m / length**2)
+    scales[[TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT]] = f, m, max(own, ANGULAR_SHARE * f), f
+    return scales
 
 
 def _acting(system, i):

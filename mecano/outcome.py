@@ -1,0 +1,67 @@
+"""What a user should know of a march that has come to its end: warnings, one text each."""
+
+from mecano.prepare import some
+from mecano.recorder import watched
+
+MOST_LATCHES = 8  # named in a warning
+NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
+EXCHANGED = ("kinetic", "potential", "dissipated", "given")
+UNBALANCED = 0.01  # of the largest change of an energy, from which on the balance is told
+NOISE = 1e-9  # of the largest energy: what varies by less does not vary
+
+
+def cut_short(values, cuts, final):
+    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
+    if values["adaptive"] or len(cuts) <= NOTED * final.steps:
+        return
+    since, smallest = cuts[0][0], min(h for _, h in cuts)
+    yield (
+        f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
+        f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
+        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
+    )
+
+
+def unbalanced(values, sampler, extremes):
+    """Warning that energy was lost or came from nothing, from the ``time`` of the deck and the extremes; or nothing."""
+    at = {column.path: column.start for column in sampler.columns}
+    high, low, balance = extremes.high, extremes.low, at["energy/balance"]
+    energies = [at[f"energy/{name}"] for name in EXCHANGED]
+    off, exchanged = high[balance] - low[balance], max(high[i] - low[i] for i in energies)
+    if not off > max(UNBALANCED * exchanged, NOISE * max(max(high[i], -low[i]) for i in energies)):
+        return
+    first, last = extremes.high_time[balance], extremes.low_time[balance]
+    what = "Energy comes from nothing, by errors of the steps"
+    if last > first:
+        rho = values["rho_inf"]
+        damping = f"the numerical damping of what is too fast for the steps (time.rho_inf = {rho:g}) or by "
+        what = f"Energy is lost, by {damping if rho < 1.0 else ''}errors of the steps"
+    yield (
+        f"the energy balance varies by {off:.3g} J, {100 * off / exchanged:.3g} % of the largest change of an energy: "
+        f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
+        f"'time.{'adaptive.tolerance' if values['adaptive'] else 'step'}'"
+    )
+
+
+def exceeded(deck, sampler, extremes):
+    """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
+    high, when = extremes.high, extremes.high_time
+    return [
+        f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
+        for name, d, output, i, limit, text in watched(deck, sampler, "limits")
+        if high[i] > limit
+    ]
+
+
+def open_latches(deck, row, sampler):
+    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
+    columns, found = {column.path: column.start for column in sampler.columns}, []
+    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
+    for name, d in latched.items():
+        if not row[columns[f"joints/{name}/latched"]]:
+            ((quantity, wanted),) = d["latch"].items()
+            rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
+            at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
+            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
+    if found:
+        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"
