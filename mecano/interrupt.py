@@ -7,12 +7,16 @@ import sys
 import time
 from contextlib import contextmanager
 
-EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGUSR1: 75, signal.SIGALRM: 75}
-WORDS = {signal.SIGALRM: "the end of its wall-clock time"}
+CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is looked at between steps only
+EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, CLOCK: 75}
+if hasattr(signal, "SIGUSR1"):
+    EXIT_CODES[signal.SIGUSR1] = 75
+SIGNALS = tuple(number for number in EXIT_CODES if number in signal.valid_signals())
+WORDS = {CLOCK: "the end of its wall-clock time"}
 BEGUN = time.monotonic()  # of the process, but for the time in which Python starts
 RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s], left for the last checkpoint
 UNITS = re.compile(r"(?:(\d+)d)?(?:(\d+)h)?(?:(\d+)m)?(?:(\d+)s?)?")
-CLOCK = re.compile(r"(?:(\d+)-)?(\d+):(\d\d):(\d\d)")
+OF_A_CLOCK = re.compile(r"(?:(\d+)-)?(\d+):(\d\d):(\d\d)")
 
 
 class Stopped(KeyboardInterrupt):
@@ -40,13 +44,13 @@ class Interruption:
         self._number, self._postponed = None, False
         self._asked, self._longest = None, 0.0
 
-    def listen(self, numbers=tuple(EXIT_CODES)):
+    def listen(self, numbers=SIGNALS):
         """From now on these signals and the clock end the process."""
         sys.unraisablehook = _unraisable
         _swallowed.clear()
         for number in numbers:
             signal.signal(number, self._ask)
-        if self._deadline < float("inf"):
+        if self._deadline < float("inf") and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
 
     def _ask(self, number, frame):
@@ -82,7 +86,7 @@ class Interruption:
         UsageError
             The wall-clock time leaves none for the march: asked for again, it would not either.
         """
-        if self._number not in (None, signal.SIGALRM):
+        if self._number not in (None, CLOCK):
             raise Stopped(self._number, f" while {what}; the file is as it was")
         now = time.monotonic()
         if now + ending > self._deadline:
@@ -103,7 +107,7 @@ class Interruption:
             self._longest = max(self._longest, now - self._asked)
         self._asked = now
         if self._number is None and now + self._longest + ending > self._deadline:
-            self._number = signal.SIGALRM
+            self._number = CLOCK
         return self._number is not None
 
     def stopped(self, where):
@@ -140,7 +144,7 @@ def again():
 
 def seconds(text):
     """Seconds of "3600", "2h30m", "1d", "90s", "02:30:00" or, as Slurm writes it, "1-02:30:00". Raises UsageError."""
-    match = CLOCK.fullmatch(text) or UNITS.fullmatch(text)
+    match = OF_A_CLOCK.fullmatch(text) or UNITS.fullmatch(text)
     numbers = [int(part or 0) for part in match.groups()] if match else [0]
     total = sum(number * size for number, size in zip(numbers, (86400, 3600, 60, 1), strict=False))
     if not total:

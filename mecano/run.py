@@ -1,5 +1,6 @@
 """One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
 
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -80,9 +81,9 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
 
     with undisturbed():
         left = Remains(path, deck)
-    if left.checkpoint is not None and not left.complete:
-        return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
-    left.close()
+    with closing(left):
+        if left.checkpoint is not None and not left.complete:
+            return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
     if left.complete:
         announce(COMPLETE.format(path))
         return None

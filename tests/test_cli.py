@@ -224,6 +224,27 @@ class TestRun:
         assert ended.stderr.startswith("Traceback") and ended.stderr.endswith("ZeroDivisionError: division by zero\n")
 
 
+@pytest.mark.parametrize(
+    "words,message",
+    [
+        (("a.h5", "--animate", "a.html", "--at", "1"), "--at: of pictures, which are not drawn with --animate"),
+        (("a.h5", "--report", "a.html", "-o", "b", "--csv"), "--output, --csv: of pictures"),
+        (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: of pictures"),
+        (("a.h5", "--animate", "a.html", "--spectrum", "x"), "--spectrum: the page of --animate has plots over time"),
+        (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report are about one results file"),
+    ],
+)
+def test_options_that_pages_cannot_have(call, words, message):
+    code, _, err = call("post", *words)
+    assert code == 2 and message in err
+
+
+def test_equilibria_have_no_checkpoints(call, folder):
+    code, _, err = call("run", "deck.yaml", "-q", "--checkpoint", "5", "--set", "static.end=1", "--set", "time=null")
+    assert code == 2 and "--checkpoint: this deck asks for equilibria ('static'), which have no checkpoints" in err
+    assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
+
+
 class TestInterruptions:
     @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
     def test_a_stopped_run_leaves_a_valid_file(self, folder, number, code):
@@ -255,6 +276,18 @@ class TestInterruptions:
         assert b"cannot write deck.h5: File too large" in err and b"saved times up to" in err
         with mecano.open_results(folder / "deck.h5") as results:
             assert results.status == "failed" and "File too large" in results.reason and len(results.time) > 100
+
+    def test_a_system_without_some_signals(self, folder):
+        """As Windows, which has no SIGUSR1, no SIGALRM and no timer that sends it."""
+        code = (
+            "import signal\nfor name in ('SIGUSR1', 'SIGALRM', 'setitimer'): delattr(signal, name)\n"
+            "signal.valid_signals = lambda: {signal.SIGINT, signal.SIGTERM}\n"
+            "from mecano.cli import main; main()"
+        )
+        words = ["run", "deck.yaml", "-q", "--max-walltime"]
+        assert subprocess.run([sys.executable, "-c", code, *words, "1h"]).returncode == 0
+        ended = subprocess.run([sys.executable, "-c", code, *words, "1s", "--force", *NEVER_ENDING])
+        assert ended.returncode == 75
 
     def test_a_reader_that_has_seen_enough(self, folder):
         reading, writing = os.pipe()

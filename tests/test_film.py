@@ -1,5 +1,7 @@
 """Motions as films."""
 
+import os
+
 import every_kind
 import numpy as np
 import pytest
@@ -38,12 +40,24 @@ def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
     assert coloured.sum() > 50
 
 
+def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_path, monkeypatch):
+    """As one built without the codec: the frames are not taken."""
+    program = tmp_path / "bin" / "ffmpeg"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\necho 'first line' >&2\necho \"Unknown encoder 'h264'\" >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
+    with pytest.raises(ResultsError, match="ffmpeg fails to write the film: Unknown encoder 'h264'"):
+        animate(path, tmp_path / "a.mp4")
+    assert [file.name for file in tmp_path.iterdir()] == ["bin"]
+
+
 def test_what_cannot_be_filmed_is_told(path, tmp_path, monkeypatch):
     with pytest.raises(UsageError, match="a film has no plots"):
         animate(path, tmp_path / "a.gif", ["one_beam.stress"])
     with pytest.raises(UsageError, match="ends with .html, .gif or .mp4"):
         animate(path, tmp_path / "a.avi")
-    with pytest.raises(ResultsError, match="cannot write"):
+    with pytest.raises(ResultsError, match="cannot make the folder /proc/films: "):
         animate(path, "/proc/films/a.gif")
     monkeypatch.setattr(animation.writers, "is_available", lambda name: False)
     with pytest.raises(UsageError, match="films need ffmpeg, which is not installed; .html does"):

@@ -369,7 +369,7 @@ def test_places_of_pictures(path, tmp_path):
         list(post([path], plots, output=tmp_path / "one.png"))
     blocked = tmp_path / "file"
     blocked.write_text("")
-    with pytest.raises(ResultsError, match="cannot write"):
+    with pytest.raises(ResultsError, match="cannot make the folder .*file: File exists"):
         list(post([path], plots, output=f"{blocked}/"))
 
 

@@ -158,7 +158,7 @@ def test_the_deck_is_there_as_written_and_as_understood(report, path):
 def test_what_cannot_be_reported_is_told(path, tmp_path):
     with pytest.raises(UsageError, match="ends with .html"):
         write_report(path, tmp_path / "page.pdf")
-    with pytest.raises(ResultsError, match="cannot write"):
+    with pytest.raises(ResultsError, match="cannot make the folder /proc/pages"):
         write_report(path, "/proc/pages/page.html")
     with Writer.create(tmp_path / "empty.h5", Layout([]), Source("mecano: 1\n", {})):
         pass

@@ -21,7 +21,7 @@ from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, 
 
 import mecano
 from mecano import keeper
-from mecano.errors import ConvergenceError, ResultsError, UsageError
+from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
 from mecano.post.info import info
 from mecano.results.seal import seal_file
@@ -109,6 +109,19 @@ def test_latches_stand_where_they_were_when_it_cannot_go_on(tmp_path, monkeypatc
         resume(deck, path)
     at = float(str(failed.value).partition("hinge 'hinge' at ")[2].partition(" of")[0])
     assert at == pytest.approx(0.5 * math.pi * (1.0 - math.cos(math.sqrt(6.0) * 0.3)), rel=1e-3)  # told in 4 digits
+
+
+def test_a_resumed_run_that_cannot_begin_leaves_its_file_closed(tmp_path, monkeypatch):
+    deck, path = long_deck(), tmp_path / "r.h5"
+    assert stopped(deck, path, 300)
+
+    def fail(*_):
+        raise AssemblyError("no way to begin")
+
+    monkeypatch.setattr("mecano.run.prepare", fail)
+    with pytest.raises(AssemblyError):
+        resume(deck, path)
+    h5py.File(path, "r+").close()  # which HDF5 refuses while this process reads it
 
 
 class TestAFullDisk:

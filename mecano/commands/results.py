@@ -39,8 +39,10 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
     page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
     """
-    if (page or report) and len(results) > 1:
-        raise click.UsageError("--animate and --report are about one results file")
+    if page or report:
+        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns)
+    if page and spectra and not report:
+        raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     if page:
         from mecano.post.animation import animate
 
@@ -55,6 +57,15 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
 
     for path in draw(results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at):
         click.echo(path)
+
+
+def _refuse_strays(results, **given):
+    """Raise UsageError for what pages cannot have."""
+    if len(results) > 1:
+        raise click.UsageError("--animate and --report are about one results file")
+    strays = [f"--{name}" for name, value in given.items() if value]
+    if strays:
+        raise click.UsageError(f"{', '.join(strays)}: of pictures, which are not drawn with --animate or --report")
 
 
 @click.command()

@@ -17,8 +17,8 @@ from mecano.interrupt import Interruption, again, seconds
 @click.option("--resume", is_flag=True, help="Go on with the results file from its last checkpoint, if there is one.")
 @click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time, for --resume: 3600, 2h30m or 02:30:00.")
 @click.option(
-    "--checkpoint", "interval", type=click.FloatRange(0), default=30.0, show_default=True, metavar="SECONDS",
-    help="Wall-clock time between checkpoints.",
+    "--checkpoint", "interval", type=click.FloatRange(0), metavar="SECONDS",
+    help="Wall-clock time between checkpoints; default: 30.",
 )  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 @overrides
@@ -38,13 +38,17 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     static = checked.values["static"]
+    if static and interval is not None:
+        raise click.UsageError("--checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     progress.compiling(checked.kinds)
     from importlib import import_module
 
     runs = import_module("mecano.static_run" if static else "mecano.run")
     solve = runs.resume if resume else partial(runs.run, force=force)
-    told = {} if static else {"interruption": interruption, "interval": interval}
+    told = {} if static else {"interruption": interruption}
+    if interval is not None:
+        told["interval"] = interval
     final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
     if final is not None:
         progress.done(final)

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import UsageError
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel, event_marks
 from mecano.post.sheets import default_sheets, overview
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, make_folder
 
 MOST_FRAMES = 600
 FILMS = (".gif", ".mp4")
@@ -56,10 +56,7 @@ def animate(path, page, plots=(), title=None):
     }  # fmt: skip
     template = resources.files("mecano.post").joinpath("animation.html").read_text(encoding="utf-8")
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
-    try:
-        page.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ResultsError(f"cannot write {page}: {error.strerror}") from error
+    make_folder(page.parent)
     with appearing(page) as hidden:
         hidden.write_text(template.replace('"DATA"', text), encoding="utf-8")
     return page

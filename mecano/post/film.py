@@ -1,5 +1,6 @@
 """A motion as a moving picture, GIF or MP4: the mechanism as lines, seen from a fixed direction."""
 
+import subprocess
 from pathlib import Path
 
 import matplotlib
@@ -15,7 +16,7 @@ from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.wire import view
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, make_folder
 
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
@@ -43,13 +44,9 @@ def film(path, target, title=None):
     if not animation.writers.is_available(writer):
         raise UsageError(f"--animate {target}: {target.suffix} films need {writer}, which is not installed; .html does")
     [run] = open_runs([path])
-    with matplotlib.rc_context(SETTINGS):
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise ResultsError(f"cannot write {target}: {error.strerror}") from error
-        with appearing(target) as hidden:
-            _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
+    make_folder(target.parent)
+    with matplotlib.rc_context(SETTINGS), appearing(target) as hidden:
+        _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
     return target
 
 
@@ -61,7 +58,11 @@ def _write(scene, target, writer, title):
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # it would be found anew for each frame, in half of the time
     moving = animation.FuncAnimation(figure, picture.show, frames=len(scene.times), blit=False)
-    moving.save(target, writer=writer, fps=PER_SECOND, dpi=DOTS)
+    try:
+        moving.save(target, writer=writer, fps=PER_SECOND, dpi=DOTS)
+    except subprocess.CalledProcessError as error:
+        lines = [line.strip() for line in (error.stderr or "").splitlines() if line.strip()]
+        raise ResultsError(f"{writer} fails to write the film: {lines[-1] if lines else error}") from error
 
 
 class _Picture:

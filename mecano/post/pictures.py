@@ -17,6 +17,7 @@ from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.modes_file import format_of
+from mecano.results.whole_file import make_folder
 
 FORMATS = ("png", "svg")
 ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study}
@@ -138,8 +139,8 @@ def _stem(runs):
 
 
 def _save(figure, path):
+    make_folder(path.parent)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         save(figure, path)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error

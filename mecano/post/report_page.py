@@ -9,11 +9,11 @@ from pathlib import Path
 
 import matplotlib
 
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import UsageError
 from mecano.post.report import Picture, Table, report_of
 from mecano.post.runs import open_runs
 from mecano.post.style import SETTINGS
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, make_folder
 
 
 def write_report(path, page, title=None, plots=(), spectra=()):
@@ -32,10 +32,7 @@ def write_report(path, page, title=None, plots=(), spectra=()):
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--report {page}: the name of a page ends with .html")
     [run] = open_runs([path])
-    try:
-        page.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ResultsError(f"cannot write {page}: {error.strerror}") from error
+    make_folder(page.parent)
     with run.results:
         text = page_of(report_of(run, title, plots, spectra))
     with appearing(page) as hidden:

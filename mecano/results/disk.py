@@ -23,12 +23,12 @@ from contextlib import contextmanager
 
 import h5py
 
+from mecano.interrupt import SIGNALS
 from mecano.results.seal import seal
 
 PAGE = 4096
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
-_DEFERRED = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGALRM)
 
 
 class Disk:
@@ -161,7 +161,7 @@ def undisturbed():
         yield
         return
     pending = []
-    usual = {number: signal.getsignal(number) for number in _DEFERRED}
+    usual = {number: signal.getsignal(number) for number in SIGNALS}
     usual = {number: handler for number, handler in usual.items() if callable(handler)}
     for number in usual:
         signal.signal(number, lambda *arguments: pending.append(arguments))

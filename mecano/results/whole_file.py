@@ -1,4 +1,4 @@
-"""Files that are written at once, by `mecano modes` and `mecano reduce`: they appear only when they are complete."""
+"""Files that are written at once, and appear only when they are complete; and the folders for them."""
 
 import os
 from contextlib import contextmanager
@@ -21,6 +21,14 @@ def appearing(path):
         raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         hidden.unlink(missing_ok=True)
+
+
+def make_folder(folder):
+    """Make a folder, and those above it, where there is none. Raises ResultsError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ResultsError(f"cannot make the folder {folder}: {error.strerror}") from error
 
 
 def put_source(file, source, format_, version, **facts):

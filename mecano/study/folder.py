@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 GO_ON = (75, 130, 143)  # exit codes of runs that --resume goes on with
@@ -73,11 +73,8 @@ class Folder:
     @contextmanager
     def held(self, alone=True):
         """In this block no other process runs cases here, or if not ``alone`` only such ones. Raises UsageError."""
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            place = os.open(self.path, os.O_RDONLY)
-        except OSError as error:
-            raise ResultsError(f"cannot make the folder {self.path}: {error.strerror}") from error
+        make_folder(self.path)
+        place = os.open(self.path, os.O_RDONLY)
         try:
             fcntl.flock(place, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
         except BlockingIOError:

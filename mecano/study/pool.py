@@ -11,14 +11,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mecano.interrupt import EXIT_CODES
+from mecano.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
 
 PROGRAM = (sys.executable, "-m", "mecano")
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 LOOK = 0.2  # s between two looks at memory and time
 GRACE, SHARE = 10.0, 0.1  # s, and share of its time, after which a case that does not end is killed
-END_BY = {signal.SIGINT, signal.SIGTERM, signal.SIGUSR1}
+END_BY = set(SIGNALS) - {CLOCK}
 LONGEST_REASON = 300  # characters
 HIGH_WATER = re.compile(r"VmHWM:\s*(\d+) kB")
 

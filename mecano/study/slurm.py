@@ -5,6 +5,7 @@ import shlex
 import subprocess
 
 from mecano.errors import ResultsError, UsageError
+from mecano.results.whole_file import make_folder
 from mecano.study.pool import PROGRAM, case_words
 
 NOTICE = 60  # s before the end of its time at which a task is told, unless the options of the user say otherwise
@@ -57,8 +58,8 @@ def submit(folder, cases, limits, options, wait=False):
     With ``wait`` until all tasks have ended. Raises ResultsError where sbatch refuses, UsageError without sbatch.
     """
     path = folder.path / "array.sbatch"
+    make_folder(folder.path)
     try:
-        folder.path.mkdir(parents=True, exist_ok=True)
         path.write_text(script(folder, cases, limits), encoding="utf-8")
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
