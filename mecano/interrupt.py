@@ -43,6 +43,7 @@ class Interruption:
     def listen(self, numbers=tuple(EXIT_CODES)):
         """From now on these signals and the clock end the process."""
         sys.unraisablehook = _unraisable
+        _swallowed.clear()
         for number in numbers:
             signal.signal(number, self._ask)
         if self._deadline < float("inf"):
@@ -51,7 +52,7 @@ class Interruption:
     def _ask(self, number, frame):
         again, self._number = self._number is not None, self._number or number
         if not self._postponed or (again and number == signal.SIGINT):
-            raise Stopped(number)  # where Python is in a destructor this is lost; then ``wanted`` still knows
+            raise Stopped(number)  # where nothing can be raised this is swallowed; then ``wanted`` still knows
 
     @contextmanager
     def postponed(self):
@@ -111,15 +112,23 @@ class Interruption:
 
 
 def stopped_by(error):
-    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
+    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place.
+
+    A compiler that calls back to Python swallows the Stopped, and fails later for want of what the call was to give.
+    """
     while error is not None and not isinstance(error, Stopped):
         error = error.__cause__ or error.__context__
-    return error
+    return error or next(iter(_swallowed), None)
+
+
+_swallowed = []  # each Stopped that was raised where none can be: in a destructor, or a call from compiled code
 
 
 def _unraisable(lost):
-    """Say what Python says of exceptions in destructors, but of Stopped nothing."""
-    if not isinstance(lost.exc_value, Stopped):
+    """Say what Python says of exceptions that cannot be raised where they occur, but of Stopped nothing."""
+    if isinstance(lost.exc_value, Stopped):
+        _swallowed.append(lost.exc_value)
+    else:
         sys.__unraisablehook__(lost)
 
 

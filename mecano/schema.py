@@ -17,6 +17,7 @@ class Type:
     expects: str
     options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
     moves: str = ""  # what the value is in inertial axes, "point", "direction" or "orientation", if it is one at all
+    schema: object = field(default=None, compare=False)  # JSON Schema, of a type of which deck/json_schema.py has none
 
 
 NUMBER = Type("number", "a number")

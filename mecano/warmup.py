@@ -16,6 +16,7 @@ from mecano.run import run
 from mecano.static_run import run as run_static
 
 STEPS = 3
+BETWEEN = 0.7  # steps between two saved times, which are then interpolated
 
 
 def warmup(decks=(), overrides=()):
@@ -51,9 +52,12 @@ def all_kinds():
 
 
 def _shortened(deck):
-    """Overrides that leave some steps of a march; an equilibrium has none to be left out."""
+    """Overrides that leave some steps of a march, and save between them; an equilibrium has none to be left out."""
     time = deck.values["time"]
-    return [f"time.end={time['start'] + STEPS * time['step']!r}"] if time and _longer(time) else []
+    if not time:
+        return []
+    end = [f"time.end={time['start'] + STEPS * time['step']!r}"] if _longer(time) else []
+    return [*end, f"output.every={BETWEEN * time['step']!r}"]
 
 
 def _longer(time):

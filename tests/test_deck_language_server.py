@@ -9,8 +9,11 @@ import subprocess
 
 import pytest
 from test_deck_schema import INPUTS, WRONG
+from test_study_file import PAGE, WRONG_STUDIES
 
+from mecano.deck.json_schema import deck_schema
 from mecano.deck.new import schema_text, starters
+from mecano.study.describe import EXAMPLE, study_schema
 
 SERVER = shutil.which("yaml-language-server")
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(SERVER is None, reason="yaml-language-server is not on the PATH")]
@@ -53,10 +56,10 @@ class Server:
             pass
         return message["result"]
 
-    def open(self, name, text):
+    def open(self, name, text, schema="mecano"):
         """The address of a deck that is opened with the modeline of docs/decks.md; its diagnostics."""
         address = f"file://{self.folder}/{name}.yaml"
-        text = "# yaml-language-server: $schema=mecano.schema.json\n" + text
+        text = f"# yaml-language-server: $schema={schema}.schema.json\n" + text
         document = {"uri": address, "languageId": "yaml", "version": 1, "text": text}
         self.tell("textDocument/didOpen", {"textDocument": document})
         while True:
@@ -68,7 +71,8 @@ class Server:
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
     folder = tmp_path_factory.mktemp("decks")
-    (folder / "mecano.schema.json").write_text(schema_text())
+    for name, schema in (("mecano", deck_schema()), ("study", study_schema())):
+        (folder / f"{name}.schema.json").write_text(schema_text(schema))
     server = Server(folder)
     yield server
     server.process.kill()
@@ -92,6 +96,16 @@ def test_diagnostics_for_wrong_decks(server):
         at = {diagnostic["range"]["start"]["line"] - 1 for diagnostic in diagnostics}
         assert diagnostics, new
         assert any(new.split(":")[0].strip() in lines[line] or "{" in lines[line] for line in at), (new, diagnostics)
+
+
+def test_study_files(server):
+    for i, text in enumerate((EXAMPLE, PAGE)):
+        assert server.open(f"study{i}", text, "study")[1] == []
+    for i, (old, new, _) in enumerate(WRONG_STUDIES):
+        text = EXAMPLE.replace(old, new, 1)
+        diagnostics = server.open(f"wrong_study{i}", text, "study")[1]
+        at = {diagnostic["range"]["start"]["line"] - 1 for diagnostic in diagnostics}
+        assert at & {n for n, line in enumerate(text.splitlines()) if new.split(":")[0] in line} or at == {0}, new
 
 
 def test_hover_and_completion(server):

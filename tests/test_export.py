@@ -11,8 +11,8 @@ from process import mecano_process, settings
 
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.post import grid
 from mecano.post.export import export
-from mecano.post.grid import grid_of
 from mecano.post.runs import open_runs
 from mecano.results.provenance import Source
 from mecano.results.reader import open_results
@@ -93,44 +93,81 @@ def test_what_cannot_be_exported_is_told(path, tmp_path):
 
 def test_points_are_the_nodes_first_and_cells_know_their_owners(path):
     [run] = open_runs([path])
-    grid = grid_of(run)
-    assert grid.names["node"] == ["base", "tip"]
+    [cells] = grid.grids_of(run)
+    assert cells.names["node"] == ["base", "tip"]
     expected = np.stack([run.results[f"{node}.position"].values for node in ("base", "tip")], axis=1)
-    assert np.array_equal(grid.points.values[:, :2], expected)
-    by_owner = {grid.names["owner"][i]: cell for i, cell in zip(grid.cell_owner, grid.cells, strict=True)}
+    assert np.array_equal(cells.points.values[:, :2], expected)
+    by_owner = {cells.names["owner"][i]: cell for i, cell in zip(cells.cell_owner, cells.cells, strict=True)}
     assert by_owner["elements/one_beam"] == (LINE, (0, 1)) and by_owner["joints/one_hinge"] == (VERTEX, (1,))
     kind, rim = by_owner["elements/one_wheel"]
     assert kind == POLY_LINE and rim[-1] == 1 and len(rim) == 50
-    assert np.array_equal(grid.point_data["displacement"].values, grid.points.values - grid.points.values[:1])
+    assert np.array_equal(cells.point_data["displacement"].values, cells.points.values - cells.points.values[:1])
 
 
 def test_cells_carry_their_own_forces_and_nothing_of_others(path):
     [run] = open_runs([path])
-    grid = grid_of(run)
-    owners = [grid.names["owner"][i] for i in grid.cell_owner]
+    [cells] = grid.grids_of(run)
+    owners = [cells.names["owner"][i] for i in cells.cell_owner]
     places = {
         "stress": ("elements/one_beam", "stress"), "radial_force": ("elements/one_wheel", "radial_force"),
         "moment": ("joints/one_hinge", "moment"), "tension": ("elements/one_cable", "tension"),
         "force_along_axis": ("elements/one_spring_damper", "force"),
     }  # fmt: skip
     for name, (owner, output) in places.items():
-        field = grid.cell_data[name]
+        field = cells.cell_data[name]
         assert np.array_equal(field.values[:, owners.index(owner)], run.results[f"{owner}/{output}"].values)
         without = [i for i, one in enumerate(owners) if f"{one}/{output}" not in run.paths]
         assert without and np.isnan(field.values[:, without]).all()
         assert field.unit == run.results.series[f"{owner}/{output}"].unit
-    axial = grid.cell_data["axial_force"].values
+    axial = cells.cell_data["axial_force"].values
     for owner, output in (("one_beam", "force.x"), ("one_cable", "tension"), ("one_spring_damper", "force")):
         assert np.array_equal(axial[:, owners.index(f"elements/{owner}")], run.results[f"{owner}.{output}"].values)
+
+
+def test_a_long_file_is_taken_in_blocks_with_the_same_result(wheel, path, tmp_path, monkeypatch):
+    """Blocks of two saved times, and all at once: every dataset is the same."""
+    for file in (wheel, path):
+        monkeypatch.setattr(grid, "NUMBERS", 2**20)
+        whole = export(file, tmp_path / "whole.vtkhdf", force=True)
+        [run] = open_runs([file])
+        assert len(list(grid.grids_of(run))) == 1
+        monkeypatch.setattr(grid, "NUMBERS", 2 * run.results.layout.size)
+        assert [len(one.times) for one in grid.grids_of(run)][:-1] == [2] * ((len(run.results.time) - 1) // 2)
+        parts = export(file, tmp_path / "parts.vtkhdf", force=True)
+        assert len(datasets(whole)) > 30 and datasets(whole) == datasets(parts)
+
+
+def datasets(path):
+    """{name: shape and bytes} of all datasets of numbers."""
+    found = {}
+
+    def take(name, item):
+        if isinstance(item, h5py.Dataset) and item.dtype.kind != "O":
+            found[name] = item.shape, item[...].tobytes()
+
+    with h5py.File(path) as file:
+        file.visititems(take)
+    return found
+
+
+def test_a_line_that_begins_as_a_point_is_in_all_blocks(own, monkeypatch):
+    with open_results(own) as results:
+        base, tip = (1 + results.layout.slices[f"nodes/{node}/position"].start for node in ("base", "tip"))
+    with h5py.File(own, "r+") as file:
+        rows = file["storage/output"]
+        rows[:5, tip : tip + 3] = rows[:5, base : base + 3]
+    [run] = open_runs([own])
+    monkeypatch.setattr(grid, "NUMBERS", 2 * run.results.layout.size)
+    assert {one.cells for one in grid.grids_of(run)} == {((LINE, (0, 1)),)}
 
 
 def test_the_velocity_of_a_rim_is_the_rate_of_its_position(wheel):
     """Central differences of 1 ms are off by h^2 w^3 r / 6 at w about 100 rad/s: below 0.1 m/s of 60."""
     [run] = open_runs([wheel])
-    grid = grid_of(run)
+    [cells] = grid.grids_of(run)
     flying = slice(0, 8)  # before the rim is flattened
-    x, v = grid.points.values[flying], grid.point_data["velocity"].values[flying]
-    rate = (x[2:] - x[:-2]) / (2.0 * np.diff(grid.times[:2]))
+    x, v = cells.points.values[flying], cells.point_data["velocity"].values[flying]
+    rate = (x[2:] - x[:-2]) / (2.0 * np.diff(cells.times[:2]))
     omega = np.abs(run.results["hub.angular_velocity"].values[flying]).max()
     bound = 1e-6 * omega**3 * 0.6 / 6.0 + 1e-9
     np.testing.assert_allclose(v[1:-1], rate, rtol=0, atol=bound)

@@ -191,6 +191,31 @@ def test_friction_on_redundant_reactions_is_told():
     assert not any("the friction" in line for line in remarks(prepare(input_deck("friction_pendulum"))))
 
 
+SEATED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {sleeve: {position: [0, 0, 0]}, shaft: {position: [0, 0, 0]}}
+    elements: {bar: {type: rigid_body, node: shaft, mass: 2, inertia: [0.1, 0.1, 0.1], center_of_mass: [0.3, 0, 0]}}
+    joints:
+      seat: {type: fixed, nodes: [ground, sleeve], axis: [0, 1, 0], compliance: {along_1: LAW, along_2: LAW}}
+      pin: {type: hinge, nodes: [sleeve, shaft], axis: [0, 1, 0],
+            friction: {coefficient: 0.2, regularization: 1.0e-4, radius: 0.02}}
+    time: {end: 0.2, step: 2.0e-3}
+"""
+
+
+def test_friction_in_an_elastic_seat():
+    """The force of the seat, k s + c ds/dt, is that of the bearing: M = mu r of it once the pin slides."""
+    k, c = 1e5, 100.0
+    march = March(deck(SEATED.replace("LAW", f"{{spring: {{stiffness: {k}}}, damper: {{coefficient: {c}}}}}")))
+    s, rate = march["nodes/sleeve/position"], march["nodes/sleeve/velocity"]
+    force = np.linalg.norm(k * s + c * rate, axis=1)
+    slides = march["joints/pin/rate"] * 0.02 > 1e-4
+    assert slides[1:].all() and np.linalg.norm(s, axis=1).max() > 1e-4
+    np.testing.assert_allclose(march["joints/pin/normal_force"], force, rtol=1e-6)
+    np.testing.assert_allclose(march["joints/pin/friction_moment"][slides], 0.2 * 0.02 * force[slides], rtol=1e-6)
+
+
 REFUSED = [
     ("hinge", {"radius": 0.1, "collar_radius": 0.0, "length": None}, {}, "a coefficient that is not negative"),
     ("hinge", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be had with 'compliance'"),

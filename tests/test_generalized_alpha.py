@@ -139,6 +139,9 @@ class Pattern:
     def __init__(self, step, factors):
         self.step, self.factors, self.taken = step, factors, 0
 
+    def forgotten(self, lag, h):
+        return lag
+
     def accept(self, error, h):
         return True
 

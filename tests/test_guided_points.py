@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from static_solution import Equilibrium
 
 from mecano.elements import KINDS
+from mecano.elements.guiding_curve import nearest
 from mecano.errors import ConvergenceError
 from mecano.run import run
 
@@ -119,6 +120,37 @@ REFUSED = [
 def test_what_is_no_curve_is_refused(values, text):
     (found,) = KINDS["point_on_curve"].check(values, None)
     assert text in found
+
+
+@pytest.mark.parametrize("radius", [1e-3, 0.4, 1.0, 7.0, 1e4])
+@pytest.mark.parametrize("angle", [-3.1, 0.0, 2.0])
+def test_nearest_point_of_a_circle_is_below_any_point(radius, angle):
+    """Inside, on and far outside: s is the angle, times a radius of 1 m."""
+    x = np.array([radius * np.cos(angle), radius * np.sin(angle), 0.3])
+    assert nearest(CIRCLE, x) == pytest.approx(angle, abs=1e-12)
+
+
+def test_nearest_point_of_an_open_curve_is_not_beyond_its_ends():
+    """Of a straight line of 2 m: the foot of the perpendicular, from beyond its ends these."""
+    line = SPLINE | {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}
+    found = [nearest(line, np.array([x, 5.0, 0.0])) for x in (-3.0, -1e-3, 0.0, 0.7, 2.0, 30.0)]
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.0, 0.7, 2.0, 2.0], rtol=0, atol=1e-14)
+
+
+def test_nearest_point_of_a_closed_curve_may_be_on_both_sides_of_its_first_point():
+    """A rounded square, below x = -0.1 and 0.1 from its lowest point, which is the first one of 4 sqrt(2) m."""
+    ring = SPLINE | {"points": [[0, -1, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0]], "closed": True}
+    before, after = (nearest(ring, np.array([x, -3.0, 0.0])) for x in (-0.1, 0.1))
+    assert before == pytest.approx(4.0 * np.sqrt(2.0) - after, rel=1e-12) and 0.01 < after < 0.1
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
+def test_end_of_a_curve_is_told_to_a_share_of_its_length(size):
+    points = [[0, 0, 0], [0.6 * size, 0, 0], [0.6 * size, 0.4 * size, 0]]
+    ((output, limit, _),) = KINDS["point_on_curve"].ends(SPLINE | {"points": points})
+    assert (output, limit) == ("overrun", pytest.approx(1e-9 * size))
+    assert KINDS["point_on_curve"].ends(SPLINE | {"points": points, "closed": True}) == []
+    assert KINDS["point_on_curve"].ends(CIRCLE) == []
 
 
 SPAN, SPEED, FORCE, MASS = 20.0, 20.0, 1e4, 785.0  # m, m/s, N, kg/m: the bridge of inputs/moving_load.yaml

@@ -15,7 +15,7 @@ import results_samples as samples
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup
-from mecano.results.provenance import Source
+from mecano.results.provenance import Source, lives
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
 from mecano.results.writer import Writer
@@ -352,3 +352,13 @@ def test_appending_is_fast(tmp_path):
 def test_the_reader_needs_no_compiler():
     code = "import sys, mecano.results.reader; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_a_killed_process_does_not_live_though_nobody_has_taken_note():
+    process = subprocess.Popen(["sleep", "60"])
+    assert lives(process.pid)
+    process.kill()
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # dead, and still listed
+    assert not lives(process.pid)
+    process.wait()
+    assert not lives(process.pid)

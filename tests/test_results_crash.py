@@ -1,6 +1,7 @@
 """Results files of runs that were killed, interrupted, cut short or met a full disk, and of runs still going on."""
 
 import contextlib
+import errno
 import os
 import shutil
 import signal
@@ -18,6 +19,7 @@ import results_samples as samples
 from mecano.errors import ResultsError
 from mecano.results import disk, table
 from mecano.results.reader import open_results
+from mecano.results.verify import verify
 
 HERE = Path(__file__).parent
 PAGE = 4096
@@ -119,6 +121,78 @@ def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
                     compared += 1
             tried += 1
     assert bytes(content) == final and tried > 1000 and compared > 50
+
+
+@pytest.fixture
+def closing(tmp_path, monkeypatch):
+    """(path, its bytes before it is closed, changes while it is) of a file."""
+    path, recorder = tmp_path / "r.h5", Recorder(monkeypatch)
+    writer = samples.create(path)
+    for index in range(40):
+        samples.append(writer, index)
+    writer.flush()
+    content = bytearray(path.read_bytes())
+    del recorder.log[:]
+    writer.close("stopped", "by hand")
+    monkeypatch.undo()
+    return path, content, recorder.log
+
+
+def test_no_instant_of_closing_a_file_seems_to_be_damage(closing):
+    path, content, log = closing
+    closed, words = path.read_bytes(), []
+    for offset, data in log:
+        for length in range(200, len(data or b""), 200):  # killed within a change
+            torn = bytearray(content)
+            Recorder.apply(torn, offset, data[:length])
+            path.write_bytes(torn)
+            words.append(verify(path).partition("; ")[2])
+        Recorder.apply(content, offset, data)
+        path.write_bytes(content)
+        words.append(verify(path).partition("; ")[2])
+    assert bytes(content) == closed and len(words) > 50
+    assert words[-1] == "every byte is as it was written" and all("it was not closed" in text for text in words[:-1])
+
+
+def test_changed_bytes_are_found_however_the_file_was_closed(closing):
+    """All of the status; others when it was closed, and when it was killed before it had its status."""
+    path, content, log = closing
+    closed, place = path.read_bytes(), log[-1][0]
+    assert closed[place : place + 8] == b"stopped\0"
+    killed = bytearray(closed)
+    killed[place : place + 16] = b"running".ljust(16, b"\0")
+    path.write_bytes(killed)
+    assert "it was not closed" in verify(path)
+    for state, places in ((closed, range(place - 5, place + 21)), (killed, (place - 1, place + 16, len(content) // 2))):
+        for i in places:
+            path.write_bytes(state[:i] + bytes([state[i] ^ 1]) + state[i + 1 :])
+            with pytest.raises(ResultsError, match="bytes have changed"):
+                verify(path)
+
+
+def test_a_disk_that_has_no_room_for_the_sums(tmp_path, monkeypatch):
+    """All rows are there, and nothing seems to have changed: the run has failed to write, and can be gone on with."""
+    path = tmp_path / "r.h5"
+    writer = samples.create(path)
+    samples.append(writer, 0)
+    writer.flush()
+    write = os.pwrite
+
+    def pwrite(descriptor, data, offset):
+        if offset >= os.fstat(descriptor).st_size:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(descriptor, data, offset)
+
+    monkeypatch.setattr(os, "pwrite", pwrite)
+    with pytest.raises(ResultsError, match="No space left"):
+        writer.close("complete", "the end was reached")
+    monkeypatch.undo()
+    with open_results(path) as results:
+        assert samples.check(results) == 1
+        assert results.status == "failed" and results.reason == (
+            "the end was reached; writing failed: No space left on device"
+        )
+    assert "it was not closed" in verify(path)
 
 
 NURSERY = """

@@ -1,5 +1,6 @@
 """Runs that end early and are gone on with: the same bits as without; what may not be gone on with; changed bytes."""
 
+import ctypes
 import json
 import math
 import os
@@ -400,6 +401,12 @@ class TestInterruption:
         Dying()
         assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
         assert capsys.readouterr() == ("", "")
+
+    def test_one_that_a_compiler_swallows_is_known(self, listening):
+        """A function of Python that is called from compiled code can raise nothing: what it was to do is not done."""
+        assert stopped_by(RuntimeError("no compiled object yet")) is None
+        ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGUSR1))()
+        assert stopped_by(RuntimeError("no compiled object yet")).exit_code == 75
 
     def test_in_the_march_it_waits_but_not_for_a_second_ctrl_c(self, listening):
         with listening.postponed():

@@ -65,6 +65,7 @@ def folder(tmp_path_factory):
         patch.setenv("PATH", f"{program.parent}{os.pathsep}{os.environ['PATH']}")
         patch.setenv("PYTHONPATH", str(Path(mecano.__file__).parent.parent))
         os.chdir(folder)
+        subprocess.run([*COMMAND, "warmup", "gear.yaml", "long.yaml"], check=True)  # as the page says
         yield folder
         os.chdir(here)
 

@@ -5,20 +5,24 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 from textwrap import dedent
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from marching import INPUTS
-from process import COMMAND, mecano_process
+from process import COMMAND, mecano_process, settings
 
+from mecano.cli import commands
 from mecano.deck.format import deck_error_text
 from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
 from mecano.post.pictures import post
 from mecano.results.study_file import read_study as read_table
+from mecano.study import dask
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.perform import due
 from mecano.study.pool import Limits
@@ -259,6 +263,49 @@ def test_the_script_of_an_array(folder):
     assert subprocess.run(["bash", "-n"], input=text, text=True).returncode == 0
 
 
+def test_the_cases_as_tasks_of_dask(folder):
+    """On workers of this machine: one is complete, one fails, one that would never end is ended by Ctrl-C."""
+    pytest.importorskip("distributed")
+    cases = "list: [{parameters.speed: 10}, {elements.ball.mass: -1}, {time.end: 1.0e5}]\n"
+    (folder / "study.yaml").write_text(HEAD + cases + "outputs: {way: {of: ball.position.x, take: final}}\n")
+    words = ["sweep", "study.yaml", "--executor", "dask", "--jobs", "2"]
+    process = subprocess.Popen([*COMMAND, *words], stderr=subprocess.PIPE, text=True)
+    runs = folder / "study_runs"
+    wait_until(lambda: all((runs / name).exists() for name in ("0001.json", "0002.json", "0003.h5")))
+    process.send_signal(signal.SIGINT)
+    err = process.communicate(timeout=60)[1]
+    assert process.returncode == 130 and "stopped by SIGINT after 3 of 3 cases; go on with: mecano sweep" in err, err
+    table = read_table(runs / "table.h5")
+    assert table["case/status"].tolist() == ["complete", "failed", "stopped"] and "Traceback" not in err
+    assert table["case/exit_code"].tolist() == [0, 2, 143] and table["outputs/way"][0] == pytest.approx(2.0)
+
+
+def test_dask_that_is_not_there(folder, monkeypatch):
+    runs = Folder("runs", study(folder, "grid: {time.end: [1]}"))
+    monkeypatch.setattr(dask, "PATIENCE", 0.5)
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "distributed", None)
+        with pytest.raises(UsageError, match=r"not installed: pip install mecano\[dask\]"):
+            dask.run_in_tasks(runs, [], None, limits=Limits(), jobs=1)
+    pytest.importorskip("distributed")
+    for address in ("tcp://127.0.0.1:9", "strange://a"):
+        with pytest.raises(UsageError, match=f"no scheduler of Dask answers at {address}"):
+            dask.run_in_tasks(runs, [], None, limits=Limits(), jobs=1, scheduler=address)
+
+
+@pytest.mark.parametrize(
+    "options,message",
+    [
+        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler belongs to --executor dask"),
+        (["--wait"], "--sbatch and --wait belong to --executor slurm"),
+        (["--executor", "slurm", "--jobs", "2"], "--jobs is of this machine"),
+    ],
+)
+def test_options_of_another_executor_are_refused(folder, options, message):
+    result = CliRunner().invoke(commands, ["sweep", "study.yaml", *options])
+    assert result.exit_code == 2 and message in result.output
+
+
 def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):
     (folder / "study.yaml").write_text(HEAD + "grid: {time.end: [0.1, -1]}\n")
     assert mecano_process("sweep", "study.yaml", "--case", "2")[0] == 2
@@ -281,3 +328,14 @@ def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
     assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
+
+
+@pytest.mark.slow
+def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
+    """Of a deck that it does not contain; some 6 minutes of processor time."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    subprocess.run([*COMMAND, "warmup"], env=environment, check=True)
+    before = sorted((tmp_path / "cache").rglob("*.nb?"))
+    deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
+    subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
+    assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.nb?")) == before

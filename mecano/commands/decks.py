@@ -30,7 +30,14 @@ def list_():
 @click.command()
 @click.argument("name")
 def explain(name):
-    """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations."""
+    """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
+
+    `mecano explain study` is about the files of `mecano sweep`.
+    """
+    if name == "study":
+        from mecano.study.describe import explain_study
+
+        return show(explain_study())
     from mecano.deck.catalogue import explain as text
 
     show(text(name).rstrip())
@@ -38,14 +45,20 @@ def explain(name):
 
 @click.command()
 @click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
-def schema(output):
+@click.option("--study", is_flag=True, help="Of study files, instead of decks.")
+def schema(output, study):
     """Write the grammar of decks as JSON Schema, for editors that then complete, explain and check while you type."""
     from mecano.deck.new import schema_text, write_text
 
-    if output:
-        write_text(output, schema_text(), replace=True)
+    if study:
+        from mecano.study.describe import study_schema as grammar
     else:
-        show(schema_text())
+        from mecano.deck.json_schema import deck_schema as grammar
+    text = schema_text(grammar())
+    if output:
+        write_text(output, text, replace=True)
+    else:
+        show(text)
 
 
 @click.command()

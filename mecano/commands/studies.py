@@ -3,6 +3,7 @@
 import os
 import shlex
 import sys
+from functools import partial
 
 import click
 
@@ -21,7 +22,8 @@ from mecano.interrupt import seconds
 @click.option("--resume", is_flag=True, help="Run what is not complete and has not failed.")
 @click.option("--again", type=click.Choice(["failed"]), help="As --resume, and what has failed from its start.")
 @click.option("--force", is_flag=True, help="Begin anew, whatever there is.")
-@click.option("--executor", type=click.Choice(["local", "slurm"]), default="local", show_default=True)
+@click.option("--executor", type=click.Choice(["local", "slurm", "dask"]), default="local", show_default=True)
+@click.option("--scheduler", metavar="ADDRESS", help="Of Dask; default: workers on this machine.")
 @click.option(
     "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
 )
@@ -30,16 +32,15 @@ from mecano.interrupt import seconds
 @click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
 @click.option("--plot", is_flag=True, help="Draw the outputs over what is varied into a picture beside the table.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
-def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, options, wait, only_table,
-          number, plot, quiet):  # fmt: skip
+def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, scheduler, options, wait,
+          only_table, number, plot, quiet):  # fmt: skip
     """Run a deck many times with other values, each case as a process of its own.
 
     STUDY is a file that names the deck, what is varied (grid, list, csv, latin_hypercube, seeds) and which numbers of
     each run are wanted: docs/studies.md. The folder gets a results file and a log for each case, table.csv and
     table.h5. A case that fails stops no other. Exit code 0: all cases are complete, 3: some are not.
     """
-    if resume and force:
-        raise click.UsageError("--resume goes on with the cases, --force begins anew")
+    _refuse_strays(executor, resume=resume, force=force, jobs=jobs, scheduler=scheduler, sbatch=options, wait=wait)
     from mecano.study import perform
     from mecano.study.folder import Folder
     from mecano.study.pool import Limits
@@ -64,12 +65,36 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     from mecano.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
+    run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or perform.cores())
     progress.compiling(deck.kinds)
     if cases:
         perform.compile_first(deck)
-    table = perform.perform(folder, cases, jobs=jobs, limits=limits, progress=progress)
+    table = perform.perform(folder, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)
+
+
+def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
+    """Raise UsageError where options do not go together."""
+    if resume and force:
+        raise click.UsageError("--resume goes on with the cases, --force begins anew")
+    if scheduler and executor != "dask":
+        raise click.UsageError("--scheduler belongs to --executor dask")
+    if (sbatch or wait) and executor != "slurm":
+        raise click.UsageError("--sbatch and --wait belong to --executor slurm")
+    if jobs and (scheduler or executor == "slurm"):
+        raise click.UsageError("--jobs is of this machine: elsewhere Slurm, or the workers of Dask, say how many")
+
+
+def _runner(executor, scheduler):
+    """What runs cases for `perform`."""
+    if executor == "dask":
+        from mecano.study.dask import run_in_tasks
+
+        return partial(run_in_tasks, scheduler=scheduler)
+    from mecano.study.pool import run_here
+
+    return run_here
 
 
 def _finish(table, plot):

@@ -6,6 +6,7 @@ P(c - natural, dc/dt), which adds P b_i to the forces: P > 0 drives the coordina
 
 from numba import njit
 
+from mecano.constraints.carried import add_blocks
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output
 from mecano.laws.table import evaluate_force, potential
@@ -33,6 +34,13 @@ def turning_blocks(i, j, gradient, H, omega_0, omega_1):
     r_0 = add(tmul(H[0][0], omega_0), tmul(H[1][0], omega_1))
     r_1 = add(tmul(H[0][1], omega_0), tmul(H[1][1], omega_1))
     return (i, gradient[0], r_0), (j, gradient[1], r_1)
+
+
+@njit
+def add_turning(f, K, C, P, P_c, P_rate, gradient, H, omega_0, omega_1):
+    """``add_along`` with the derivative of b, for a coordinate of the rotations of two nodes, local unknowns R0, R1."""
+    add_along(f, K, C, P, P_c, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
+    add_blocks(K, 0, 3, P, H)
 
 
 @njit

@@ -4,48 +4,31 @@ r"""Blade: a point of a body that touches the ground does not move across a dire
 node. The multiplier is the force on the body along l.
 """
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.ground import normal_and_level
-from mecano.constraints.no_slip import NO_MATRIX, Direction, Place, hold, put_rates
+from mecano.constraints.no_slip import NO_MATRIX, Place, hold, leaning, on_a_plane, put_rates
 from mecano.contract import Kind, Row, record
-from mecano.maths.surface import Block, directions, directions_variation, disc_contact
-from mecano.maths.vec import ZERO, cross, mat, mscale, mul, skew, vec
+from mecano.maths.vec import ZERO
 
 RECORD = record(axis=3, normal=3)
-
-
-@njit
-def _geometry(p, R):
-    """Place of the contact, (l,)."""
-    axis, n = mul(mat(R[0]), vec(p.axis, 0)), vec(p.normal, 0)
-    g = disc_contact(n, ZERO, 0.0, axis)
-    t, l = directions(axis, g)
-    _, l_t = directions_variation(axis, g, t, Block(NO_MATRIX, cross(axis, n), NO_MATRIX), mscale(-1.0, skew(axis)))
-    return Place(ZERO, (NO_MATRIX, NO_MATRIX)), (Direction(l, (NO_MATRIX, l_t)),)
+AT_THE_NODE = Place(ZERO, (NO_MATRIX, NO_MATRIX))
 
 
 @njit
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force across the blade."""
-    place, across = _geometry(p, R)
-    hold(k, penalty, place, across, q, v, R, f, K, C)
+    hold(k, penalty, AT_THE_NODE, on_a_plane(p, R)[1:], q, v, R, f, K, C)
 
 
 @njit
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Velocity across the blade and its rate."""
-    place, across = _geometry(p, R)
-    put_rates(place, across, v, a, R, g)
+    put_rates(AT_THE_NODE, on_a_plane(p, R)[1:], v, a, R, g)
 
 
 def sample(rng):
     """A leaning blade."""
-    normal, level = normal_and_level(rng)
-    axis = level + 0.3 * normal
-    values = {"axis": axis / np.linalg.norm(axis), "normal": normal}
-    return [(values, [(rng.normal(size=3), np.eye(3))], "")]
+    return [(*leaning(rng), "")]
 
 
 BLADE = Kind(

@@ -1,30 +1,33 @@
-"""What the rigid wheels have in common: deck fields, outputs, records of the constraints that they are made of."""
+"""What wheels have in common: deck fields, outputs; of rigid ones also the records of their constraints."""
 
 import numpy as np
 from numba import njit
 
 from mecano.constraints.ground import LEAN, prepare_ground
 from mecano.contract import Output
-from mecano.maths.vec import add, add_vec, norm, put, scale, vec
+from mecano.maths.vec import add, norm, put, scale, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
-FIELDS = (
+PLACED = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
-    Field("radius", NUMBER, "m", "radius", check=positive),
     Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
     Field("ground", GROUND, "-", "ground it rolls on"),
 )
-OUTPUTS = (
+FIELDS = (*PLACED, Field("radius", NUMBER, "m", "radius", check=positive))
+CONTACT_OUTPUTS = (
     Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
-    Output("loaded_radius", "m", "distance from the centre to the contact; the radius when in the air"),
+    Output("loaded_radius", "m", "distance from the centre to the contact in the wheel plane; the radius in the air"),
     Output("normal_force", "N", "normal force N of the ground on the wheel"),
     Output("longitudinal_force", "N", "force of the ground on the wheel along t = a x n/|a x n|"),
     Output("lateral_force", "N", "force of the ground on the wheel along l = n x t (upright: the axis)"),
     Output("contact_force", "N", "force of the ground on the wheel, inertial", (3,)),
-    Output("friction_needed", "-", "tangential over normal force: the least friction with which it does not slip"),
     Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
     Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
     LEAN,
+)
+OUTPUTS = (
+    *CONTACT_OUTPUTS,
+    Output("friction_needed", "-", "tangential over normal force: the least friction with which it does not slip"),
 )
 
 
@@ -40,17 +43,24 @@ def disc_record(d, nodes, context):
 
 
 @njit
-def put_outputs(y, q, N, driving, lateral, frame, height, arm, spin, lean):
-    """Write OUTPUTS: forces [N] along the ``frame`` (n, t, l), height [m], arm of the contact (3,), spin rate, lean."""
+def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
+    """Write CONTACT_OUTPUTS.
+
+    ``push`` (3,) [N] of the ground along the ``frame`` (n, t, l), height and radius [m], arm of the contact (3,) [m],
+    spin rate [rad/s], lean [rad].
+    """
     n, t, l = frame
     y[0] = height
-    y[1] = norm(arm)
-    y[2] = N
-    y[3] = driving
-    y[4] = lateral
-    put(y, 5, add(scale(N, n), add(scale(driving, t), scale(lateral, l))))
-    y[8] = norm((driving, lateral, 0.0)) / N if N > 0.0 else 0.0
-    y[9] = spin
-    put(y, 10, vec(q, 0))
-    add_vec(y, 10, 1.0, arm)
-    y[13] = lean
+    y[1] = radius
+    put(y, 2, push)
+    put(y, 5, add(scale(push[0], n), add(scale(push[1], t), scale(push[2], l))))
+    y[8] = spin
+    put(y, 9, add(vec(q, 0), arm))
+    y[12] = lean
+
+
+@njit
+def put_outputs(y, q, push, frame, height, radius, arm, spin, lean):
+    """Write OUTPUTS, as ``put_contact``."""
+    put_contact(y, q, push, frame, height, radius, arm, spin, lean)
+    y[13] = norm((push[1], push[2], 0.0)) / push[0] if push[0] > 0.0 else 0.0

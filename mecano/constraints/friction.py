@@ -31,6 +31,7 @@ AXIS_ROWS = (
     Row("moment that keeps the axes together, of mu_2", "N m", "rad"),
 )
 FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
+FRICTION_MOMENT = Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle")
 NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
 POWER = Output("dissipated_power", "W", "power lost by friction")
 
@@ -100,5 +101,8 @@ def check_friction(d):
     if curve_at(d["friction"]["coefficient"], 0.0)[0] < 0.0:
         texts.append("'friction' needs a coefficient that is not negative")
     if d.get("compliance"):
-        texts.append("'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'")
+        texts.append(
+            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that "
+            "to a second joint, with a node between both"
+        )
     return texts

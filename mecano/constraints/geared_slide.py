@@ -13,19 +13,10 @@ moment :math:`-h` times that force about :math:`\mu_3`.
 from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import (
-    add_blocks,
-    carried,
-    product_rates,
-    relative_rotation,
-    twist,
-    twist_curvature,
-    twist_gradient,
-    wrap,
-)  # fmt: skip
+from mecano.constraints.carried import add_blocks, relative_rotation, twist, twist_curvature, twist_gradient, wrap
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.relative_angle import turning_levels
-from mecano.constraints.slide import add_slide_curvature, slide_gradient
+from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Row, record
 from mecano.maths.vec import add, dot, mat, scale, sub, tmul, vec
 
@@ -53,9 +44,7 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates."""
     first, second = (mat(R[0]), vec(v, 3), vec(a, 3)), (mat(R[1]), vec(v, 9), vec(a, 9))
     angle, rate, second_rate = turning_levels(mat(p.mu), mat(p.xi), first, second)
-    along = carried(first[0], first[1], first[2], vec(p.sigma, 0))
-    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
-    s, s_rate, s_second = product_rates(along, d)
+    s, s_rate, s_second = slide_rates(q, v, a, first[0], vec(p.sigma, 0))
     Phi = -p.travel * wrap(angle - (s - p.offset) / p.travel)
     put_levels(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)
 

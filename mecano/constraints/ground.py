@@ -54,6 +54,27 @@ def check_ground(ground):
     return texts
 
 
+MOST_BENDS = 8
+
+
+def bends(ground):
+    """Where along the profile its curvature jumps, ascending, (MOST_BENDS,) [m], inf behind the last.
+
+    There the acceleration of what rolls on it jumps. Of a profile with more of them none is told.
+    """
+    profile, found = ground.get("profile"), np.full(MOST_BENDS, math.inf)
+    places = [s for s in breakpoints(profile["height"]) if _bends(profile["height"], s)] if profile else []
+    if len(places) <= MOST_BENDS:
+        found[: len(places)] = places
+    return found
+
+
+def _bends(law, s):
+    """True when the second derivative of the curve jumps at s."""
+    step = 1e-9 * (1.0 + abs(s))
+    return abs(curve_at(law, s + step)[2] - curve_at(law, s - step)[2]) > 1e-6
+
+
 def _is_corner(law, s):
     """True when value or slope of the curve jumps at s."""
     step = 1e-9 * (1.0 + abs(s))
@@ -99,6 +120,12 @@ def lean_of(g):
 
 
 @njit
+def along_profile(p, x):
+    """Distance [m] of the point x (3,) along the profile of the ground of record ``p``."""
+    return dot(vec(p.direction, 0), sub(x, vec(p.point, 0)))
+
+
+@njit
 def touch(p, laws, x, a):
     """Contact (see surface.py) of the ground of record ``p`` and a disc of centre ``x`` and unit axis ``a``.
 
@@ -129,3 +156,13 @@ def normal_and_level(rng):
     normal /= np.linalg.norm(normal)
     level = np.cross(normal, rng.normal(size=3))
     return normal, level / np.linalg.norm(level)
+
+
+def slope_below(rng, height=None):
+    """For samples: a checked ground 8 m below the origin, its unit normal, a unit direction across that.
+
+    ``height`` is the law of its profile, if it has one.
+    """
+    normal, level = normal_and_level(rng)
+    profile = None if height is None else {"direction": rng.normal(size=3), "height": height}
+    return {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": profile}, normal, level

@@ -27,6 +27,7 @@ from mecano.constraints.carried import (
 from mecano.constraints.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
+    FRICTION_MOMENT,
     FRICTION_RECORD,
     NORMAL_FORCE,
     PADS,
@@ -168,12 +169,7 @@ ROUND_FRICTION = Kind(
     dtype=ROUND_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS[:2]),
-    outputs=(
-        FORCE,
-        Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate"),
-        NORMAL_FORCE,
-        POWER,
-    ),
+    outputs=(FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),
     force=round_force,
     observe=round_observe,
 )

@@ -10,17 +10,12 @@ import math
 
 from numba import njit
 
-from mecano.constraints.axis_law import add_along, turning_blocks
-from mecano.constraints.carried import (
-    add_blocks,
-    relative_rotation,
-    turning_rate,
-    twist_curvature,
-    twist_gradient,
-)  # fmt: skip
+from mecano.constraints.axis_law import add_turning
+from mecano.constraints.carried import relative_rotation, turning_rate, twist_curvature, twist_gradient
 from mecano.constraints.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
+    FRICTION_MOMENT,
     FRICTION_RECORD,
     NORMAL_FORCE,
     PADS,
@@ -30,7 +25,7 @@ from mecano.constraints.friction import (
     friction_record,
     pads,
 )  # fmt: skip
-from mecano.contract import Kind, Output, record
+from mecano.contract import Kind, record
 from mecano.maths.vec import add_col, mat, vec
 
 RECORD = record(mu=3, xi=3, radius=(), collar_radius=(), **FRICTION_RECORD)
@@ -59,8 +54,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     gradient, H = twist_gradient(A, mu, xi), twist_curvature(A, mu, xi)
     omega_0, omega_1 = vec(v, 0), vec(v, 3)
     moment, moment_rate, by, _ = _moment(p, laws, q, turning_rate(gradient, omega_0, omega_1))
-    add_along(f, K, C, moment, 0.0, moment_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
-    add_blocks(K, 0, 3, moment, H)
+    add_turning(f, K, C, moment, 0.0, moment_rate, gradient, H, omega_0, omega_1)
     for i in range(5):
         add_col(K, 0, BORROWED + i, k * by[i], gradient[0])
         add_col(K, 3, BORROWED + i, k * by[i], gradient[1])
@@ -89,11 +83,7 @@ HINGE_FRICTION = Kind(
     dtype=RECORD,
     layout=("R0", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS),
-    outputs=(
-        Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate"),
-        NORMAL_FORCE,
-        POWER,
-    ),
+    outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
     force=force,
     observe=observe,
 )

@@ -6,8 +6,7 @@ The multiplier is the force on the second node along mu; f(t) is a constant offs
 from numba import njit
 
 from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import carried, product_rates
-from mecano.constraints.slide import add_slide_curvature, slide_gradient
+from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
 from mecano.maths.vec import dot, mat, scale, sub, tmul, vec
@@ -30,9 +29,7 @@ def hold_slide(sign, mu, wanted, k, penalty, q, R, f, K):
 @njit
 def slide_levels(sign, mu, wanted, q, v, a, R, g):
     """Write the levels of that constraint; ``wanted`` with its two rates."""
-    along = carried(mat(R[0]), vec(v, 3), vec(a, 3), mu)
-    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
-    Phi, rate, second = product_rates(along, d)
+    Phi, rate, second = slide_rates(q, v, a, mat(R[0]), mu)
     put_levels(g, 0, sign * (Phi - wanted[0]), sign * (rate - wanted[1]), sign * (second - wanted[2]))
 
 

@@ -1,9 +1,22 @@
-"""Axes and checks that joints share: the triad of a joint axis, coinciding nodes. Python, once per joint."""
+"""Nodes, axes and checks that joints share: the triad of a joint axis, coinciding nodes. Python, once per joint."""
 
 import numpy as np
 
+from mecano.schema import NODE_PAIR, Field
+
 PLACE = 1e-6  # nodes that share a position may be this far apart in the deck [m]
 ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [rad]
+NODES = Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground")
+
+
+def one_position(d, n_nodes):
+    """The ``shares`` of a joint of two nodes at one place."""
+    return [("x", 0, 1)]
+
+
+def one_rotation(d, n_nodes):
+    """The ``shares`` of a joint of two nodes that turn as one."""
+    return [("R", 0, 1)]
 
 
 def triad(axis, first=None):
@@ -27,14 +40,14 @@ def cross(a, b):
     return np.array([a_2 * b_3 - a_3 * b_2, a_3 * b_1 - a_1 * b_3, a_1 * b_2 - a_2 * b_1])
 
 
-def flipped(R, mu, xi):
-    """Text when the axis xi_3 of the second node points against mu_3 of the first; R (2, 3, 3), axes as rows."""
-    if (R[0] @ mu[2]) @ (R[1] @ xi[2]) < 0.0:
+def not_flipped(p, q, R):
+    """Text when the axis xi_3 of the second node points against mu_3 of the first: the ``admissible`` of a joint."""
+    if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi"][2]) < 0.0:
         return "the axis carried by its second node points against that of the first (flipped by half a turn)"
     return ""
 
 
-def not_across(d):
+def not_across(d, nodes):
     """Texts when the direction ``axis_1`` of a joint, if given, is along its axis and so gives no axis across it."""
     if d["axis_1"] is None or np.linalg.norm(np.cross(triad(d["axis_1"])[2], triad(d["axis"])[2])) > PLACE:
         return []

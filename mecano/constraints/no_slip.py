@@ -8,11 +8,14 @@ Geradin & Doan 1991).
 
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from mecano.constraints.augmented import let_go as release
 from mecano.constraints.augmented import put_levels
+from mecano.constraints.ground import normal_and_level
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
+from mecano.maths.surface import Block, directions, directions_variation, disc_contact
 from mecano.maths.vec import (
     ZERO,
     add,
@@ -48,6 +51,24 @@ class Direction(NamedTuple):
 
     e: tuple
     de: tuple
+
+
+@njit
+def on_a_plane(p, R):
+    """Directions t and l (surface.py) of the axis of a body on a plane: they depend on its rotation only."""
+    axis, n = mul(mat(R[0]), vec(p.axis, 0)), vec(p.normal, 0)
+    g = disc_contact(n, ZERO, 0.0, axis)
+    t, l = directions(axis, g)
+    by_turn = Block(NO_MATRIX, cross(axis, n), NO_MATRIX)
+    t_t, l_t = directions_variation(axis, g, t, by_turn, mscale(-1.0, skew(axis)))
+    return Direction(t, (NO_MATRIX, t_t)), Direction(l, (NO_MATRIX, l_t))
+
+
+def leaning(rng):
+    """For samples: the record of ``on_a_plane`` and the node of a body that leans."""
+    normal, level = normal_and_level(rng)
+    axis = level + 0.3 * normal
+    return {"axis": axis / np.linalg.norm(axis), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
 
 
 @njit

@@ -11,6 +11,7 @@ from numba import njit
 
 from mecano.constraints.carried import relative_rotation, turned
 from mecano.constraints.in_plane import IN_PLANE
+from mecano.constraints.joint_frame import triad
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.constraints.relative_angle import RELATIVE_ANGLE
 from mecano.constraints.slide import slide
@@ -19,12 +20,16 @@ from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
 from mecano.constraints.twist_law import TWIST_LAW, twist_law_record
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, scale, vec
+from mecano.maths.vec import mat, put, scale, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
-PAIR_RECORD = record(row=6, law=6, mu=(3, 3), xi=(3, 3), start=3)
-"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; axes, c."""
+AXES_FIELDS = {"mu": (3, 3), "xi": (3, 3), "start": 3}
+"""Of a record: axes mu and xi, constants c. What more it has stands before them: numba takes a record that begins as
+another one for the same."""
+AXES_RECORD = record(**AXES_FIELDS)
+PAIR_RECORD = record(row=6, law=6, **AXES_FIELDS)
+"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; the axes."""
 FIRST_ROW = 12
 AXIS_1 = Field(
     "axis_1", DIRECTION, "-",
@@ -140,6 +145,18 @@ def pair_moment(p, laws, q, v, R):
     M_1 = held(p, laws, q, 1, tilt_1, rate_1)
     M_1 = -M_1 if p.row[1] >= 0.0 else M_1
     return M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate)
+
+
+@njit
+def put_reactions(p, laws, q, v, R, y, i):
+    """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, from y[i] on."""
+    put(y, i, pair_force(p, laws, q, v, R))
+    put(y, i + 3, pair_moment(p, laws, q, v, R))
+
+
+def axis_place(d, nodes, context):
+    """{mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``: its ``prepare``."""
+    return triads_together(nodes, triad(d["axis"], d["axis_1"]))
 
 
 def triads_together(nodes, mu, xi=None):

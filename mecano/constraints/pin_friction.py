@@ -12,11 +12,20 @@ acts against the angle of the pin.
 
 from numba import njit
 
-from mecano.constraints.axis_law import add_along, turning_blocks
-from mecano.constraints.carried import add_blocks, product_gradient, relative_rotation, turning_rate
-from mecano.constraints.friction import FRICTION_RECORD, NORMAL_FORCE, POWER, REGULARIZED, drag, friction_record, pads
+from mecano.constraints.axis_law import add_turning
+from mecano.constraints.carried import product_gradient, relative_rotation, turning_rate
+from mecano.constraints.friction import (
+    FRICTION_MOMENT,
+    FRICTION_RECORD,
+    NORMAL_FORCE,
+    POWER,
+    REGULARIZED,
+    drag,
+    friction_record,
+    pads,
+)  # fmt: skip
 from mecano.constraints.pin_angle import pin_curvature, pin_gradient
-from mecano.contract import Kind, Output, Row, record
+from mecano.contract import Kind, Row, record
 from mecano.maths.vec import add, add_col, add_mat, cross, dot, mat, mul, outer, scale, tmul, vec
 
 RECORD = record(mu=(3, 3), xi=3, radius=(), **FRICTION_RECORD)
@@ -42,8 +51,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     c, c_v = drag(p, laws, p.radius * turning_rate(gradient, omega_0, omega_1))
     N, by, u, w, F = _normal(p, q, R_0, A)
     moment, slope, per_N = p.radius * N * c, p.radius**2 * N * c_v, p.radius * c
-    add_along(f, K, C, moment, 0.0, slope, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
-    add_blocks(K, 0, 3, moment, H)
+    add_turning(f, K, C, moment, 0.0, slope, gradient, H, omega_0, omega_1)
 
     by_u, by_w, couple = product_gradient(A, mu[0], xi), product_gradient(A, mu[1], xi), q[BORROWED]
     on_1 = add(scale(couple * by[2], by_u[1]), scale(couple * by[3], by_w[1]))
@@ -83,11 +91,7 @@ PIN_FRICTION = Kind(
         Row("moment that keeps the pins perpendicular", "N m", "rad"),
         *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     ),
-    outputs=(
-        Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle"),
-        NORMAL_FORCE,
-        POWER,
-    ),
+    outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
     force=force,
     observe=observe,
 )

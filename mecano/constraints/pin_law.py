@@ -2,8 +2,8 @@
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind, turning_blocks
-from mecano.constraints.carried import add_blocks, follow, relative_rotation, turning_rate
+from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
+from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.pin_angle import pin_angle, pin_curvature, pin_gradient
 from mecano.contract import record
 from mecano.laws.table import evaluate_force
@@ -21,8 +21,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     omega_0, omega_1 = vec(v, 0), vec(v, 3)
     angle = follow(m[0], pin_angle(A, mu, xi)) - p.natural
     P, P_angle, P_rate = evaluate_force(laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
-    add_along(f, K, C, P, P_angle, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
-    add_blocks(K, 0, 3, P, H)
+    add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
 
 
 @njit

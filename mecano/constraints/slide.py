@@ -6,6 +6,7 @@ x1 at 6.
 
 from numba import njit
 
+from mecano.constraints.carried import carried, product_rates
 from mecano.maths.vec import add, add_mat, cross, dot, matmul, mul, scale, skew, sub, tmul, transpose, vec
 
 
@@ -14,6 +15,13 @@ def slide(q, v, A, mu):
     """s [m], its rate [m/s]."""
     d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
+
+
+@njit
+def slide_rates(q, v, a, R_0, mu):
+    """s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
+    d, d_rate, d_second = sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0))
+    return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
 
 
 @njit

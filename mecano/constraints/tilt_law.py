@@ -6,14 +6,8 @@ the constraint ``orthogonal`` holds at zero. The moment on the second node is :m
 
 from numba import njit
 
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind, turning_blocks
-from mecano.constraints.carried import (
-    add_blocks,
-    product_curvature,
-    product_gradient,
-    relative_rotation,
-    turning_rate,
-)  # fmt: skip
+from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
+from mecano.constraints.carried import product_curvature, product_gradient, relative_rotation, turning_rate
 from mecano.contract import record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vec import dot, mat, mul, vec
@@ -30,8 +24,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     omega_0, omega_1 = vec(v, 0), vec(v, 3)
     tilt, rate = tilted(mu, xi, A, omega_0, omega_1)
     P, P_tilt, P_rate = evaluate_force(laws, p.law, tilt - p.natural, rate)
-    add_along(f, K, C, P, P_tilt, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
-    add_blocks(K, 0, 3, P, H)
+    add_turning(f, K, C, P, P_tilt, P_rate, gradient, H, omega_0, omega_1)
 
 
 @njit

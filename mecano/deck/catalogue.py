@@ -65,7 +65,7 @@ def catalogue():
             head, rest = f"  {name:<{width}}  ", " " * (width + 4)
             lines += wrap(_sentence(doc), WIDTH + width, initial_indent=head, subsequent_indent=rest)
         lines.append("")
-    return "\n".join([*lines, "mecano explain NAME says more of each."])
+    return "\n".join([*lines, "mecano explain NAME says more of each, mecano explain study of study files."])
 
 
 def explain(name):

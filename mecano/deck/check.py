@@ -4,13 +4,14 @@ from dataclasses import replace
 
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
-from mecano.deck.copies import Copies, arguments
+from mecano.deck.copies import Copies
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found
 from mecano.elements.cross_section import SHAPES

@@ -12,44 +12,20 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from mecano.deck.compose import Node
-from mecano.deck.containers import filled, singular
+from mecano.deck.containers import singular
 from mecano.deck.expressions import ExpressionError, has_inserts, inserted
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
 from mecano.deck.scope import INVALID
+from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError, Problem
-from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, mapping, named
+from mecano.schema import Field
 
 MOST_VALUES = 400_000
 MOST_PLACED = 10_000
-DEEPEST = 12  # templates inside templates
-ZERO = (0.0, 0.0, 0.0)
-ARGUMENTS = Type("arguments", "a mapping of numbers and words")
-PLACE_FIELDS = (
-    Field("template", TEXT, "-", "name of the template"),
-    Field("position", POSITION, "m", "where the origin of the template comes to stand, inertial", ZERO),
-    Field(
-        "orientation", ORIENTATION, "rad", "rotation vector by which the template is turned about its origin", ZERO
-    ),
-    Field("with", ARGUMENTS, "-", "values of parameters of the template: numbers, or names from outside", {}),
-)  # fmt: skip
-PLACE = Field(
-    "place", named(mapping(*PLACE_FIELDS)), "-",
-    "copies of templates: each is named, and its name and '_' begin the names of all that it brings", {},
-)  # fmt: skip
-
-
-def arguments(node, declared, scope):
-    """The check of values for parameters: {name: node of a number or word}."""
-    if type(node.value) is not dict:
-        return scope.refuse_value(node, declared)
-    for _, value in node.value.values():
-        if type(value.value) not in (int, float, str):
-            return scope.refuse_value(value, replace(declared, type=replace(ARGUMENTS, expects="a number or a word")))
-    return {name: value for name, (_, value) in node.value.items()}
 
 
 @dataclass
@@ -70,16 +46,21 @@ class Level:
 
 
 class Copies:
-    """Writes out the copies of one deck; ``incomplete`` when something was refused."""
+    """Writes out the copies of one deck."""
 
     def __init__(self, root, sections, scope):
         self.scope = scope
         self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
-        self.templates = self._templates(root)
+        self.problems = len(scope.problems)
+        self.without_value = False  # something needs a parameter that is refused at its own place
+        self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
         self.count = self.count_placed = 0
-        self.incomplete = False
-        self._open = []  # names of the templates that are being placed
+
+    @property
+    def incomplete(self):
+        """True when something was refused."""
+        return self.without_value or len(self.scope.problems) > self.problems
 
     def written_out(self, root):
         """The tree of the deck without templates, places and repeats."""
@@ -108,7 +89,7 @@ class Copies:
         """{name: (key, node)} of a section, with the copies that ``repeat`` asks for."""
         found = {}
         if type(given[1].value) is not dict:
-            self._refuse(given[1], f"{quoted(section)} must be a mapping of names")
+            self.scope.refuse(given[1], f"{quoted(section)} must be a mapping of names")
             return found
         for name, (key, node) in given[1].value.items():
             repeated = type(node.value) is dict and "repeat" in node.value
@@ -125,7 +106,7 @@ class Copies:
         before = len(self.scope.problems)
         copied, entry = self.copy(key, level), self.copy(node, level)
         if type(copied.value) is not str:
-            self._refuse(copied, f"a name begins with a letter or '_': {quoted(key.value)} is {copied.value:g}")
+            self.scope.refuse(copied, f"a name begins with a letter or '_': {quoted(key.value)} is {copied.value:g}")
         elif len(self.scope.problems) == before:
             self._add(found, copied.value, copied, entry)
 
@@ -133,11 +114,11 @@ class Copies:
         """The Parameters of each copy of an entry."""
         values = rows(node.value["repeat"][1], self.scope, MOST_VALUES - self.count)
         if values is INVALID:
-            self.incomplete = True
+            self.without_value = True
             return []
         if len(values) > 1 and "$" not in key.value:
             how = f"put a value of 'repeat' into it, as in '{key.value}$({next(iter(values[0]))})'"
-            self._refuse(key, f"all copies would have the name {quoted(key.value)}", how)
+            self.scope.refuse(key, f"all copies would have the name {quoted(key.value)}", how)
             return []
         return [Parameters(row, level.parameters) for row in values]
 
@@ -169,10 +150,9 @@ class Copies:
                 node.value = inserted(text, scope.parameters)
                 return node
         except Refused:
-            self.incomplete = True
+            self.without_value = True
             return node
         except ExpressionError as error:
-            self.incomplete = True
             scope.refuse_expression(node, error)
             return node
         word = scope.parameters.word(text.strip()[1:])
@@ -180,7 +160,7 @@ class Copies:
             return Word(word.value, node, word.rise if type(word) is Word else 0)
         value = scope.evaluated(node)
         if value is INVALID:
-            self.incomplete = True
+            self.without_value = True
             return node
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
@@ -192,24 +172,21 @@ class Copies:
             raise DeckError([*self.scope.problems, Problem(f"more than {MOST_PLACED} templates are placed", key.mark)])
         with self._about(f"place {quoted(name)}", self.deck.parameters):
             self.scope.owner = key
-            values = filled(
-                node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, self.scope
-            )
+            values = place_values(node, self.scope)
             if values is INVALID:
-                self.incomplete = True
+                self.without_value = True
                 return {}
-            template = self._template(values["template"], node.value["template"][1])
+            template = self.templates.body(values["template"], node.value["template"][1])
             if template is None:
                 return {}
             mark = replace(key.mark, stack=(), role="placed at")
-            level = Level(self._parameters(template, values, key, node), (*key.source.stack, mark))
+            parameters = self.templates.parameters(template, values, key, node, self.deck.parameters)
+            level = Level(parameters, (*key.source.stack, mark))
             self._work_out(level)
         if len(self.scope.problems) > before:
-            self.incomplete = True
             return {}
-        self._open.append(values["template"])
-        found = self.sections(template, level)
-        self._open.pop()
+        with self.templates.being_placed(values["template"]):
+            found = self.sections(template, level)
         return self._moved(found, name, Placement(values["position"], values["orientation"]))
 
     def _moved(self, found, name, placement):
@@ -220,46 +197,9 @@ class Copies:
             inner = Field("", self.fields[section].type.options[0], "-", "")
             for own, (key, node) in entries.items():
                 with self._about(f"{singular(section)} '{name}_{own}'", self.deck.parameters):
-                    before = len(self.scope.problems)
                     placing.take(node, inner)
-                    self.incomplete |= len(self.scope.problems) > before
                 moved[section][f"{name}_{own}"] = (key, node)
         return moved
-
-    def _template(self, name, node):
-        if name not in self.templates:
-            self._refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.templates))
-            return None
-        if name in self._open:
-            circle = " -> ".join([*self._open[self._open.index(name) :], name])
-            self._refuse(node, f"templates place one another in a circle: {circle}")
-            return None
-        if len(self._open) >= DEEPEST:
-            self._refuse(node, f"templates are placed more than {DEEPEST} levels deep")
-            return None
-        return self.templates[name]
-
-    def _parameters(self, template, values, key, node):
-        """The Parameters of a copy: what is given to it and its defaults; each must have a value."""
-        declared = template.value.get("parameters")
-        defaults = {name: value for name, (_, value) in declared[1].value.items()} if declared else {}
-        given = {name: value for name, value in values["with"].items() if value.value is not None}
-        for name in given:
-            if name not in defaults:
-                hint = self.scope.suggest(name, defaults)
-                self._refuse(
-                    node.value["with"][1].value[name][0], f"the template has no parameter {quoted(name)}", hint
-                )
-        missing = [name for name, value in defaults.items() if value.value is None and name not in given]
-        if missing:
-            self._refuse(key, f"missing 'with.{missing[0]}', a parameter of the template without a default")
-        raised = {
-            name: Word(value.value, value, 1 + (value.rise if type(value) is Word else 0))
-            if type(value.value) is str
-            else value
-            for name, value in given.items()
-        }
-        return Parameters({**defaults, **raised}, self.deck.parameters)
 
     def _work_out(self, level):
         """The numbers among the parameters of a copy, wrong ones told at their own places."""
@@ -271,34 +211,9 @@ class Copies:
                     value = number(at, replace(VALUE, name=name), self.scope)
                 level.parameters.values[name] = None if value is INVALID else value
 
-    def _templates(self, root):
-        """{name: node} of the templates, each a mapping of sections."""
-        given = root.value.get("templates")
-        if given is None or given[1].value is None:
-            return {}
-        if type(given[1].value) is not dict:
-            self._refuse(given[1], "'templates' must be a mapping of names")
-            return {}
-        for name, (key, node) in given[1].value.items():
-            self._check_template(name, key, node)
-        return {name: node for name, (_, node) in given[1].value.items()}
-
-    def _check_template(self, name, key, node):
-        known = ["parameters", "place", *self.fields]
-        if type(node.value) is not dict:
-            self._refuse(key, f"template {quoted(name)}: must be a mapping of sections")
-            node.value = {}
-        for section, (key, inner) in list(node.value.items()):
-            if section not in known:
-                hint = self.scope.suggest(section, known)
-                self._refuse(key, f"template {quoted(name)}: unknown section {quoted(section)}", hint)
-            elif type(inner.value) is not dict:
-                self._refuse(inner, f"template {quoted(name)}: {quoted(section)} must be a mapping of names")
-                del node.value[section]
-
     def _add(self, entries, name, key, node):
         if name in entries:
-            self._refuse(key, f"{quoted(name)} is given twice; first at {entries[name][0].mark}")
+            self.scope.refuse(key, f"{quoted(name)} is given twice; first at {entries[name][0].mark}")
         else:
             entries[name] = (key, node)
 
@@ -311,10 +226,6 @@ class Copies:
             yield
         finally:
             scope.subject, scope.parameters, scope.owner, scope.path = before
-
-    def _refuse(self, node, message, hint=""):
-        self.incomplete = True
-        self.scope.refuse(node, message, hint)
 
 
 def _once(node):

@@ -23,22 +23,28 @@ LAW = {"$ref": "#/definitions/law"}
 
 def deck_schema():
     """The schema of a deck, or of a file that it includes, as plain data."""
-    properties = {field.name: _property(field) for field in (*SECTIONS, *LANGUAGE)}
+    definitions = {
+        "repeat": _repeat(),
+        "law": _law(),
+        **{f"term {term.name}": mapping_schema(term.fields, term.doc) for term in TERMS.values()},
+        **{f"kind {kind.name}": _kind(kind) for kind in (*KINDS.values(), *SHAPES.values())},
+        "template": _template(),
+    }
+    return file_schema("deck", (*SECTIONS, *LANGUAGE), ["mecano"], definitions)  # an included file has no more
+
+
+def file_schema(what, fields, required, definitions):
+    """The schema of a file of ``fields``, of which the first ``required`` one is its version, 1; as plain data."""
+    properties = {field.name: _property(field) for field in fields}
+    properties[required[0]]["const"] = 1
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",
-        "title": "mecano deck",
+        "title": f"mecano {what}",
         "type": "object",
-        "required": ["mecano"],
+        "required": required,
         "additionalProperties": False,
-        "properties": {**properties, "mecano": {"const": 1, "description": "version of the deck"}},
-        "definitions": {
-            "number": {"anyOf": [{"type": "number"}, WORKED_OUT]},
-            "repeat": _repeat(),
-            "law": _law(),
-            **{f"term {term.name}": _object(term.fields, term.doc) for term in TERMS.values()},
-            **{f"kind {kind.name}": _kind(kind) for kind in (*KINDS.values(), *SHAPES.values())},
-            "template": _template(),
-        },
+        "properties": properties,
+        "definitions": {"number": {"anyOf": [{"type": "number"}, WORKED_OUT]}, **definitions},
     }
 
 
@@ -73,6 +79,8 @@ def _bounded(field):
 
 def _of(type_):
     """The schema of a type."""
+    if type_.schema is not None:
+        return type_.schema
     if type_.name in WRITTEN:
         return WRITTEN[type_.name]
     if type_.name in MADE:
@@ -84,8 +92,8 @@ def _list(item, least=0, most=None):
     return {"type": "array", "items": item, "minItems": least, **({} if most is None else {"maxItems": most})}
 
 
-def _object(fields, doc="", **more):
-    """A mapping of fields."""
+def mapping_schema(fields, doc="", **more):
+    """The schema of a mapping of ``fields``, and of ``more`` keys with schemas of their own."""
     properties = {field.name: _property(field) for field in fields}
     required = [field.name for field in fields if field.required]
     schema = {"type": "object", "properties": {**more, **properties}, "additionalProperties": False}
@@ -95,7 +103,7 @@ def _object(fields, doc="", **more):
 
 
 def _kind(kind):
-    return _object(kind.fields, kind.doc, type={"const": kind.name}, repeat={"$ref": "#/definitions/repeat"})
+    return mapping_schema(kind.fields, kind.doc, type={"const": kind.name}, repeat={"$ref": "#/definitions/repeat"})
 
 
 def _one_of_kinds(type_):
@@ -112,7 +120,7 @@ def _named(type_):
     """A section of names, each entry of which may be repeated."""
     inner = type_.options[0]
     repeated = inner.name == "mapping"
-    entry = _object(inner.options, repeat={"$ref": "#/definitions/repeat"}) if repeated else _of(inner)
+    entry = mapping_schema(inner.options, repeat={"$ref": "#/definitions/repeat"}) if repeated else _of(inner)
     return {"type": "object", "propertyNames": {"pattern": NAME}, "additionalProperties": entry}
 
 
@@ -157,7 +165,7 @@ WRITTEN = {
 MADE = {
     "choice": lambda t: {"enum": list(t.options)},
     "nodes": lambda t: _list(TEXT, *(2 * t.options)),
-    "mapping": lambda t: _object(t.options),
+    "mapping": lambda t: mapping_schema(t.options),
     "named": _named,
     "list": lambda t: _list(_of(t.options[0])),
     "either": lambda t: {"anyOf": [_of(t.options[0]), {"enum": list(t.options[1])}]},

@@ -1,6 +1,6 @@
 """Sections with which decks are put together; none of them is left in the deck that is checked and solved."""
 
-from mecano.deck.copies import PLACE
+from mecano.deck.templates import PLACE
 from mecano.schema import Field, Type, named
 
 FILES = Type("files", "the name of a file, or a list of names")

@@ -4,7 +4,6 @@ import json
 import os
 from importlib.resources import files
 
-from mecano.deck.json_schema import deck_schema
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import ResultsError, UsageError
 
@@ -33,9 +32,9 @@ def list_of_starters():
     return "\n".join(["decks to begin with:", *lines, "", "mecano new NAME [deck.yaml] writes one of them."])
 
 
-def schema_text():
-    """The JSON Schema of decks as text."""
-    return json.dumps(deck_schema(), indent=1) + "\n"
+def schema_text(schema):
+    """A JSON Schema as text."""
+    return json.dumps(schema, indent=1) + "\n"
 
 
 def write_text(path, text, replace=False):

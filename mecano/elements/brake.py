@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import GROUND_RECORD, normal_and_level, prepare_ground
+from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.contract import Kind, Output, record
 from mecano.elements.brake_bound import (
     BY_ADHESION,
@@ -183,13 +183,11 @@ def check(d, nodes):
 
 def _wheel(rng, wave):
     """Values of a large wheel that touches the ground from near the origin."""
-    normal, level = normal_and_level(rng)
+    ground, normal, level = slope_below(rng, wave)
     rising = (("polynomial", {"coefficients": [0.0, 2e3, 3e2]}),)
     falling = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
-    profile = {"direction": rng.normal(size=3), "height": wave} if wave else None
     return {
-        "node": "hub", "axis": level + 0.3 * normal,
-        "ground": {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": profile},
+        "node": "hub", "axis": level + 0.3 * normal, "ground": ground,
         "tire_law": {"radius": 12.0, "radial": rising, "radial_damping": 0.02, "friction": falling,
                      "friction_by_speed": 1.0, "slip_regularization": 0.1},
     }  # fmt: skip

@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.joint_frame import not_across, triad
+from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.contract import Kind, Output, record
 from mecano.maths.so3 import log, tangent, tangent_derivative, tangent_inverse
@@ -175,7 +176,7 @@ def parts(d, nodes, context):
 
 def check(d, nodes):
     """Symmetric stiffness; neither stiffness nor damping gives energy; something is given."""
-    texts = [] if d["axis"] is None else not_across(d)
+    texts = [] if d["axis"] is None else not_across(d, nodes)
     if d["axis"] is None and d["axis_1"] is not None:
         texts.append("'axis_1' is given without 'axis'")
     if all(d[name] is None for name in ("stiffness", "damping", "laws")):
@@ -196,7 +197,7 @@ def sample(rng):
     X, Y = rng.normal(size=(2, 6, 6))
     law = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
     full = {"stiffness": X @ X.T, "damping": Y @ Y.T + X - X.T}
-    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    nodes = two_places(rng)
     diagonal = {"stiffness": [1, 2, 3, 4, 5, 6], "axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
     return [
         (full, nodes, ""),

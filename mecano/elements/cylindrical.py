@@ -14,86 +14,48 @@ rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it a
 constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
-from dataclasses import replace
-
-import numpy as np
 from numba import njit
 
-from mecano.constraints.carried import follow, turned
+from mecano.constraints.axis_motion import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
-from mecano.constraints.joint_frame import flipped, not_across, triad
+from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_places
 from mecano.constraints.pair import (
     AXIS_1,
     PAIR_RECORD,
+    axis_place,
     compliance_field,
     law_outputs,
-    pair_force,
-    pair_moment,
     pair_parts,
     pair_record,
-    triads_together,
-)
-from mecano.constraints.slide import slide
+    put_reactions,
+)  # fmt: skip
 from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
-from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import mat, put, vec
-from mecano.schema import DIRECTION, NODE_PAIR, Field
+from mecano.contract import Kind, Part
+from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2")
-RECORD = record(mu=(3, 3), xi=(3, 3), start=3)
-
-
-@njit
-def _angle(p, v, R):
-    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
-
-
-@njit
-def _put_motion(p, m, q, v, R, y):
-    angle, y[1] = _angle(p, v, R)
-    y[0] = follow(m[0], angle)
-    along, y[3] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
-    y[2] = along - p.start[2]
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Rotation, sliding and reactions."""
-    _put_motion(p, m, q, v, R, y)
-    put(y, 4, (q[14], q[15], 0.0))
-    put(y, 7, (-q[13], q[12], 0.0))
-
-
-@njit
-def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
-    """Rotation, sliding and reactions, where laws take the place of some constraints."""
-    _put_motion(p, m, q, v, R, y)
-    put(y, 4, pair_force(p, laws, q, v, R))
-    put(y, 7, pair_moment(p, laws, q, v, R))
-
-
-@njit
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-    """Follow the angle over whole turns."""
-    m_out[0] = follow(m[0], _angle(p, v, R)[0])
+    put_turning(p, m, v, R, y, 0)
+    put_sliding(p, q, v, R, y, 2)
+    put_reactions(p, laws, q, v, R, y, 4)
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes and the start of b along those of a."""
-    return triads_together(nodes, triad(d["axis"], d["axis_1"]))
-
-
-def prepare_held(d, nodes, context):
-    """The same, and what holds each axis."""
-    return pair_record(prepare(d, nodes, context), HELD, d["compliance"], context)
+    """Axes of both nodes, the start of b along those of a, what holds each axis."""
+    return pair_record(axis_place(d, nodes, context), HELD, d["compliance"], context)
 
 
 def parts(d, nodes, context):
     """The axis of b stays parallel to that of a, and b in two planes of a; laws along the axis, friction."""
-    p, friction = prepare(d, nodes, context), d["friction"]
+    p, friction = axis_place(d, nodes, context), d["friction"]
     parts = pair_parts(p, HELD, d["compliance"], context) + turning_parts(d, p, context) + sliding_parts(d, p, context)
     if friction:
         values = round_record(p["mu"][2], p["xi"][2], friction, context)
@@ -101,33 +63,21 @@ def parts(d, nodes, context):
     return parts + slide_end_parts(d, p)
 
 
-def variant(d):
-    """The rigid joint, or the one that a law holds along some axis."""
-    return CYLINDRICAL_HELD if d["compliance"] else CYLINDRICAL
-
-
 def check(d, nodes):
     """An axis across; friction has its reactions."""
-    return not_across(d) + check_friction(d)
-
-
-def admissible(p, q, R):
-    """Refuse the flipped solution."""
-    return flipped(R, p["mu"], p["xi"])
+    return not_across(d, nodes) + check_friction(d)
 
 
 def sample(rng):
     """A random axis beside the first node; every option."""
-    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
-    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
-    friction = {"coefficient": 0.3, "regularization": 0.2, "radius": 0.3, "length": 0.7}
-    d = {"axis": rng.normal(size=3)}
+    nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
+    laws = {"turning_law": SPRUNG, "natural_angle": 0.2, "sliding_law": SPRUNG}
     return [
         (d, nodes, ""),
-        ({**d, "latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}, nodes, ""),
-        ({**d, "turning_law": law, "natural_angle": 0.2, "sliding_law": law, "friction": friction}, nodes, ""),
-        ({**d, "friction": {**friction, "regularization": 50.0, "radius": 0.0, "length": None}}, nodes, ""),
-        ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": law, "about_1": law}}, nodes, ""),
+        ({**d, **SLIDE_ENDS}, nodes, ""),
+        ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
+        ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
+        ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
     ]
 
 
@@ -135,10 +85,10 @@ CYLINDRICAL = Kind(
     name="cylindrical",
     section="joints",
     doc=__doc__,
-    dtype=RECORD,
+    dtype=PAIR_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
         AXIS_1,
         *TURNING_FIELDS,
@@ -147,14 +97,7 @@ CYLINDRICAL = Kind(
         friction_fields(radius("radius", "radius at which turning slides", 0.0), LENGTH),
         compliance_field(HELD),
     ),
-    outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
-        Output("rate", "rad/s", "rate of the angle"),
-        Output("displacement", "m", "sliding of b relative to a along the axis since the start"),
-        Output("velocity", "m/s", "rate of the displacement"),
-        Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
-        Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
-    ),
+    outputs=(*TURNING, *SLIDING, *REACTIONS),
     optional=(
         ("turning_law", TWIST_LAW, ""),
         ("sliding_law", SLIDE_LAW, ""),
@@ -166,14 +109,9 @@ CYLINDRICAL = Kind(
     memory=("angle",),
     prepare=prepare,
     parts=parts,
-    variant=variant,
     check=check,
     observe=observe,
-    commit=commit,
-    admissible=admissible,
+    commit=follow_turning,
+    admissible=not_flipped,
     sample=sample,
-)
-
-CYLINDRICAL_HELD = replace(
-    CYLINDRICAL, name="cylindrical_held", dtype=PAIR_RECORD, prepare=prepare_held, observe=observe_held
 )

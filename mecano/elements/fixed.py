@@ -10,22 +10,23 @@ from dataclasses import replace
 import numpy as np
 from numba import njit
 
-from mecano.constraints.joint_frame import flipped, not_across, not_at_one_place, not_parallel, triad
+from mecano.constraints.joint_frame import NODES, not_across, not_at_one_place, not_flipped, not_parallel
+from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import (
     AXES,
     AXIS_1,
     PAIR_RECORD,
+    axis_place,
     compliance_field,
     law_outputs,
     pair_force,
     pair_moment,
     pair_parts,
     pair_record,
-    triads_together,
-)
+)  # fmt: skip
 from mecano.contract import Kind, Output, nothing
 from mecano.maths.vec import mat, mul, put, scale, tmul, vec
-from mecano.schema import DIRECTION, NODE_PAIR, Field
+from mecano.schema import DIRECTION, Field
 
 
 @njit
@@ -42,28 +43,23 @@ def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 3, mul(mat(R[0]), tmul(mat(p.mu), pair_moment(p, laws, q, v, R))))
 
 
-def _place(d, nodes):
-    return {**triads_together(nodes, triad(d["axis"], d["axis_1"])), "start": np.zeros(3)}
+def _place(d, nodes, context):
+    return {**axis_place(d, nodes, context), "start": np.zeros(3)}
 
 
 def prepare_held(d, nodes, context):
     """Axes of both nodes, and what holds each axis."""
-    return pair_record(_place(d, nodes), AXES, d["compliance"], context)
+    return pair_record(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
 def parts_held(d, nodes, context):
     """Six axes held."""
-    return pair_parts(_place(d, nodes), AXES, d["compliance"], context)
+    return pair_parts(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
 def variant(d):
     """The joint that shares all, or the one whose axes are held by parts."""
     return FIXED_HELD if d["compliance"] else FIXED
-
-
-def admissible(p, q, R):
-    """Refuse the flipped solution."""
-    return flipped(R, p["mu"], p["xi"])
 
 
 def shares(d, n_nodes):
@@ -73,19 +69,18 @@ def shares(d, n_nodes):
 
 def check(d, nodes):
     """The nodes start at one place with one rotation."""
-    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d)
+    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d, nodes)
 
 
 def sample(rng):
     """Two equal nodes, rigidly joined and by laws along all axes or some."""
-    node = (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))
-    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
+    node = (rng.normal(size=3), ORIENTATIONS[1])
     play = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
     d = {"axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
     return [
         ({}, [node, node], ""),
-        ({**d, "compliance": dict.fromkeys(AXES, law)}, [node, node], ""),
-        ({**d, "compliance": {"along_2": play, "about_1": law}}, [node, node], ""),
+        ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
+        ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
     ]
 
 
@@ -95,7 +90,7 @@ FIXED = Kind(
     doc=__doc__,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
         AXIS_1,
         compliance_field(AXES),
@@ -120,5 +115,5 @@ FIXED_HELD = replace(
     shares=nothing,
     parts=parts_held,
     observe=observe_held,
-    admissible=admissible,
+    admissible=not_flipped,
 )

@@ -16,7 +16,7 @@ CURVE_RECORD = {
     "center": 3, "semi_axis_1": 3, "semi_axis_2": 3, "advance": 3,
 }  # fmt: skip
 SAMPLES = 64  # of a turn or a piece, to find the nearest point
-ROUNDS = 20
+HALVINGS = 60  # of two samples: to rounding
 FLAT = 1e-6  # of the size of a curve: how far its points may be off a plane
 KEYS = ("center", "semi_axis_1", "semi_axis_2", "advance")
 
@@ -98,18 +98,35 @@ def _places(d):
 def _spline(d):
     from scipy.interpolate import CubicSpline  # decks without splines need not wait for it
 
-    places = _places(d)
-    knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
-    return CubicSpline(knots, places, bc_type="periodic" if d["closed"] else "natural")
+    return CubicSpline(knots(d), _places(d), bc_type="periodic" if d["closed"] else "natural")
+
+
+def knots(d):
+    """s [m] at each point (n,) of a spline, the last one its length."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(_places(d), axis=0), axis=1))])
 
 
 def nearest(d, x):
-    """s [m] of the point of a curve of deck values that is nearest to x (3,), inertial."""
+    """s [m] of the point of a curve of deck values that is nearest to x (3,), inertial, however far that is.
+
+    On an open spline it is at an end where no other point is nearer; of several as near it is the first one; of a helix
+    it is sought in the turn around x. Between the neighbours of the nearest of the samples the distance first falls,
+    then rises, unless the curve winds more than once from one sample to the next.
+    """
     place, slope, grid = _to_search(d, x)
-    s = min(grid, key=lambda at: np.sum((place(at) - x) ** 2))
-    for _ in range(ROUNDS):
-        s += (x - place(s)) @ slope(s) / (slope(s) @ slope(s))
+    s, step = min(grid, key=lambda at: np.sum((place(at) - x) ** 2)), grid[1] - grid[0]
+    low, high = s - step, s + step
+    if has_ends(d):
+        low, high = max(low, grid[0]), min(high, grid[-1])
+    for _ in range(HALVINGS):
+        s = 0.5 * (low + high)
+        low, high = (low, s) if (place(s) - x) @ slope(s) > 0.0 else (s, high)
     return s
+
+
+def has_ends(d):
+    """True for an open spline."""
+    return d["points"] is not None and not d["closed"]
 
 
 def drawn(d):

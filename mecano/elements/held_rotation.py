@@ -3,10 +3,10 @@
 With ground as the first node the second one translates only; the moment of the joint is what holds it.
 """
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.joint_frame import not_parallel
+from mecano.constraints.joint_frame import not_parallel, one_rotation
+from mecano.constraints.joint_samples import two_parallel
 from mecano.contract import Kind, Output
 from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import NODE_PAIR, Field
@@ -18,11 +18,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 0, scale(-1.0, mul(mat(R[1]), vec(F, 3))))
 
 
-def shares(d, n_nodes):
-    """One rotation."""
-    return [("R", 0, 1)]
-
-
 def check(d, nodes):
     """The nodes start with one rotation."""
     return not_parallel(nodes)
@@ -30,8 +25,7 @@ def check(d, nodes):
 
 def sample(rng):
     """Two nodes of one rotation."""
-    R = np.diag([-1.0, 1.0, -1.0])
-    return [({}, [(rng.normal(size=3), R), (rng.normal(size=3), R)], "")]
+    return [({}, two_parallel(rng), "")]
 
 
 HELD_ROTATION = Kind(
@@ -41,7 +35,7 @@ HELD_ROTATION = Kind(
     layout=("R0", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, mostly [ground, the node that shall not turn]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
-    shares=shares,
+    shares=one_rotation,
     check=check,
     observe=observe,
     sample=sample,

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
-from mecano.constraints.ground import check_axle, ends, lean_of, normal_and_level
+from mecano.constraints.ground import check_axle, ends, lean_of, slope_below
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -31,8 +31,8 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     axis = mul(Rn, vec(p.axis, 0))
     g = disc_contact(n, ZERO, p.radius, axis)
     frame, arm = (n, *directions(axis, g)), scale(-p.radius, n)
-    spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[HEIGHT], q[DRIVING], q[LATERAL], frame, p.radius, arm, spin, lean_of(g))
+    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[HEIGHT], q[DRIVING], q[LATERAL])
+    put_outputs(y, q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
 
 
 def prepare(d, nodes, context):
@@ -58,8 +58,7 @@ def check(d, nodes):
 
 def sample(rng):
     """A wheel that leans on a slope."""
-    normal, level = normal_and_level(rng)
-    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+    ground, normal, level = slope_below(rng)
     return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 
 

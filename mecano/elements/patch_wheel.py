@@ -2,43 +2,35 @@
 
 from numba import njit
 
-from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import LEAN, check_axle, check_ground, lean_of, normal_and_level, prepare_ground, touch
-from mecano.constraints.tire_patch import BOW, PSI, Y
-from mecano.contract import Output
+from mecano.constraints.ground import GROUND_RECORD, ends, touch
+from mecano.constraints.tire_patch import PSI, Y
+from mecano.contract import Kind, Output, record
 from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
-from mecano.elements.lateral_law import FORMS, check_lateral, prepare_lateral
-from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
-from mecano.maths.surface import directions
-from mecano.maths.vec import add, add_vec, dot, mat, mul, put, scale, sub, vec
-from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, TIRE_LAW, Field, mapping
+from mecano.elements.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral
+from mecano.elements.tire_law import TIRE_RECORD
+from mecano.elements.tire_wheel import (
+    EVENTS,
+    MODES,
+    Grip,
+    check_wheel,
+    large_wheel,
+    prepare_wheel,
+    put_tire,
+    range_of_law,
+)
+from mecano.elements.tire_wheel import FIELDS as WHEEL_FIELDS
+from mecano.elements.tire_wheel import OUTPUTS as TIRE_OUTPUTS
+from mecano.maths.vec import add, dot, mat, mul, put, scale, sub, vec
+from mecano.schema import NUMBER, Field, mapping
 
 INITIAL = mapping(
     Field("y", NUMBER, "m", "lateral displacement of the patch", 0.0),
     Field("psi", NUMBER, "rad", "torsion of the patch, where the lateral law has a rate of psi", 0.0),
 )
-FIELDS = (
-    Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
-    Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
-    Field("tire_law", TIRE_LAW, "-", "radius, radial force, friction and lateral law of the tyre"),
-    Field("ground", GROUND, "-", "ground it rolls on"),
-    Field("initial", INITIAL, "-", "the patch at the start", {}),
-)
+FIELDS = (*WHEEL_FIELDS, Field("initial", INITIAL, "-", "the patch at the start", {}))
 SCALARS = ("y", "psi", "bow")
 OUTPUTS = (
-    Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
-    Output("loaded_radius", "m", "distance from the centre to the contact in the wheel plane; the radius in the air"),
-    Output("deformation", "m", "radial deformation w of the tyre; zero in the air"),
-    Output("radial_force", "N", "radial force F_r in the plane of the wheel"),
-    Output("normal_force", "N", "normal force N of the ground on the wheel"),
-    Output("longitudinal_force", "N", "force of the ground on the wheel, along t = a x n/|a x n|"),
-    Output("lateral_force", "N", "force of the ground on the wheel, along l = n x t (upright: the axis)"),
-    Output("contact_force", "N", "force of the ground on the wheel, inertial", (3,)),
-    Output("longitudinal_slip", "m/s", "patch velocity v_C along t; in the air, of the lowest point of the rim"),
-    Output("lateral_slip", "m/s", "patch velocity v_C along l; in the air, of the lowest point of the rim"),
-    Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
-    Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
-    Output("friction_coefficient", "-", "tangential over normal force; zero in the air"),
+    *TIRE_OUTPUTS,
     Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a"),
     Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n"),
     Output("bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; else zero"),
@@ -49,57 +41,33 @@ OUTPUTS = (
     Output("psi_rate", "rad/s", "rate of psi"),
     Output("bow_rate", "m/s", "rate of bow"),
     Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
-    LEAN,
 )
 
 
 @njit
-def put_patch(p, laws, contact, k, q, v, radial, force, grip, slip_power, law, y, e):
+def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, y, e):
     """Write OUTPUTS and energies of the Patch ``k``.
 
-    radial [N] F_r; ``force`` (3,) [N] of the ground on the wheel in the ground; ``grip`` friction coefficient at work;
-    ``slip_power`` [W] what friction dissipates; ``law`` the Lateral.
+    radial [N] F_r; ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work;
+    ``lost`` [W] what friction dissipates; ``law`` the Lateral.
     """
-    # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
-    touching = contact and radial > 0.0
-    t, l = directions(k.a, k.g)
-    w = max(0.0, p.radius - k.g.r) if contact else 0.0
-    y[0] = k.g.r * k.g.q
-    y[1] = k.g.r if contact else p.radius
-    y[2] = w
-    y[10] = dot(k.v_C, t)
-    y[11] = dot(k.v_C, l)
-    y[12] = dot(k.omega, k.a)
-    put(y, 13, vec(q, 0))
-    add_vec(y, 13, 1.0, k.rho if contact else scale(p.radius, k.g.c))
-    y[17] = q[Y]
-    y[18] = q[PSI]
-    y[19] = q[BOW]
-    y[27] = lean_of(k.g)
-    for i in range(3):
-        y[23 + i] = v[Y + i]
-    N, f = 0.0, add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))
-    if touching:
-        N = radial / k.g.q
-        y[3] = radial
-        y[4] = N
-        y[5] = dot(force, t)
-        y[6] = dot(force, l)
-        put(y, 7, add(force, scale(N, k.g.n)))
-        y[16] = grip
-        y[26] = y[5] / p.A0[1, 0] if p.A0[1, 0] < 0.0 else 0.0
+    grip = Grip(radial, force, coefficient, k.v_C, lost, k.w1)
+    arm = k.rho if contact else scale(p.radius, k.g.c)
+    touching = put_tire(p, laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
+    put(y, 18, vec(q, Y))
+    put(y, 24, vec(v, Y))
+    if touching and p.A0[1, 0] < 0.0:
+        y[27] = y[3] / p.A0[1, 0]
+    f = add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))
     if contact:
         f = law.f
-        put(y, 20, (f[0], f[1], law.turn))
-        elastic, _ = elastic_force(p, laws, w)
-        e[1] = elastic_energy(p, laws, w)
-        e[2] = slip_power + (N * k.g.q - elastic) * k.w1
+        put(y, 21, (f[0], f[1], law.turn))
     e[1] += lateral_energy(p, q[Y], q[PSI])
-    lost = dot(f, vec(v, Y)) - lateral_energy_rate(p, q[Y], q[PSI], v[Y], v[PSI])
+    lost_aside = dot(f, vec(v, Y)) - lateral_energy_rate(p, q[Y], q[PSI], v[Y], v[PSI])
     if contact:
-        lost -= law.turn * dot(k.g.n, k.omega)
-    e[2] += max(lost, 0.0)
-    e[3] = max(-lost, 0.0)
+        lost_aside -= law.turn * dot(k.g.n, k.omega)
+    e[2] += max(lost_aside, 0.0)
+    e[3] = max(-lost_aside, 0.0)
 
 
 @njit
@@ -112,11 +80,9 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 
 def prepare(d, nodes, context):
-    """Record: axis in the node's frame, ground, tyre law."""
+    """Record: that of a wheel with a tyre law, the lateral law, the start."""
     return {
-        "axis": carried_axis(d, nodes),
-        **prepare_ground(d["ground"], context),
-        **prepare_tire_law(d["tire_law"], context),
+        **prepare_wheel(d, nodes, context),
         **prepare_lateral(d["tire_law"]["lateral"], context),
         "start": [d["initial"].get("y", 0.0), d["initial"].get("psi", 0.0), 0.0],
     }
@@ -128,17 +94,14 @@ def start(p):
 
 
 def check(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
-    law = d["tire_law"]
-    texts = check_ground(d["ground"]) + check_tire_law(law) + check_lateral(law["lateral"])
-    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
+    """Texts of a wheel with a tyre law, and on its lateral law."""
+    return check_wheel(d, nodes) + check_lateral(d["tire_law"]["lateral"])
 
 
 def limits(d):
     """The range of the radial law, braking at which the patch gives way sideways on its own."""
-    valid, law = d["tire_law"]["valid_deformation"], d["tire_law"]
-    found = [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
-    return found if law["lateral"] is None else [*found, ("divergence", 1.0, DIVERGENT)]
+    found = range_of_law(d)
+    return found if d["tire_law"]["lateral"] is None else [*found, ("divergence", 1.0, DIVERGENT)]
 
 
 DIVERGENT = (
@@ -155,27 +118,16 @@ MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.
 
 
 def _sample(rng, profile, eps, mode, form):
-    """(values, nodes, mode) of a large wheel near the origin, on a plane or a profile, with one form of lateral law."""
-    wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
-    normal, level = normal_and_level(rng)
-    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-    if profile:
-        ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
     lateral = {
         **dict.fromkeys(FORMS), form: MATRICES if form == "matrices" else STRING,
         "stiffness_by_load": growing, "stiffness_by_speed": falling,
         "damping_by_load": growing, "damping_by_speed": falling, "aligning_moment": [20.0, -30.0, 4.0, 5.0],
         "relaxation_in_air": 0.01,
     }  # fmt: skip
-    tire_law = {
-        "radius": 12.0, "radial": (("polynomial", {"coefficients": [0.0, 2e3, 3e2, -4.0, 0.5]}),),
-        "radial_damping": 0.02, "friction": falling, "friction_by_speed": falling, "slip_regularization": eps,
-        "valid_deformation": None, "lateral": lateral,
-    }  # fmt: skip
-    lean = level + rng.uniform(-0.5, 0.5) * normal
-    return {"axis": lean, "tire_law": tire_law, "ground": ground}, 1, mode
+    return large_wheel(rng, profile, eps, falling, falling, lateral), 1, mode
 
 
 def sample(rng):
@@ -185,3 +137,30 @@ def sample(rng):
         (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
     )  # fmt: skip
     return [_sample(rng, *case) for case in cases]
+
+
+def patch_wheel(name, doc, relaxing, force, observe, events=EVENTS, **constraints):
+    """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
+    return Kind(
+        name=name,
+        section="elements",
+        doc=doc,
+        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+        layout=("x0", "R0"),
+        scalars=SCALARS,
+        relaxing=relaxing,
+        fields=FIELDS,
+        outputs=OUTPUTS,
+        modes=MODES,
+        events=events,
+        prepare=prepare,
+        start=start,
+        check=check,
+        limits=limits,
+        ends=ends,
+        force=force,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+        **constraints,
+    )

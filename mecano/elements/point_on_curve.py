@@ -16,6 +16,9 @@ The multipliers are the components of the force of the curve on b. The equation 
 the curve: there is no friction. With ``across: free`` the third axis is the normal of the plane of the curve, along
 which b is not held: the curve is the profile of a cam of any width, and a mechanism in a plane is not held twice.
 
+b stands on the curve in the deck. Where it does not, the model is assembled from the nearest point of the curve on, the
+first of several as near; from beyond the end of an open spline that is its end.
+
 b is held from both sides, as by a groove. For a roller, give the curve of its centre: of a circular cam a circle whose
 radius is larger by that of the roller.
 """
@@ -27,14 +30,15 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
-from mecano.constraints.carried import carried, product_rates
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.slide import add_slide_curvature, slide_gradient
+from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Output, Row, record
 from mecano.elements.guiding_curve import (
     CURVE_RECORD,
     check_curve,
     curve_at,
+    has_ends,
+    knots,
     nearest,
     normal_of,
     overrun,
@@ -45,7 +49,7 @@ from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list
 
 RECORD = record(axes=(3, 3), rows="i", start=(), **CURVE_RECORD)
 S, ROW = 9, 10  # local unknowns after both places and the rotation of a: s, the first multiplier
-ROUNDING = 1e-9  # m
+ROUNDING = 1e-9  # of the length of an open curve
 
 
 @njit
@@ -66,11 +70,9 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 @njit
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates along each axis."""
-    d = (sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0)))
     X, slope, curvature = curve_at(p, laws, q[S])
     for i in range(p.rows):
-        along = carried(mat(R[0]), vec(v, 3), vec(a, 3), vec(p.axes[i], 0))
-        Phi, rate, second = product_rates(along, d)
+        Phi, rate, second = slide_rates(q, v, a, mat(R[0]), vec(p.axes[i], 0))
         second -= slope[i] * a[S] + curvature[i] * v[S] * v[S]
         put_levels(g, i, Phi - X[i], rate - slope[i] * v[S], second)
 
@@ -120,7 +122,7 @@ def check(d, nodes):
 
 def ends(d):
     """A run ends where the node has come to the end of an open curve."""
-    return [("overrun", ROUNDING, "has come to the end of its curve")]
+    return [("overrun", ROUNDING * knots(d)[-1], "has come to the end of its curve")] if has_ends(d) else []
 
 
 def sample(rng):

@@ -8,16 +8,16 @@ with theta the angle of that joint, zero in the deck; f may go over many turns. 
 about the axis; its power :math:`k\lambda\, \dot f` is given by the surroundings.
 """
 
-import numpy as np
 from numba import njit
 
 from mecano.constraints.carried import follow, turned
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.joint_frame import NODES, triad
+from mecano.constraints.joint_samples import two_places
 from mecano.constraints.relative_angle import RELATIVE_ANGLE
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vec import mat, vec
-from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
+from mecano.schema import CURVE, DIRECTION, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
@@ -47,7 +47,7 @@ def parts(d, nodes, context):
 def sample(rng):
     """Many turns."""
     sine = (("sine", {"amplitude": 30.0, "frequency": 0.2, "phase": 0.4, "offset": 4.0}),)
-    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
+    nodes = two_places(rng)
     return [({"axis": rng.normal(size=3), "value": sine}, nodes, "")]
 
 
@@ -58,7 +58,7 @@ PRESCRIBED_ANGLE = Kind(
     dtype=RECORD,
     layout=("R0", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; both nodes carry it"),
         Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
     ),

@@ -8,7 +8,8 @@ The follower shares the rotation of the master (Boolean identification); with d,
 import numpy as np
 from numba import njit
 
-from mecano.constraints.joint_frame import not_parallel
+from mecano.constraints.joint_frame import not_parallel, one_rotation
+from mecano.constraints.joint_samples import two_parallel
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part
 from mecano.maths.vec import mat, mul, put, scale, vec
@@ -20,11 +21,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions on the follower."""
     put(y, 0, vec(q, 12))
     put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
-
-
-def shares(d, n_nodes):
-    """One rotation."""
-    return [("R", 0, 1)]
 
 
 def parts(d, nodes, context):
@@ -40,8 +36,7 @@ def check(d, nodes):
 
 def sample(rng):
     """Two nodes of one rotation."""
-    R = np.diag([-1.0, 1.0, -1.0])
-    return [({}, [(rng.normal(size=3), R), (rng.normal(size=3), R)], "")]
+    return [({}, two_parallel(rng), "")]
 
 
 RIGID_LINK = Kind(
@@ -54,7 +49,7 @@ RIGID_LINK = Kind(
         Output("force", "N", "force of the link on the follower, inertial axes", (3,)),
         Output("moment", "N m", "moment of the link on the follower, inertial axes", (3,)),
     ),
-    shares=shares,
+    shares=one_rotation,
     parts=parts,
     check=check,
     observe=observe,

@@ -4,10 +4,10 @@ import numpy as np
 from numba import njit
 
 from mecano.constraints.distance import DISTANCE
-from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.contract import Kind, Output, Part
 from mecano.maths.vec import norm, sub, vec
-from mecano.schema import NODE_PAIR, NUMBER, Field, positive
+from mecano.schema import NUMBER, Field, positive
 
 
 @njit
@@ -39,7 +39,7 @@ RIGID_ROD = Kind(
     doc=__doc__,
     layout=("x0", "x1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("length", NUMBER, "m", "length; the distance at the start when not given", None, check=positive),
     ),
     outputs=(

@@ -15,25 +15,43 @@ With ``unilateral`` the wheel leaves the ground when N falls to zero and comes d
 the instant of touch-down the velocities jump to the nearest, by kinetic energy, that roll. The energy
 of this shock is lost (docs/shocks.md).
 
+Where the curvature of the ground's profile jumps, as at the ends of a bump, the accelerations do: the wheel's way over
+such a place is an event, so that no step goes across.
+
 The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
 """
+
+import math
 
 from numba import njit
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
-from mecano.constraints.ground import GROUND_RECORD, check_axle, check_ground, ends, lean_of, normal_and_level, touch
+from mecano.constraints.ground import (
+    GROUND_RECORD,
+    MOST_BENDS,
+    along_profile,
+    bends,
+    check_axle,
+    check_ground,
+    ends,
+    lean_of,
+    slope_below,
+    touch,
+)
 from mecano.constraints.level_axis import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.contract import CONTACT as SHOCK
 from mecano.contract import Event, Kind, Part, record
 from mecano.maths.surface import directions
-from mecano.maths.vec import dot, mat, mul, scale, vec
+from mecano.maths.vec import add, dot, mat, mul, scale, vec
 from mecano.schema import BOOLEAN, Field, choice
 
-RECORD = record(axis=3, radius=(), restitution=(), **GROUND_RECORD)
+RECORD = record(axis=3, radius=(), restitution=(), bends=MOST_BENDS, **GROUND_RECORD)
 BILATERAL = -1.0  # in the place of a restitution
 CONTACT, AIR = 0, 1
+BEHIND = 1e-7  # of the radius: so far behind a bend its event is, whatever rounding makes of a step that ends on it
+COUNTED = 0.99  # of that: from there on the bend is counted as passed, also where rounding has moved the event
 RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
 
 OPTIONS = (
@@ -49,26 +67,53 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     axis = mul(Rn, vec(p.axis, 0))
     g = touch(p, laws, vec(q, 0), axis)
     along, across = directions(axis, g)
-    arm = scale(p.radius if mode == AIR else g.r, g.c)
-    spin = dot(mul(Rn, vec(v, 3)), axis)
-    put_outputs(y, q, q[RADIAL] / g.q, q[DRIVING], q[LATERAL], (g.n, along, across), g.r * g.q, arm, spin, lean_of(g))
+    radius = p.radius if mode == AIR else g.r
+    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[RADIAL] / g.q, q[DRIVING], q[LATERAL])
+    arm, height = scale(radius, g.c), g.r * g.q
+    put_outputs(y, q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
+
+
+@njit
+def _place(p, laws, q, R):
+    """Distance [m] of the contact along the profile."""
+    x = vec(q, 0)
+    return along_profile(p, add(x, touch(p, laws, x, mul(mat(R[0]), vec(p.axis, 0))).arm))
 
 
 @njit
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
-    """Depth of the rim below the ground [m] for the touch-down, -F_r [N] for the lift-off."""
+    """Depth of the rim below the ground [m], -F_r [N], and how far the contact is beyond the bends around it [m]."""
     g[:] = -1.0
-    if p.restitution < 0.0:
-        return
     if mode == AIR:
         g[0] = p.radius - touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0))).r
-    else:
+        return
+    if p.restitution >= 0.0:
         g[1] = -q[RADIAL]
+    if p.bends[0] < math.inf:
+        place, passed = _place(p, laws, q, R), int(m[0])
+        g[2] = place - p.bends[passed] if passed < MOST_BENDS else -1.0
+        if passed > 0:
+            g[2] = max(g[2], p.bends[passed - 1] - place)
+        g[2] -= BEHIND * p.radius
+
+
+@njit
+def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+    """How many bends of the profile the contact has passed."""
+    passed = int(m[0])
+    if p.bends[0] < math.inf:
+        place, margin = _place(p, laws, q, R), COUNTED * BEHIND * p.radius
+        while passed < MOST_BENDS and place > p.bends[passed] + margin:
+            passed += 1
+        while passed > 0 and place < p.bends[passed - 1] - margin:
+            passed -= 1
+    m_out[0] = passed
 
 
 def prepare(d, nodes, context):
-    """Record: that of the parts, and whether it may lift off."""
-    return {**disc_record(d, nodes, context), "restitution": 0.0 if d["unilateral"] else BILATERAL}
+    """Record: that of the parts, whether it may lift off, and where the curvature of the ground jumps."""
+    own = {"restitution": 0.0 if d["unilateral"] else BILATERAL, "bends": bends(d["ground"])}
+    return {**disc_record(d, nodes, context), **own}
 
 
 def parts(d, nodes, context):
@@ -91,15 +136,13 @@ def check(d, nodes):
 def sample(rng):
     """Wheels that lean on a slope and on waves, one level, one in the air."""
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    waves = (*wave, ("bump", {"start": -2.0, "length": 9.0, "height": 0.1}))
     found = []
-    for profile, axle, unilateral, mode in (
-        (None, "free", False, "contact"), (wave, "free", True, "contact"), (None, "level", False, "contact"),
+    for height, axle, unilateral, mode in (
+        (None, "free", False, "contact"), (waves, "free", True, "contact"), (None, "level", False, "contact"),
         (wave, "free", True, "air"),
     ):  # fmt: skip
-        normal, level = normal_and_level(rng)
-        ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-        if profile:
-            ground["profile"] = {"direction": rng.normal(size=3), "height": profile}
+        ground, normal, level = slope_below(rng, height)
         values = {
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
@@ -120,12 +163,15 @@ RIGID_WHEEL = Kind(
     events=(
         Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),
+        Event("bend", "contact", "contact", "it rolls over a place where the curvature of the ground jumps"),
     ),
+    memory=("bends_passed",),
     prepare=prepare,
     parts=parts,
     check=check,
     ends=ends,
     observe=observe,
     event_values=event_values,
+    commit=commit,
     sample=sample,
 )

@@ -14,30 +14,29 @@ Options: ``turning_law`` gives a moment about the axis from the angle and its ra
 
 import math
 
-import numpy as np
 from numba import njit
 
-from mecano.constraints.carried import follow, turned
+from mecano.constraints.axis_motion import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
+from mecano.constraints.carried import follow
 from mecano.constraints.geared_slide import GEARED_SLIDE
-from mecano.constraints.joint_frame import flipped, not_across, triad
-from mecano.constraints.pair import AXIS_1, pair_parts, triads_together
-from mecano.constraints.slide import slide
+from mecano.constraints.joint_frame import not_across, not_flipped
+from mecano.constraints.joint_samples import SLIDE_ENDS, SPRUNG, two_places
+from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
-from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import mat, put, vec
+from mecano.contract import Kind, Part, record
+from mecano.maths.vec import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2")
-RECORD = record(mu=(3, 3), xi=(3, 3), start=3, travel=())
+RECORD = record(travel=(), **AXES_FIELDS)
 
 
 @njit
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Rotation, sliding and reactions; the sliding tells which turn it is."""
-    angle, y[1] = turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
-    along, y[3] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
-    y[2] = along - p.start[2]
+    angle, y[1] = angle_in_turn(p, v, R)
+    put_sliding(p, q, v, R, y, 2)
     y[0] = follow(y[2] / p.travel, angle)
     put(y, 4, (q[14], q[15], q[16]))
     put(y, 7, (-q[13], q[12], -p.travel * q[16]))
@@ -45,7 +44,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 
 def prepare(d, nodes, context):
     """Axes of both nodes, the start of b along those of a, the travel per radian."""
-    return {**triads_together(nodes, triad(d["axis"], d["axis_1"])), "travel": d["pitch"] / (2.0 * math.pi)}
+    return {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)}
 
 
 def parts(d, nodes, context):
@@ -57,16 +56,6 @@ def parts(d, nodes, context):
     return [*guide, thread, *turning_parts(d, p, context), *slide_end_parts(d, p)]
 
 
-def check(d, nodes):
-    """An axis across."""
-    return not_across(d)
-
-
-def admissible(p, q, R):
-    """Refuse the flipped solution."""
-    return flipped(R, p["mu"], p["xi"])
-
-
 def not_zero(value):
     """Check: a thread without pitch would be a hinge."""
     return None if value != 0.0 else "must not be zero; without a pitch use a hinge"
@@ -74,13 +63,11 @@ def not_zero(value):
 
 def sample(rng):
     """A random axis beside the first node, either hand, the options."""
-    nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
-    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
-    d = {"axis": rng.normal(size=3), "pitch": 4.0}
+    nodes, d = two_places(rng), {"axis": rng.normal(size=3), "pitch": 4.0}
     return [
         (d, nodes, ""),
-        ({**d, "pitch": -3.0, "turning_law": law, "natural_angle": 0.2}, nodes, ""),
-        ({**d, "latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}, nodes, ""),
+        ({**d, "pitch": -3.0, "turning_law": SPRUNG, "natural_angle": 0.2}, nodes, ""),
+        ({**d, **SLIDE_ENDS}, nodes, ""),
     ]
 
 
@@ -98,19 +85,12 @@ SCREW = Kind(
         *TURNING_FIELDS,
         *SLIDE_END_FIELDS,
     ),
-    outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
-        Output("rate", "rad/s", "rate of the angle"),
-        Output("displacement", "m", "sliding of b relative to a along the axis since the start"),
-        Output("velocity", "m/s", "rate of the displacement"),
-        Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
-        Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,)),
-    ),
+    outputs=(*TURNING, *SLIDING, *REACTIONS),
     optional=(("turning_law", TWIST_LAW, ""), ("latch", SLIDE_LATCH, ""), ("stops", SLIDE_STOP, "")),
     prepare=prepare,
     parts=parts,
-    check=check,
+    check=not_across,
     observe=observe,
-    admissible=admissible,
+    admissible=not_flipped,
     sample=sample,
 )

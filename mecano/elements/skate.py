@@ -13,7 +13,7 @@ from numba import njit
 
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, normal_and_level
+from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
 from mecano.contract import Kind, Output, Part
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vec import ZERO, dot, mat, mul, put, scale, vec
@@ -55,8 +55,7 @@ def check(d, nodes):
 
 def sample(rng):
     """A leaning blade on a slope."""
-    normal, level = normal_and_level(rng)
-    ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
+    ground, normal, level = slope_below(rng)
     return [({"axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 
 

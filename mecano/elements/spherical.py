@@ -10,11 +10,11 @@ from numba import njit
 
 from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.friction import check_friction, friction_fields, radius
-from mecano.constraints.joint_frame import not_at_one_place
+from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
+from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part, nothing
 from mecano.maths.vec import put, scale, vec
-from mecano.schema import NODE_PAIR, Field
 
 
 @njit
@@ -40,11 +40,6 @@ def variant(d):
     return SPHERICAL_HELD if d["friction"] else SPHERICAL
 
 
-def shares(d, n_nodes):
-    """One position."""
-    return [("x", 0, 1)]
-
-
 def check(d, nodes):
     """The nodes start at one place; friction is not negative."""
     return not_at_one_place(nodes) + check_friction(d)
@@ -52,10 +47,7 @@ def check(d, nodes):
 
 def sample(rng):
     """Two nodes at one place."""
-    x = rng.normal(size=3)
-    nodes = [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))]
-    falling = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
-    friction = {"coefficient": falling, "regularization": 0.2, "radius": 0.3}
+    nodes, friction = one_place(rng), {"coefficient": FALLING, "regularization": 0.2, "radius": 0.3}
     return [({}, nodes, ""), *(({"friction": {**friction, "regularization": eps}}, nodes, "") for eps in (0.2, 50.0))]
 
 
@@ -65,12 +57,12 @@ SPHERICAL = Kind(
     doc=__doc__,
     layout=("x0", "x1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         friction_fields(radius("radius", "radius of the ball")),
     ),
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
     optional=(("friction", BALL_FRICTION, ""),),
-    shares=shares,
+    shares=one_position,
     variant=variant,
     check=check,
     observe=observe,

@@ -11,11 +11,11 @@ ends together:
 from numba import njit
 
 from mecano.constraints.axis_law import report
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.stop_modes import EVENTS, MODES
 from mecano.constraints.twist_law import RECORD, TWIST_LAW, followed, twist_law_record
 from mecano.contract import Kind, Output
-from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
+from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
 @njit
@@ -58,7 +58,7 @@ TORSION_SPRING_DAMPER = Kind(
     dtype=RECORD,
     layout=("R0", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
         Field("natural_angle", NUMBER, "rad", "angle at which the extension of the law is zero", 0.0),

@@ -20,7 +20,8 @@ from numba import njit
 
 from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
-from mecano.constraints.joint_frame import not_at_one_place, triad
+from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
+from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
 from mecano.constraints.orthogonal import ORTHOGONAL
 from mecano.constraints.pair import (
     PAIR_RECORD,
@@ -38,7 +39,7 @@ from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
 from mecano.contract import Kind, Output, Part, nothing, record
 from mecano.maths.vec import mat, mul, put, scale, tmul, transpose, vec
-from mecano.schema import DIRECTION, LAW, NODE_PAIR, NUMBER, Field
+from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
@@ -162,11 +163,6 @@ def variant(d):
     return UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL
 
 
-def shares(d, n_nodes):
-    """One position."""
-    return [("x", 0, 1)]
-
-
 def check(d, nodes):
     """The nodes start at one place and the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
@@ -180,17 +176,15 @@ def check(d, nodes):
 def sample(rng):
     """Random perpendicular pins; every option."""
     pins = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    x = rng.normal(size=3)
-    nodes, d = [(x, np.eye(3)), (x, np.diag([-1.0, 1.0, -1.0]))], {"axis_a": pins[0], "axis_b": 2 * pins[1]}
-    law = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
-    friction = {"coefficient": 0.4, "regularization": 0.2, "radius_a": 0.3, "radius_b": 0.2, "length": 0.7}
-    laws = {"turning_law_a": law, "turning_law_b": law, "natural_angle_b": 0.3}
+    nodes, d = one_place(rng), {"axis_a": pins[0], "axis_b": 2 * pins[1]}
+    radii = {"radius_a": 0.3, "radius_b": 0.2}
+    laws = {"turning_law_a": SPRUNG, "turning_law_b": SPRUNG, "natural_angle_b": 0.3}
     return [
         (d, nodes, ""),
-        ({**d, **laws, "friction": friction}, nodes, ""),
-        ({**d, "friction": {**friction, "regularization": 50.0, "length": None}}, nodes, ""),
-        ({**d, **laws, "compliance": {CROSS: law, "along_2": law}}, nodes, ""),
-        ({**d, "compliance": {"along_1": law, "along_axis": law}}, nodes, ""),
+        ({**d, **laws, "friction": {**RUBBING, **radii}}, nodes, ""),
+        ({**d, "friction": {**STICKING, **radii}}, nodes, ""),
+        ({**d, **laws, "compliance": {CROSS: SPRUNG, "along_2": SPRUNG}}, nodes, ""),
+        ({**d, "compliance": {"along_1": SPRUNG, "along_axis": SPRUNG}}, nodes, ""),
     ]
 
 
@@ -201,7 +195,7 @@ UNIVERSAL = Kind(
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground"),
+        NODES,
         Field("axis_a", DIRECTION, "-", "pin carried by a at the start, inertial"),
         Field("axis_b", DIRECTION, "-", "pin carried by b at the start, inertial, perpendicular to axis_a"),
         *(
@@ -238,7 +232,7 @@ UNIVERSAL = Kind(
     ),
     memory=("angle_a", "angle_b"),
     prepare=prepare,
-    shares=shares,
+    shares=one_position,
     parts=parts,
     variant=variant,
     check=check,

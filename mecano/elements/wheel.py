@@ -31,29 +31,23 @@ from typing import NamedTuple
 
 from numba import njit
 
-from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import (
-    GROUND_RECORD,
-    LEAN,
-    check_axle,
-    check_ground,
-    ends,
-    lean_of,
-    normal_and_level,
-    prepare_ground,
-    touch,
-)
-from mecano.contract import Event, Kind, Output, record
-from mecano.elements.tire_law import (
-    TIRE_RECORD,
-    check_tire_law,
-    elastic_energy,
-    elastic_force,
-    gripping,
-    prepare_tire_law,
-    radial_force,
-    speed_over_ground,
-)
+from mecano.constraints.ground import GROUND_RECORD, ends, touch
+from mecano.contract import Kind, record
+from mecano.elements.tire_law import TIRE_RECORD, gripping, radial_force, speed_over_ground
+from mecano.elements.tire_wheel import (
+    AIR,
+    CONTACT,
+    EVENTS,
+    FIELDS,
+    MODES,
+    OUTPUTS,
+    Grip,
+    check_wheel,
+    large_wheel,
+    prepare_wheel,
+    put_tire,
+    range_of_law,
+)  # fmt: skip
 from mecano.maths.contact_force import add_columns, add_force, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import disc_variation
 from mecano.maths.vec import (
@@ -69,39 +63,11 @@ from mecano.maths.vec import (
     mul,
     norm,
     outer,
-    put,
     scale,
     skew,
     sub,
     tmul,
     vec,
-)
-from mecano.schema import DIRECTION, GROUND, NODE, TIRE_LAW, Field
-
-AIR, CONTACT = 0, 1
-
-FIELDS = (
-    Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
-    Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
-    Field("tire_law", TIRE_LAW, "-", "radius, radial force and friction of the tyre"),
-    Field("ground", GROUND, "-", "ground it rolls on"),
-)
-
-OUTPUTS = (
-    Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
-    Output("loaded_radius", "m", "distance from the centre to the contact; the radius when in the air"),
-    Output("deformation", "m", "radial deformation w of the tyre; zero in the air"),
-    Output("radial_force", "N", "radial force F_r in the plane of the wheel"),
-    Output("normal_force", "N", "normal force N of the ground on the wheel"),
-    Output("longitudinal_force", "N", "friction of the ground on the wheel, along t = a x n/|a x n|"),
-    Output("lateral_force", "N", "friction of the ground on the wheel, along l = n x t (upright: the axis)"),
-    Output("contact_force", "N", "force of the ground on the wheel, inertial", (3,)),
-    Output("longitudinal_slip", "m/s", "slip velocity along t; in the air, of the lowest point of the rim"),
-    Output("lateral_slip", "m/s", "slip velocity along l; in the air, of the lowest point of the rim"),
-    Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
-    Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
-    Output("friction_coefficient", "-", "friction over normal force, mu phi; zero in the air"),
-    LEAN,
 )
 
 
@@ -193,33 +159,12 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     Rn = mat(R[0])
     axis, omega = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3))
     g = touch(p, laws, vec(q, 0), axis)
-    radius = g.r if mode == CONTACT else p.radius
-    arm = scale(radius, g.c)
+    arm = scale(g.r if mode == CONTACT else p.radius, g.c)
     slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, arm)), vec(v, 0))
-    # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
-    touching = mode == CONTACT and slip.F > 0.0
-    F, N = (slip.F, slip.N) if touching else (0.0, 0.0)
-    w = max(0.0, p.radius - radius)
-    tangential = scale(1.0 / g.q, cross(axis, g.n))
-    lateral = cross(g.n, tangential)
-    y[0] = g.r * g.q
-    y[1] = radius
-    y[2] = w
-    y[3] = F
-    y[4] = N
-    if touching:
-        y[5] = -dot(slip.f, tangential)
-        y[6] = -dot(slip.f, lateral)
-        put(y, 7, scale(-1.0, slip.f))
-        y[16] = slip.grip
-    y[10] = dot(slip.v_C, tangential)
-    y[11] = dot(slip.v_C, lateral)
-    y[12] = dot(omega, axis)
-    put(y, 13, add(vec(q, 0), arm))
-    y[17] = lean_of(g)
-    elastic, _ = elastic_force(p, laws, w)
-    e[1] = elastic_energy(p, laws, w)
-    e[2] = N * slip.grip * norm(slip.v_C) + (F - elastic) * slip.w1
+    friction = scale(-slip.N * slip.b, slip.v_C)
+    lost = slip.N * slip.grip * norm(slip.v_C)
+    grip = Grip(slip.F, friction, slip.grip, slip.v_C, lost, slip.w1)
+    put_tire(p, laws, mode == CONTACT, g, axis, arm, dot(omega, axis), grip, q, y, e)
 
 
 @njit
@@ -230,46 +175,14 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     g[1] = contact.r - p.radius
 
 
-def prepare(d, nodes, context):
-    """Record: axis in the node's frame, ground, tyre law."""
-    return {
-        "axis": carried_axis(d, nodes),
-        **prepare_ground(d["ground"], context),
-        **prepare_tire_law(d["tire_law"], context),
-    }
-
-
-def check(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
-    texts = check_ground(d["ground"]) + check_tire_law(d["tire_law"])
-    return texts + check_axle(d["ground"], nodes[0][0], d["axis"])
-
-
 def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, slip, stick, air."""
-    wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
-    radial = (("polynomial", {"coefficients": [0.0, 2e3, 3e2, -4.0, 0.5]}),)
+    """Large wheels: plane, profile, slip, stick, air."""
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
-    samples = []
-    for profile, eps, mode in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air")):
-        normal, level = normal_and_level(rng)
-        ground = {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": None}
-        if profile:
-            ground["profile"] = {"direction": rng.normal(size=3), "height": wave}
-        tire_law = {
-            "radius": 12.0, "radial": radial, "radial_damping": 0.02, "friction": friction,
-            "friction_by_speed": (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),),
-            "slip_regularization": eps, "valid_deformation": None, "lateral": None,
-        }  # fmt: skip
-        lean = level + rng.uniform(-0.5, 0.5) * normal
-        samples.append(({"axis": lean, "tire_law": tire_law, "ground": ground}, 1, mode))
-    return samples
-
-
-def limits(d):
-    """The range of the radial law."""
-    valid = d["tire_law"]["valid_deformation"]
-    return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
+    by_speed = (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),)
+    return [
+        (large_wheel(rng, profile, eps, friction, by_speed, None), 1, mode)
+        for profile, eps, mode in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
+    ]
 
 
 WHEEL = Kind(
@@ -280,14 +193,11 @@ WHEEL = Kind(
     layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
-    modes=("air", "contact"),
-    events=(
-        Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"),
-        Event("lift_off", "contact", "air", "the deformation returns to zero"),
-    ),
-    prepare=prepare,
-    check=check,
-    limits=limits,
+    modes=MODES,
+    events=EVENTS,
+    prepare=prepare_wheel,
+    check=check_wheel,
+    limits=range_of_law,
     ends=ends,
     force=force,
     observe=observe,

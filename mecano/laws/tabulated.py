@@ -31,17 +31,18 @@ def interval(a, first, n, s):
 
 @njit
 def piece(a, i, s):
-    """Of the interval around s: x0, h, u = (s - x0)/h, y0, y1, slopes d0 and d1, its number."""
+    """Of the interval around s: its length h, u from 0 to 1 in it, y0, (c1, c2, c3), its number.
+
+    There y = y0 + h (c1 u + c2 u^2 + c3 u^3).
+    """
     n = int(a[i + 2])
     x = i + HEAD
     y, d = x + n, x + 2 * n
     j = interval(a, x, n, s)
     h = a[x + j + 1] - a[x + j]
-    if a[i] == 1.0:
-        d0 = d1 = (a[y + j + 1] - a[y + j]) / h
-    else:
-        d0, d1 = a[d + j], a[d + j + 1]
-    return a[x + j], h, (s - a[x + j]) / h, a[y + j], a[y + j + 1], d0, d1, j
+    chord = (a[y + j + 1] - a[y + j]) / h
+    d0, d1 = (chord, chord) if a[i] == 1.0 else (a[d + j], a[d + j + 1])
+    return h, (s - a[x + j]) / h, a[y + j], (d0, 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord), j
 
 
 @njit
@@ -61,12 +62,9 @@ def table(a, i, s):
     outside, x_end, y_end, slope, _ = end(a, i, s)
     if outside:
         return y_end + slope * (s - x_end), slope, 0.0
-    _, h, u, y0, y1, d0, d1, _ = piece(a, i, s)
-    chord = (y1 - y0) / h
-    c2 = 3.0 * chord - 2.0 * d0 - d1
-    c3 = d0 + d1 - 2.0 * chord
-    y = y0 + h * u * (d0 + u * (c2 + u * c3))
-    return y, d0 + u * (2.0 * c2 + 3.0 * u * c3), (2.0 * c2 + 6.0 * u * c3) / h
+    h, u, y0, (c1, c2, c3), _ = piece(a, i, s)
+    y = y0 + h * u * (c1 + u * (c2 + u * c3))
+    return y, c1 + u * (2.0 * c2 + 3.0 * u * c3), (2.0 * c2 + 6.0 * u * c3) / h
 
 
 @njit
@@ -76,12 +74,9 @@ def table_integral(a, i, s):
     if outside:
         w = s - x_end
         return area + w * (y_end + 0.5 * slope * w)
-    _, h, u, y0, y1, d0, d1, j = piece(a, i, s)
-    chord = (y1 - y0) / h
-    c2 = 3.0 * chord - 2.0 * d0 - d1
-    c3 = d0 + d1 - 2.0 * chord
+    h, u, y0, (c1, c2, c3), j = piece(a, i, s)
     before = a[i + HEAD + 3 * int(a[i + 2]) + j]
-    return before + h * u * (y0 + h * u * (d0 / 2.0 + u * (c2 / 3.0 + u * c3 / 4.0)))
+    return before + h * u * (y0 + h * u * (c1 / 2.0 + u * (c2 / 3.0 + u * c3 / 4.0)))
 
 
 def monotone_slopes(x, y):

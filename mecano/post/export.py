@@ -6,12 +6,12 @@ import h5py
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import write_columns
-from mecano.post.grid import grid_of
+from mecano.post.grid import grids_of
 from mecano.post.quantity import time_of
 from mecano.post.request import found
 from mecano.post.runs import open_runs
 from mecano.post.sheet import Curve
-from mecano.results.vtk_group import add_grid, write_grid
+from mecano.results.vtk_group import add_grids, write_grids
 from mecano.results.whole_file import appearing
 from mecano.results.writer import refuse_existing
 
@@ -80,16 +80,13 @@ def _into_results(run, force):
     if run.results.status in ("running", "truncated"):
         state = "is still being written" if run.results.status == "running" else "is cut short"
         raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write a file of its own with -o")
-    grid = grid_of(run)
-    run.results.close()
-    add_grid(run.results.path, grid, force=force)
+    add_grids(run.results.path, grids_of(run), run.results.time, force=force)
     return run.results.path
 
 
 def _write_cells(path, run, _):
-    grid = grid_of(run)
     with h5py.File(path, "w", libver=("v110", "v110")) as file:
-        write_grid(file, grid)
+        write_grids(file, grids_of(run), run.results.time)
 
 
 def _write_all_columns(path, run, series):

@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
-from mecano.post.shapes import BODY, JOINT, SUPPORT, WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, JOINT, SUPPORT, WHEEL, Motion, apart, shapes
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
@@ -17,26 +17,60 @@ PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of
 AXIAL = ("force", "tension")  # outputs that are forces along the line of an element; of a beam the first component
 
 
-def grid_of(run):
-    """The Grid of a run, at all saved times. Raises ResultsError where there is nothing to be seen."""
-    motion = Motion(run, slice(None))
-    drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
-    if not drawn or not len(run.results.time):
+NUMBERS = 2**20  # of the results file that are taken at once, 8 MB: what is made of them is up to four times as much
+
+
+def grids_of(run):
+    """The Grids of a run, one after the other, each of some saved times; cells and names are the same in all.
+
+    Raises ResultsError where there is nothing to be seen.
+    """
+    count, size = len(run.results.time), max(1, NUMBERS // run.results.layout.size)
+    motion = _Blocks(run)
+    points, cells = _points(motion)
+    if not cells or not count:
         raise ResultsError(f"{run.results.path}: nothing to be seen, no saved time or no node with a position")
+    start = points.positions()
+    for first in range(0, count, size):
+        motion.rows = slice(first, first + size)
+        yield _grid(motion, start)
+
+
+class _Blocks(Motion):
+    """The motion at some ``rows`` after others, at first the start; nodes that are ever apart are so in all of them."""
+
+    def __init__(self, run):
+        super().__init__(run, slice(1))
+        self._apart = {}
+
+    def apart(self, nodes, points):
+        """True when nodes are not at one place at all saved times."""
+        key, whole = tuple(nodes), Motion(self.run, slice(None))
+        if key not in self._apart:
+            self._apart[key] = apart(np.stack([whole.position(node) for node in nodes], axis=1))
+        return self._apart[key]
+
+
+def _points(motion):
+    """The _Points of a motion; and for each cell its owner in the file, type and numbers of points."""
     points = _Points(motion)
-    cells, owners = [], []
-    for shape in drawn:
-        for owner, cell in _cells(run, shape, points.numbers(shape)):
-            cells.append(cell)
-            owners.append(owner)
+    drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
+    return points, [found for shape in drawn for found in _cells(motion.run, shape, points.numbers(shape))]
+
+
+def _grid(motion, start):
+    """The Grid of a motion, which was at ``start`` (1, points, 3) [m] at first."""
+    points, found = _points(motion)
+    owners = [owner for owner, _ in found]
     positions = points.positions()
     point_data = {
-        "displacement": Field("m", "displacement since the start, inertial", positions - positions[:1]),
+        "displacement": Field("m", "displacement since the start, inertial", positions - start),
         "velocity": Field("m/s", "velocity, inertial", points.velocities()),
     }
     names = list(dict.fromkeys(owners))
     return Grid(
-        run.results.time, Field("m", "position, inertial", positions), tuple(cells), point_data, _data(run, owners),
+        motion.run.results.time[motion.rows], Field("m", "position, inertial", positions),
+        tuple(cell for _, cell in found), point_data, _data(motion, owners),
         np.array([names.index(owner) for owner in owners]), {"node": motion.nodes, "owner": names},
     )  # fmt: skip
 
@@ -90,9 +124,10 @@ def _cells(run, shape, points):
         yield owner, ({1: VERTEX, 2: LINE}.get(len(points), POLY_LINE), tuple(points))
 
 
-def _data(run, owners):
+def _data(motion, owners):
     """Forces, moments and stresses of the owners of the cells: name -> Field."""
-    shape, found, cells_of = (len(run.results.time), len(owners)), {}, {}
+    run = motion.run
+    shape, found, cells_of = (len(run.results.time[motion.rows]), len(owners)), {}, {}
     for i, owner in enumerate(owners):
         cells_of.setdefault(owner, []).append(i)
     for path, series in run.results.series.items():
@@ -100,7 +135,7 @@ def _data(run, owners):
         cells = cells_of.get(owner)
         if not cells or series.unit not in UNITS or series.shape not in ((), (3,)):
             continue
-        values = run.results.find(path).values[:, None]
+        values = motion.vector(path)[:, None]
         name = output if series.shape else PLAIN.get(output, output)
         _fill(found, name, series, cells, values, shape)
         if series.unit == "N" and output in AXIAL and owner.startswith("elements/"):

@@ -83,7 +83,7 @@ def _run(results):
 def _going_on(results):
     """The command that takes up a run again that ended early, unless its reason says it or it would fail once more."""
     status, reason = results.status, results.reason
-    again = status != "failed" or reason.startswith(WRITING)
+    again = status != "failed" or WRITING in reason
     if again and results.resumable and RESUME not in reason:
         deck, overrides = results.metadata["deck_path"] or "DECK", results.metadata["overrides"]
         settings = [word for text in overrides for word in ("--set", text)]

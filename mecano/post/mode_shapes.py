@@ -14,7 +14,7 @@ from mecano.errors import ResultsError
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.figure import save
 from mecano.post.runs import SECTIONS
-from mecano.post.shapes import shapes
+from mecano.post.shapes import apart, shapes
 from mecano.post.sketch import Sketch
 from mecano.post.style import GREY, SETTINGS
 from mecano.results.modes_file import read_modes
@@ -48,6 +48,10 @@ class ModeMotion:
         """Positions (phases, 3) [m]."""
         values = self.file.nodes[node]
         return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
+
+    def apart(self, nodes, points):
+        """True when nodes, with their ``points`` (phases, nodes, 3) [m], are not at one place all the time."""
+        return apart(points)
 
     def inside(self, name, d):
         """Positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""

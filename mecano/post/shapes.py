@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.elements.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
-from mecano.post.recovered import lines, nodes_inside, recover
+from mecano.post.recovered import lines, nodes_inside, recovered
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
@@ -46,19 +46,31 @@ class Motion:
 
     def vector(self, path):
         """An output (instants, ...) of the file."""
+        if isinstance(self.rows, slice):
+            return self.run.results.find(path, self.rows).values
         return self.run.results.find(path).values[self.rows]
+
+    def apart(self, nodes, points):
+        """True when nodes, with their ``points`` (instants, nodes, 3) [m], are not at one place all the time."""
+        return apart(points)
 
     def inside(self, name, d):
         """Positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         if not nodes_inside(d) or f"elements/{name}/frame_origin" not in self.run.paths:
             return None
-        return recover(self.run.results, name, d, self.rows).positions
+        return recovered(d, lambda output: self.vector(f"elements/{name}/{output}")).positions
 
     def turned(self, node, direction):
         """An inertial direction (3,) of the start, carried along by the node: (instants, 3)."""
-        quaternions = self.run.results.find(f"nodes/{node}/rotation").values
-        carried = _rotated(quaternions[:1] * (1, -1, -1, -1), np.array(direction, float)[None])
-        return _rotated(quaternions[self.rows], carried)
+        path = f"nodes/{node}/rotation"
+        start = self.run.results.find(path, slice(1)).values
+        carried = _rotated(start * (1, -1, -1, -1), np.array(direction, float)[None])
+        return _rotated(self.vector(path), carried)
+
+
+def apart(points):
+    """True when ``points`` (instants, n, 3) [m] are not at one place all the time."""
+    return np.ptp(points, axis=1).max(initial=0.0) > 1e-9
 
 
 def _rotated(quaternions, vectors):
@@ -138,7 +150,7 @@ def _line(motion, name, d, style):
     if len(nodes) < 2:
         return []
     points = np.stack([motion.position(node) for node in nodes], axis=1)
-    return [Shape(style, name, points, tuple(nodes))] if np.ptp(points, axis=1).max(initial=0.0) > 1e-9 else []
+    return [Shape(style, name, points, tuple(nodes))] if motion.apart(nodes, points) else []
 
 
 def _joint(motion, name, d):

@@ -117,11 +117,14 @@ class Disk:
             return error
         return None
 
-    def seal(self):
-        """Put the sums that show changed bytes behind the file; of a failure, kept in ``error``, nothing is left."""
+    def seal(self, offset, data):
+        """Put the sums that show changed bytes behind the file, those it will have when ``data`` are patched there.
+
+        Of a failure, kept in ``error``, nothing is left.
+        """
         size = os.fstat(self._descriptor).st_size
         try:
-            self.patch(size, seal(self._descriptor, size))
+            self.patch(size, seal(self._descriptor, size, offset, data))
             if self.error is not None:
                 os.ftruncate(self._descriptor, size)
         except OSError as error:

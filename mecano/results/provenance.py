@@ -74,24 +74,32 @@ def provenance():
 
 
 def lives(process):
-    """True when there is a process of that number on this machine."""
+    """True when a process of that number runs on this machine; one that was killed, but is still listed, does not."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
         return False
     except PermissionError:
         return True
-    return True
+    return _listed(process)[:1] not in (["Z"], ["X"])
 
 
 def began(process):
     """When the process of a number began [s since 1970], where the system tells it; else 0."""
     try:
-        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
-            ticks = int(file.read().rpartition(")")[2].split()[19])
+        ticks = int(_listed(process)[19])
         return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK")
-    except (OSError, AttributeError, IndexError, ValueError):
+    except (AttributeError, IndexError, ValueError):
         return 0.0
+
+
+def _listed(process):
+    """State, parent... of a process as Linux lists them; nothing elsewhere."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            return file.read().rpartition(")")[2].split()
+    except OSError:
+        return []
 
 
 def threads():

@@ -185,10 +185,11 @@ class Results:
         """Declarations of all series: path -> Series with unit, meaning and shape."""
         return {one.path: one for one in self._layout.series}
 
-    def find(self, name):
+    def find(self, name, rows=slice(None)):
         """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
-        ``solver.step_size`` is a column of the solver history, over the ends of the accepted steps.
+        ``solver.step_size`` is a column of the solver history, over the ends of the accepted steps; of all other series
+        ``rows``, a slice of the saved times, are read.
 
         Raises
         ------
@@ -201,12 +202,13 @@ class Results:
             return Trace(f"solver/{column}", unit, doc, (), self.steps["time"], self.steps[column])
         series, component = self._lookup.find(name)
         start = 1 + self._layout.slices[series.path].start
+        times, rows = self.time[rows], slice(*rows.indices(self._rows))
         if component is not None:
-            values = self._read("storage/output", (slice(self._rows), start + component))
-            return Trace(series.scalars[component], series.unit, series.doc, (), self.time, values)
-        values = self._read("storage/output", (slice(self._rows), slice(start, start + series.width)))
+            values = self._read("storage/output", (rows, start + component))
+            return Trace(series.scalars[component], series.unit, series.doc, (), times, values)
+        values = self._read("storage/output", (rows, slice(start, start + series.width)))
         shaped = values.reshape(-1, *series.shape)
-        return Trace(series.path, series.unit, series.doc, series.components, self.time, shaped)
+        return Trace(series.path, series.unit, series.doc, series.components, times, shaped)
 
     def __getitem__(self, name):
         """Return the same as ``find``."""

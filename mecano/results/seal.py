@@ -24,9 +24,12 @@ class Seal(NamedTuple):
     whole: bool  # the sums themselves have not changed
 
 
-def seal(descriptor, size):
-    """The bytes to be put behind a file of ``size`` bytes, read through an open descriptor. Raises OSError."""
-    sums = block_sums(descriptor, size).tobytes()
+def seal(descriptor, size, place=0, to_come=b""):
+    """The bytes to be put behind a file of ``size`` bytes, read through an open descriptor. Raises OSError.
+
+    They are those of the file as it will be with the bytes ``to_come`` at a ``place``.
+    """
+    sums = block_sums(descriptor, size, place, to_come).tobytes()
     return sums + END.pack(MARK, size, _sum_of(size, sums))
 
 
@@ -37,12 +40,18 @@ def seal_file(path):
         file.write(seal(file.fileno(), size))
 
 
-def block_sums(descriptor, size):
-    """CRC-32 (n,) uint32 of each block of the first ``size`` bytes of an open file. Raises OSError."""
+def block_sums(descriptor, size, place=0, instead=b""):
+    """CRC-32 (n,) uint32 of each block of the first ``size`` bytes of an open file. Raises OSError.
+
+    As if the bytes ``instead`` stood at a ``place``.
+    """
     sums = []
     for start in range(0, size, AT_ONCE):
-        data = memoryview(os.pread(descriptor, min(AT_ONCE, size - start), start))
-        sums += [zlib.crc32(data[i : i + BLOCK]) for i in range(0, len(data), BLOCK)]
+        data = bytearray(os.pread(descriptor, min(AT_ONCE, size - start), start))
+        first, last = max(place, start), min(place + len(instead), start + len(data))
+        if first < last:
+            data[first - start : last - start] = instead[first - place : last - place]
+        sums += [zlib.crc32(memoryview(data)[i : i + BLOCK]) for i in range(0, len(data), BLOCK)]
     return np.array(sums, "<u4")
 
 

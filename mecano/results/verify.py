@@ -12,6 +12,7 @@ from mecano.results.reader import open_results
 from mecano.results.salvage import missing_bytes
 from mecano.results.seal import BLOCK, block_sums, seal_of
 from mecano.results.table import event_sum
+from mecano.results.writer import STATUSES
 
 ROWS = 1024  # read at once
 MOST = 12  # datasets named
@@ -45,18 +46,44 @@ def verify(path):
 
 def _against_seal(path, descriptor):
     """(what is wrong, or ""; True when the file has a seal) of an open file."""
-    seal = seal_of(descriptor)
+    seal, changed = compared(path, descriptor)
     if seal is None:
         return "", False
     if not seal.whole:
         return f"{path} is damaged: the sums at its end, by which it is checked, have changed", True
-    changed = np.flatnonzero(block_sums(descriptor, seal.covered) != seal.sums)
     if not len(changed):
         return "", True
     of = owners(path, changed)
     named = "; ".join(of[:MOST]) + (f"; and {len(of) - MOST} more" if len(of) > MOST else "")
     where = f"{len(changed)} of {len(seal.sums)} blocks of {BLOCK} bytes, the first at byte {BLOCK * changed[0]}"
     return f"{path} is damaged: bytes have changed in {where}. They belong to: {named}", True
+
+
+def compared(path, descriptor):
+    """(Seal, numbers of the blocks that are not as it says) of an open file; None instead of the Seal if it has none.
+
+    It has none either while the status is all that differs: this is written last, so the writer was killed before.
+    """
+    seal = seal_of(descriptor)
+    if seal is None or not seal.whole:
+        return seal, ()
+    changed = np.flatnonzero(block_sums(descriptor, seal.covered) != seal.sums)
+    place, length = _status_to_come(path) if 0 < len(changed) <= 2 else (0, 0)
+    for status in STATUSES[1:] if length else ():
+        sums = block_sums(descriptor, seal.covered, place, status.encode().ljust(length, b"\0"))
+        if np.array_equal(sums, seal.sums):
+            return None, ()
+    return seal, changed
+
+
+def _status_to_come(path):
+    """(place, number of bytes) of the status of an HDF5 file that still says it is running; (0, 0) of any other."""
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            status = file["run/status"]
+            return (status.id.get_offset(), status.id.get_storage_size()) if status[()] == b"running" else (0, 0)
+    except (OSError, RuntimeError, KeyError, ValueError):
+        return 0, 0
 
 
 def owners(path, blocks):

@@ -11,8 +11,9 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.seal import block_sums, seal_file, seal_of
+from mecano.results.seal import seal_file
 from mecano.results.table import describe, name_axes
+from mecano.results.verify import compared
 from mecano.results.whole_file import appearing
 
 GROUP = "VTKHDF"
@@ -35,7 +36,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Grid:
-    """Points that move, and cells between them.
+    """Points that move, and cells between them, at some saved times.
 
     Attributes
     ----------
@@ -62,28 +63,49 @@ class Grid:
     names: dict
 
 
-def write_grid(file, grid):
-    """Write a Grid as the group VTKHDF of an open h5py file, which must not have one."""
-    group = file.create_group(GROUP)
+def write_grids(file, grids, times):
+    """Write Grids, of successive saved times, as the group VTKHDF of an open h5py file, which must not have one.
+
+    ``grids`` yields them, ``times`` (n,) [s] are those of all. No more than one Grid is held at a time.
+    """
+    group, done = file.create_group(GROUP), 0
+    for grid in grids:
+        if not done:
+            _begin(group, grid, times)
+        for name, field in _fields(grid):
+            instants, number, *inner = field.values.shape
+            rows = slice(done * number, (done + instants) * number)
+            group[name][rows] = field.values.reshape(-1, *inner)
+        done += len(grid.times)
+
+
+def _begin(group, grid, times):
+    """All that is there once, with room for the rest."""
     group.attrs["Version"] = np.array(VERSION, dtype="i8")
     kind = b"UnstructuredGrid"
     group.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
     _write_cells(group, grid)
-    _over_time(group, "Points", grid.points)
-    for part, fields in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
-        for name, field in fields.items():
-            _over_time(group, f"{part}/{name}", field)
+    for name, field in _fields(grid):
+        _make_room(group, name, field, len(times))
     _put(group, "CellData/owner", grid.cell_owner.astype("i8"))
     for name, texts in grid.names.items():
         _put(group, f"FieldData/{name}", np.array([text.encode() for text in texts], dtype=TEXT))
-    _write_steps(group.create_group("Steps"), group, grid)
+    _write_steps(group.create_group("Steps"), group, grid, times)
 
 
-def add_grid(path, grid, *, force=False):
-    """Add a Grid to the results file ``path``, which keeps all else; nothing happens to it if that fails.
+def _fields(grid):
+    """(name in the group, Field) of all that changes."""
+    yield "Points", grid.points
+    for part, fields in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
+        for name, field in fields.items():
+            yield f"{part}/{name}", field
 
-    Raises ResultsError: it has such a group and ``force`` is not given, bytes of it have changed since it was closed,
-    or the disk does not take it.
+
+def add_grids(path, grids, times, *, force=False):
+    """Add Grids to the results file ``path``, which keeps all else; nothing happens to it if that fails.
+
+    ``grids``, ``times``: as of ``write_grids``. Raises ResultsError: it has such a group and ``force`` is not given,
+    bytes of it have changed since it was closed, or the disk does not take it.
     """
     sealed = _is_sealed(path)
     with appearing(path) as hidden:
@@ -93,7 +115,7 @@ def add_grid(path, grid, *, force=False):
                 raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
             if GROUP in file:
                 del file[GROUP]
-            write_grid(file, grid)
+            write_grids(file, grids, times)
         if sealed:
             seal_file(hidden)
 
@@ -101,12 +123,10 @@ def add_grid(path, grid, *, force=False):
 def _is_sealed(path):
     """True when a file has the sums by which its bytes are checked; ResultsError when they have changed."""
     with open(path, "rb") as raw:
-        sums = seal_of(raw.fileno())
-        if sums is None:
-            return False
-        if not sums.whole or np.any(block_sums(raw.fileno(), sums.covered) != sums.sums):
-            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
-    return True
+        seal, changed = compared(path, raw.fileno())
+    if seal is not None and (not seal.whole or len(changed)):
+        raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
+    return seal is not None
 
 
 def _write_cells(group, grid):
@@ -121,14 +141,14 @@ def _write_cells(group, grid):
     _put(group, "Types", np.array([kind for kind, _ in grid.cells], dtype="u1"))
 
 
-def _write_steps(steps, group, grid):
+def _write_steps(steps, group, grid, times):
     """Where in each dataset a saved time begins."""
-    count, n_points, n_cells = len(grid.times), grid.points.values.shape[1], len(grid.cells)
+    count, n_points, n_cells = len(times), grid.points.values.shape[1], len(grid.cells)
     row = np.arange(count, dtype="i8")
     none, one = np.zeros(count, dtype="i8"), np.ones(count, dtype="i8")
     steps.attrs["NSteps"] = np.int64(count)
     starts = {
-        "Values": np.asarray(grid.times, dtype="f8"), "PartOffsets": none, "NumberOfParts": one,
+        "Values": np.asarray(times, dtype="f8"), "PartOffsets": none, "NumberOfParts": one,
         "PointOffsets": row * n_points, "CellOffsets": none[:, None], "ConnectivityIdOffsets": none[:, None],
         "CellDataOffsets/owner": none,
         **{f"PointDataOffsets/{name}": row * n_points for name in grid.point_data},
@@ -141,13 +161,13 @@ def _write_steps(steps, group, grid):
         _put(steps, name, values, group)
 
 
-def _over_time(group, name, field):
-    """All values of a Field, those of one saved time after the other."""
-    shape = field.values.shape
-    flat = np.ascontiguousarray(field.values, dtype="f8").reshape(shape[0] * shape[1], *shape[2:])
-    rows = max(1, min(len(flat), CHUNK_NUMBERS // (flat.size // max(len(flat), 1) or 1)))
-    options = {"chunks": (rows, *flat.shape[1:]), **COMPRESSION} if flat.size else {}
-    describe(_put(group, name, flat, **options), units=field.unit, long_name=field.doc)
+def _make_room(group, name, field, count):
+    """A dataset for a Field at so many saved times, those of one after the other."""
+    _, number, *inner = field.values.shape
+    shape = (count * number, *inner)
+    rows = max(1, min(shape[0], CHUNK_NUMBERS // int(np.prod(inner, dtype=int))))
+    options = {"chunks": (rows, *inner), **COMPRESSION} if shape[0] else {}
+    describe(_put(group, name, None, shape=shape, dtype="f8", **options), units=field.unit, long_name=field.doc)
 
 
 def _put(group, name, values, top=None, **options):

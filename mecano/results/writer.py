@@ -273,16 +273,17 @@ class Writer:
         for name, row in zip(EXTREMES, (high, now.high_time, low, now.low_time), strict=True):
             self._disk.patch(self._offsets[f"extremes/{name}"] + row.nbytes * self._slot, row)
 
-    def _patch_text(self, name, text):
+    def _text(self, name, text):
+        """The place in the file of a text, and its bytes there."""
         length = _TEXT_LENGTHS[name]
         cut = text.encode()[:length].decode(errors="ignore").encode()
-        self._disk.patch(self._offsets[f"run/{name}"], cut.ljust(length, b"\0"))
+        return self._offsets[f"run/{name}"], cut.ljust(length, b"\0")
 
     def _give_up(self):
         cause = self._disk.error
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
-        self._end("failed", f"{WRITING}: {cause.strerror}")
+        self._end("failed")
         raise ResultsError(f"cannot write {self.path}: {cause.strerror}; {safe} are in it") from cause
 
     def close(self, status="complete", reason=""):
@@ -309,16 +310,22 @@ class Writer:
         if self._disk.error is not None:
             raise ResultsError(f"cannot write {self.path}: {self._disk.error.strerror}") from self._disk.error
 
-    def _end(self, status, reason):
-        """Close, then say how it ended: a file that says so is whole."""
+    def _end(self, status, reason=""):
+        """Close, put the sums behind, and say how it ended last of all: a file that says so is whole.
+
+        A kill before that leaves a file whose sums, if it has any, differ from it by the status alone.
+        """
         with undisturbed():
             self._file.close()
             self._file = None
             self._patch_clock()
-            self._patch_text("reason", reason)
-            self._patch_text("status", status)
+            self._disk.patch(*self._text("reason", reason))
             if self._disk.error is None:
-                self._disk.seal()
+                self._disk.seal(*self._text("status", status))
+            if self._disk.error is not None:
+                status, failure = "failed", f"{WRITING}: {self._disk.error.strerror}"
+                self._disk.patch(*self._text("reason", f"{reason}; {failure}" if reason else failure))
+            self._disk.patch(*self._text("status", status))
             self._disk.close()
         atexit.unregister(self._at_exit)
 

@@ -20,7 +20,7 @@ from mecano.model.loops import residual
 from mecano.model.state import History
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import finish, largest_change, predict, tangents
+from mecano.solve.increments import RELAXES, finish, largest_change, predict, tangents
 from mecano.solve.kept_tangent import SHARE, keep
 from mecano.solve.newton import (
     CONVERGED,
@@ -90,6 +90,7 @@ class StepInfo:
     error: float  # local error, relative to the length scale (or rad); nan if not ok
     began: History  # what the step began with
     message: str = ""
+    lag: float = 0.0  # local error of scalars without inertia, which forget it
 
 
 class GeneralizedAlpha:
@@ -99,6 +100,7 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty = k, penalty
+        self._lasting = np.where(system.relaxing, RELAXES, system.numbering.kind[: system.n_q])
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
@@ -122,7 +124,7 @@ class GeneralizedAlpha:
         moving, motion = (of.kind, of.rotation_dof, of.n_q, of.n), (s.z, s.v, s.a, s.R)
         self._predict = direct(predict, (c.am, c.af, c.beta, c.gamma, *moving), (1.0, a, a, x, x, a, s.R, *motion))
         self._tangents = direct(tangents, (of.rotation_dof, of.n_q), (s.z, s.R))
-        self._finish = direct(finish, (c.am, c.af, length, of.kind, of.n_q, of.n), (a, x, 0, *(a,) * 5, x, x))
+        self._finish = direct(finish, (c.am, c.af, length, self._lasting, of.n_q, of.n), (a, x, 0, *(a,) * 5, x, x))
         judged = (system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
         self._norms = direct(norms, judged, (1.0,) * 4)
         equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
@@ -210,9 +212,13 @@ class GeneralizedAlpha:
         return resolved(self.system, self.linear, here, a, scales[-1], times)
 
     def _size(self, a):
-        """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar."""
-        n_q = self.system.n_q
-        return largest_change(np.zeros(n_q), a, self.system.numbering.kind, n_q, self.length)
+        """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
+        return largest_change(np.zeros(len(a)), a, self._lasting, len(a), self.length)
+
+    def _lag(self, h, a0, a):
+        """Largest local error of a scalar without inertia, over the length scale."""
+        of = np.flatnonzero(self.system.relaxing)
+        return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max(initial=0.0) / self.length
 
     def bounded_error(self, s, history, info, duration):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
@@ -273,7 +279,8 @@ class GeneralizedAlpha:
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
-        return s, new, StepInfo(True, iterations, reached, self.coefficients.error * h * h * change, history)
+        error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
+        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag)
 
     def _guesses(self, s0, history):
         """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.

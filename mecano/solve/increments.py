@@ -9,6 +9,8 @@ from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import mat, matmul, vec
 from mecano.model.numbering import ROTATION, SCALAR
 
+RELAXES = -1  # in the place of the kind of a scalar without inertia, whose errors are counted apart
+
 
 @njit
 def put_matrix(A, out):
@@ -117,7 +119,7 @@ def finish(
     """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
-    displacements, or of a scalar; and the largest component of a rotation increment [rad].
+    displacements, or of a scalar with inertia; and the largest component of a rotation increment [rad].
     """
     turn = 0.0
     for i in range(n_q):
@@ -134,12 +136,14 @@ def finish(
 
 @njit(cache=True)
 def largest_change(x0, x, kind, n_q, length):
-    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar.
+    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar that does not RELAX.
 
     It counts over ``length`` for displacements and scalars.
     """
     worst = square = 0.0
     for i in range(n_q):
+        if kind[i] == RELAXES:
+            continue
         change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
         begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
         square = change * change + (0.0 if begins else square)

@@ -16,6 +16,7 @@ MOST_AT_ONCE = 20  # times that one event of one element may happen while time s
 SLIVER = 1e-6  # of a step: no step is made to cover less
 MOST_NAMES = 8  # named in a remark
 PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
+SHORT = 1e-3  # of a step: what a shorter one tells of reactions is rounding
 STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
@@ -132,13 +133,15 @@ class March:
     def _judged(self, trial, h):
         """The error of the ``trial``; with what swings bounded where the plain estimate is not accepted."""
         plain = trial[2].error
-        return plain if self.control.accept(plain, h) else self._bounded(trial)
+        return plain if self.control.accept(plain, h) else self._bounded(trial, h)
 
-    def _bounded(self, trial):
-        return self.method.bounded_error(*trial, self.control.duration)
+    def _bounded(self, trial, h):
+        return max(self.method.bounded_error(*trial, self.control.duration), self.control.forgotten(trial[2].lag, h))
 
     def _step(self, run, h):
-        return self.method.step(run.motion, self._history_for(run, h), h)
+        s, history, info = self.method.step(run.motion, self._history_for(run, h), h)
+        info.error = max(info.error, self.control.forgotten(info.lag, h))
+        return s, history, info
 
     def _history_for(self, run, h):
         """The history of the run, carried over to the step size h where it differs."""
@@ -158,7 +161,7 @@ class March:
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
         if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
-            info.error = self._bounded(trial)
+            info.error = self._bounded(trial, h)
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
@@ -194,10 +197,11 @@ class March:
         h, trial, hit = found
         s, history, info = trial
         info.error = self._judged(trial, h)
+        reached = self._powers_at(s) if h > SHORT * run.h else run.powers
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        new = self._stepped(run, s, history, run.h, h)
+        new = self._stepped(run, s, history, run.h, h, reached)
         after, s, happenings, consistent = self._happen(new, s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
         return self._start_again(after, s, consistent)
@@ -214,14 +218,16 @@ class March:
             if count > MOST_AT_ONCE:
                 raise failure.standstill(happening, count, t)
 
-    def _stepped(self, run, s, history, planned, h):
+    def _stepped(self, run, s, history, planned, h, reached=None):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
 
-        Afterwards the outputs of the batches are those of ``s``, which the step has just evaluated.
+        ``reached`` are the powers to which the step itself came where they are not those at ``s``: behind a bend of the
+        ground they are others. Afterwards the outputs of the batches are those of ``s``, which has just been evaluated.
         """
         s.memory = self.system.commit(s)
         self.system.observe(s)
-        dissipated, given = powers = self._powers()
+        powers = self._powers()
+        dissipated, given = powers if reached is None else reached
         return RunState(
             motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers, compliance=run.compliance,
             rejected=run.rejected, iterations=run.iterations,
@@ -239,6 +245,10 @@ class March:
         """Outputs at a state that no step has just evaluated."""
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(s)
+
+    def _powers_at(self, s):
+        self._observe(s)
+        return self._powers()
 
     def _powers(self):
         return float(self.system.energy[2]), float(self.system.energy[3])

@@ -9,6 +9,7 @@ SHRINK = 0.2
 HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a projection
 RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the next ones keep their size
 AFTER_FAILURE = 0.25
+FORGOTTEN = 1e-3  # of the tolerance: the error of one step in what forgets it
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,10 @@ class FixedStep:
     def allowed(self, h):
         """Any error: a fixed step has no error control."""
         return math.inf
+
+    def forgotten(self, lag, h):
+        """The error that counts for one which the next steps forget: the same."""
+        return lag
 
     def accept(self, error, h):
         """Always."""
@@ -56,6 +61,10 @@ class AdaptiveStep:
     def allowed(self, h):
         """The share of the tolerance of a step of size h."""
         return self.tolerance * h / self.duration
+
+    def forgotten(self, lag, h):
+        """The error in a step of size h that counts for one which the next steps forget: each may be FORGOTTEN."""
+        return lag * min(h / self.duration / FORGOTTEN, 1.0)
 
     def _factor(self, error, h):
         return SAFETY * (self.allowed(h) / error) ** 0.5 if error > 0 else GROWTH

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from mecano.deck.check import CHECKS
 from mecano.deck.compose import MAX_DEPTH
+from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one
 from mecano.deck.scope import INVALID
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
@@ -12,10 +13,6 @@ from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, m
 
 VERSION = 1
 PATH = "a value of the deck, as in --set: 'time.end'"
-SETTINGS = Type("settings", "a mapping of values of the deck, as in --set, to what they are: {time.end: 2}")
-CHOICES = Type("choices", "a mapping of values of the deck to lists, or to {from: 1, to: 2, number: 5}")
-RANGES = Type("ranges", "a mapping of values of the deck to [lowest, highest]")
-PATH_TEXT = Type("path", PATH)
 OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count")
 
@@ -42,13 +39,28 @@ SPAN_FIELDS = (
     Field("to", NUMBER, ANY, "last value"),
     Field("number", INTEGER, "-", "how many values, at equal distances", check=check_number),
 )
+SPAN = {"anyOf": [{"type": "array", "minItems": 1}, mapping_schema(SPAN_FIELDS)]}
+PAIR = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2}
+PATH_TEXT = Type("path", PATH, schema={"type": "string"})
+SETTINGS = Type(
+    "settings", "a mapping of values of the deck, as in --set, to what they are: {time.end: 2}",
+    schema={"type": "object"},
+)  # fmt: skip
+CHOICES = Type(
+    "choices", "a mapping of values of the deck to lists, or to {from: 1, to: 2, number: 5}",
+    schema={"type": "object", "minProperties": 1, "additionalProperties": SPAN},
+)  # fmt: skip
+RANGES = Type(
+    "ranges", "a mapping of values of the deck to [lowest, highest]",
+    schema={"type": "object", "minProperties": 1, "additionalProperties": PAIR},
+)  # fmt: skip
 HYPERCUBE_FIELDS = (
     Field("ranges", RANGES, "-", "what is varied, and between which numbers"),
     Field("number", INTEGER, "-", "how many rows of values", check=check_number),
     Field("seed", INTEGER, "-", "of the random numbers: the same seed gives the same rows", 0),
 )
 SEED_FIELDS = (
-    Field("path", PATH_TEXT, "-", PATH),
+    Field("path", PATH_TEXT, "-", "where the seed stands: laws.road.random.seed"),
     Field("number", INTEGER, "-", "how many seeds", check=check_number),
     Field("first", INTEGER, "-", "the first of them; they follow one another", 1),
 )

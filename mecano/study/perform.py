@@ -6,7 +6,7 @@ import subprocess
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.interrupt import Stopped, again
 from mecano.study.folder import COMPLETE, FAILED
-from mecano.study.pool import PROGRAM, Limits, Pool
+from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table
 
 
@@ -43,8 +43,8 @@ def compile_first(deck):
     subprocess.run([*PROGRAM, "warmup", deck.file, *settings], capture_output=True)
 
 
-def perform(folder, cases, *, jobs=None, limits=Limits(), progress=lambda done, total, text: None):  # noqa: B008
-    """Run cases on this machine, and write the table; returns the Table.
+def perform(folder, cases, run_cases, progress=lambda done, total, text: None):
+    """Let ``run_cases(folder, cases, ended)`` run cases (``run_here``), and write the table; returns the Table.
 
     ``progress(done, total, text)`` is told of every case. Raises Stopped where a signal ends the study.
     """
@@ -57,9 +57,7 @@ def perform(folder, cases, *, jobs=None, limits=Limits(), progress=lambda done, 
         done = len(table.records)
         progress(done, len(cases), f"{len(failed)} not complete" if failed else "all complete")
 
-    with folder.held():
-        pool = Pool(folder, jobs or cores(), limits, ended)
-        number = pool.run(cases)
+    number = run_cases(folder, cases, ended)
     done = len(table.records)
     table.written()
     if number is not None:

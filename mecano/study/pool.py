@@ -31,6 +31,20 @@ class Limits:
     memory: int | None = None
 
 
+def case_words(folder, limits):
+    """Arguments of a command that runs one case of a study alone, whose number is to follow."""
+    words = ["sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
+    words += ["--memory-limit", str(limits.memory // 10**6)] if limits.memory else []
+    words += ["--time-limit", str(limits.time)] if limits.time else []
+    return (*words, "--case")
+
+
+def run_here(folder, cases, ended, *, limits, jobs):
+    """Run cases on this machine, ``jobs`` side by side; ``ended`` and what is returned as of ``Pool``."""
+    with folder.held():
+        return Pool(folder, jobs, limits, ended).run(cases)
+
+
 @dataclass
 class Running:
     """A case that runs; ``before`` is the Record of its earlier processes."""
@@ -190,8 +204,12 @@ def _words(one, code):
         return f"ended by {signal.Signals(-code).name}"
     with open(one.log, encoding="utf-8", errors="replace") as stream:
         stream.seek(one.said)
-        lines = [line.strip() for line in stream if line.strip()]
-    if not lines:
-        return f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    line = lines[-1] if lines[0].startswith("Traceback") else lines[0]
+        said = gist(stream.read())
+    return said or (f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
+
+
+def gist(said):
+    """The line of what a process said that tells why it ended; "" where there is none."""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""
     return line.removeprefix("mecano: ").partition("; go on with: ")[0][:LONGEST_REASON]

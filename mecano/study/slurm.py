@@ -5,7 +5,7 @@ import shlex
 import subprocess
 
 from mecano.errors import ResultsError, UsageError
-from mecano.study.pool import PROGRAM
+from mecano.study.pool import PROGRAM, case_words
 
 NOTICE = 60  # s before the end of its time at which a task is told, unless the options of the user say otherwise
 SCRIPT = """\
@@ -20,7 +20,7 @@ SCRIPT = """\
 #SBATCH --output={output}
 cd {directory} || exit 5
 trap '[ -n "$run" ] && kill -USR1 $run' USR1
-{command} --case "$SLURM_ARRAY_TASK_ID" &
+{command} "$SLURM_ARRAY_TASK_ID" &
 run=$!
 wait $run; code=$?
 while kill -0 $run 2>/dev/null; do wait $run; code=$?; done # the signal ended the first wait
@@ -33,12 +33,10 @@ exit $code
 
 def script(folder, cases, limits):
     """The text of the script that runs these cases, one in each task."""
-    words = [*PROGRAM, "sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
-    words += ["--memory-limit", str(limits.memory // 10**6)] if limits.memory else []
-    words += ["--time-limit", str(limits.time)] if limits.time else []
+    command = shlex.join([*PROGRAM, *case_words(folder, limits)])
     return SCRIPT.format(
         name=shlex.quote(folder.path.name), numbers=ranges([case.number for case in cases]), notice=NOTICE,
-        output=folder.path.absolute() / "%4a.slurm", directory=shlex.quote(os.getcwd()), command=shlex.join(words),
+        output=folder.path.absolute() / "%4a.slurm", directory=shlex.quote(os.getcwd()), command=command,
     )  # fmt: skip
 
 

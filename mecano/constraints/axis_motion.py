@@ -1,0 +1,48 @@
+"""What joints with an axis tell: the turning about it, the sliding along it, the reactions.
+
+Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
+"""
+
+from numba import njit
+
+from mecano.constraints.carried import follow, turned
+from mecano.constraints.slide import slide
+from mecano.contract import Output
+from mecano.maths.vec import mat, vec
+
+TURNING = (
+    Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+    Output("rate", "rad/s", "rate of the angle"),
+)
+SLIDING = (
+    Output("displacement", "m", "sliding of b relative to a along the axis since the start"),
+    Output("velocity", "m/s", "rate of the displacement"),
+)
+MOMENT = Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,))
+REACTIONS = (Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)), MOMENT)
+
+
+@njit
+def angle_in_turn(p, v, R):
+    """Angle about the axis, in (-pi, pi] [rad], and its rate [rad/s]."""
+    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
+
+
+@njit
+def put_turning(p, m, v, R, y, i):
+    """Write ``TURNING`` from y[i] on; the memory tells which turn it is."""
+    angle, y[i + 1] = angle_in_turn(p, v, R)
+    y[i] = follow(m[0], angle)
+
+
+@njit
+def put_sliding(p, q, v, R, y, i):
+    """Write ``SLIDING`` from y[i] on."""
+    along, y[i + 1] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
+    y[i] = along - p.start[2]
+
+
+@njit
+def follow_turning(p, m, mode, t, laws, q, v, a, R, m_out):
+    """Follow the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
+    m_out[0] = follow(m[0], angle_in_turn(p, v, R)[0])

@@ -1,0 +1,26 @@
+"""Values that the samples of joints for the generic tests share."""
+
+import numpy as np
+
+SPRUNG = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}))
+FALLING = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+RUBBING = {"coefficient": FALLING, "regularization": 0.2, "length": 0.7}
+STICKING = {"coefficient": FALLING, "regularization": 50.0, "length": None}
+SLIDE_ENDS = {"latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}
+ORIENTATIONS = np.eye(3), np.diag([-1.0, 1.0, -1.0])
+
+
+def two_places(rng):
+    """Two nodes (x (3,), R (3, 3)), apart and turned."""
+    return [(rng.normal(size=3), R) for R in ORIENTATIONS]
+
+
+def two_parallel(rng):
+    """Two nodes apart, with one rotation."""
+    return [(rng.normal(size=3), ORIENTATIONS[1]) for _ in range(2)]
+
+
+def one_place(rng):
+    """Two nodes at one place, turned."""
+    x = rng.normal(size=3)
+    return [(x, R) for R in ORIENTATIONS]

@@ -1,0 +1,122 @@
+"""Templates: small decks with parameters of their own, and the fields by which ``place`` puts copies of them."""
+
+from contextlib import contextmanager
+from dataclasses import replace
+
+from mecano.deck.containers import filled
+from mecano.deck.parameters import Parameters
+from mecano.deck.placing import Word
+from mecano.deck.wording import quoted
+from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, mapping, named
+
+DEEPEST = 12  # templates inside templates
+ZERO = (0.0, 0.0, 0.0)
+ARGUMENTS = Type("arguments", "a mapping of numbers and words")
+PLACE_FIELDS = (
+    Field("template", TEXT, "-", "name of the template"),
+    Field("position", POSITION, "m", "where the origin of the template comes to stand, inertial", ZERO),
+    Field(
+        "orientation", ORIENTATION, "rad", "rotation vector by which the template is turned about its origin", ZERO
+    ),
+    Field("with", ARGUMENTS, "-", "values of parameters of the template: numbers, or names from outside", {}),
+)  # fmt: skip
+PLACE = Field(
+    "place", named(mapping(*PLACE_FIELDS)), "-",
+    "copies of templates: each is named, and its name and '_' begin the names of all that it brings", {},
+)  # fmt: skip
+
+
+def arguments(node, declared, scope):
+    """The check of values for parameters: {name: node of a number or word}."""
+    if type(node.value) is not dict:
+        return scope.refuse_value(node, declared)
+    for _, value in node.value.values():
+        if type(value.value) not in (int, float, str):
+            return scope.refuse_value(value, replace(declared, type=replace(ARGUMENTS, expects="a number or a word")))
+    return {name: value for name, (_, value) in node.value.items()}
+
+
+def place_values(node, scope):
+    """The checked values of an entry of ``place``, or INVALID."""
+    return filled(node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, scope)
+
+
+class Templates:
+    """The templates of a deck, by name."""
+
+    def __init__(self, root, sections, scope):
+        """Check those of the deck ``root``; ``sections``: those of names that a template may have."""
+        self.sections, self.scope = ["parameters", "place", *sections], scope
+        self.bodies = self._declared(root)
+        self._open = []  # names of the templates that are being placed
+
+    def _declared(self, root):
+        """{name: node}, each a mapping of sections."""
+        given = root.value.get("templates")
+        if given is None or given[1].value is None:
+            return {}
+        if type(given[1].value) is not dict:
+            self.scope.refuse(given[1], "'templates' must be a mapping of names")
+            return {}
+        for name, (key, node) in given[1].value.items():
+            self._check(name, key, node)
+        return {name: node for name, (_, node) in given[1].value.items()}
+
+    def _check(self, name, key, node):
+        if type(node.value) is not dict:
+            self.scope.refuse(key, f"template {quoted(name)}: must be a mapping of sections")
+            node.value = {}
+        for section, (key, inner) in list(node.value.items()):
+            if section not in self.sections:
+                hint = self.scope.suggest(section, self.sections)
+                self.scope.refuse(key, f"template {quoted(name)}: unknown section {quoted(section)}", hint)
+            elif type(inner.value) is not dict:
+                self.scope.refuse(inner, f"template {quoted(name)}: {quoted(section)} must be a mapping of names")
+                del node.value[section]
+
+    @contextmanager
+    def being_placed(self, name):
+        """While a template is placed, it may not be placed inside itself."""
+        self._open.append(name)
+        try:
+            yield
+        finally:
+            self._open.pop()
+
+    def body(self, name, node):
+        """The template of a name that stands at ``node``, or None where it cannot be placed."""
+        if name not in self.bodies:
+            self.scope.refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.bodies))
+            return None
+        if name in self._open:
+            circle = " -> ".join([*self._open[self._open.index(name) :], name])
+            self.scope.refuse(node, f"templates place one another in a circle: {circle}")
+            return None
+        if len(self._open) >= DEEPEST:
+            self.scope.refuse(node, f"templates are placed more than {DEEPEST} levels deep")
+            return None
+        return self.bodies[name]
+
+    def parameters(self, body, values, key, node, outer):
+        """The Parameters of a copy: what its entry of ``place`` gives, and the defaults; each must have a value.
+
+        ``values`` are those of ``place_values``, ``key`` and ``node`` the entry, ``outer`` the Parameters of the deck.
+        """
+        declared = body.value.get("parameters")
+        defaults = {name: value for name, (_, value) in declared[1].value.items()} if declared else {}
+        given = {name: value for name, value in values["with"].items() if value.value is not None}
+        for name in given:
+            if name not in defaults:
+                place, hint = node.value["with"][1].value[name][0], self.scope.suggest(name, defaults)
+                self.scope.refuse(place, f"the template has no parameter {quoted(name)}", hint)
+        missing = [name for name, value in defaults.items() if value.value is None and name not in given]
+        if missing:
+            self.scope.refuse(key, f"missing 'with.{missing[0]}', a parameter of the template without a default")
+        return Parameters({**defaults, **{name: _raised(value) for name, value in given.items()}}, outer)
+
+
+def _raised(node):
+    """A word that is given to a template stands for a name outside it."""
+    if type(node.value) is not str:
+        return node
+    return Word(node.value, node, 1 + (node.rise if type(node) is Word else 0))

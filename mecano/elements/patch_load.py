@@ -1,0 +1,126 @@
+"""Load in the patch of a wheel: radial force, lateral law, and what every block of variables changes of them.
+
+The friction F in the ground and its derivatives are left to the kind of wheel: it slips, or it is held.
+"""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from mecano.constraints.tire_patch import (
+    NO_MATRIX,
+    Variation,
+    Y,
+    add_patch_force,
+    add_patch_tangent,
+    by_positions,
+    by_velocities,
+)  # fmt: skip
+from mecano.elements.lateral_force import Lateral, lateral_law, law_rows
+from mecano.elements.tire_law import radial_force, speed_over_ground
+from mecano.maths.vec import (
+    EYE,
+    ZERO,
+    add,
+    add_mat,
+    add_vec,
+    cross,
+    dot,
+    madd,
+    matmul,
+    mscale,
+    outer,
+    scale,
+    skew,
+    sub,
+    tmul,
+    vec,
+)  # fmt: skip
+
+
+class Load(NamedTuple):
+    """Forces in the patch but its friction, and what they depend on; 3-vectors in the inertial frame."""
+
+    radial: float  # F_r [N]
+    F_w: float  # dF_r/dw [N/m]
+    F_w1: float  # dF_r/d(dw/dt) [N s/m]
+    N: float  # normal force [N]
+    v: tuple  # velocity of the axle [m/s]
+    speed: float  # of the axle over the ground [m/s]
+    ahead: tuple  # its direction
+    law: Lateral
+
+
+class Change(NamedTuple):
+    """Derivatives by three variables."""
+
+    d: Variation  # of the patch
+    speed: tuple  # of the speed of the axle
+    turning: tuple  # of the turning rate of the wheel about n
+    by_law: tuple  # of the Lateral through its own unknowns
+    moment: tuple  # of the moment on the node through its turning, 3x3
+    frame: tuple  # turns the variables, 3x3
+
+
+@njit
+def load_of(p, laws, k, q, v):
+    """The Load of the Patch ``k``."""
+    radial, F_w, F_w1 = radial_force(p, laws, p.radius - k.g.r, k.w1)
+    N, velocity = radial / k.g.q, vec(v, 0)
+    speed, ahead = speed_over_ground(k.g.n, velocity)
+    law = lateral_law(p, laws, vec(q, Y), vec(v, Y), N, speed, dot(k.g.n, k.omega))
+    return Load(radial, F_w, F_w1, N, velocity, speed, ahead, law)
+
+
+@njit
+def add_load(f, Rn, k, load, F):
+    """Add the forces of a Load and of the friction F (3,) [N] in the ground. Returns G of tire_patch.py."""
+    G = add_patch_force(f, Rn, k, F, load.N)
+    add_vec(f, 3, -load.law.turn, tmul(Rn, k.g.n))
+    add_vec(f, Y, 1.0, load.law.f)
+    return G
+
+
+@njit
+def changes(p, k, load, G, Rn, y1):
+    """Three Changes by x, inertial theta and (y, psi, bow), three by their rates; ``y1`` = dy/dt."""
+    n, law, none = k.g.n, load.law, (NO_MATRIX, ZERO)
+    X, T, S = by_positions(p, k, y1)
+    turned = skew(sub(cross(k.rho, G), scale(law.turn, n)))
+    places = (
+        _of_place(k, load, X, ZERO, none, NO_MATRIX, EYE),
+        _of_place(k, load, T, cross(k.omega, n), none, turned, Rn),
+        _of_place(k, load, S, ZERO, (law.f_q, law.turn_q), NO_MATRIX, EYE),
+    )
+    V, W, S1 = by_velocities(k)
+    motions = (
+        Change(V, load.ahead, ZERO, none, NO_MATRIX, EYE),
+        Change(W, ZERO, n, none, NO_MATRIX, Rn),
+        Change(S1, ZERO, ZERO, (law.f_v, law.turn_v), NO_MATRIX, EYE),
+    )
+    return places, motions
+
+
+@njit
+def _of_place(k, load, d, swing, by_law, moment, frame):
+    speed = scale(-dot(k.g.n, load.v), tmul(d.n, load.ahead))
+    return Change(d, speed, add(tmul(d.n, k.omega), swing), by_law, moment, frame)
+
+
+@njit
+def normal_change(k, load, d):
+    """Derivatives (3,) of N by the three variables of the Variation ``d``."""
+    radial = add(scale(load.F_w, d.w), scale(load.F_w1, d.w1))
+    return add(scale(1.0 / k.g.q, radial), scale(load.N * k.g.s / k.g.q**2, d.s))
+
+
+@njit
+def add_load_tangent(A, j, Rn, k, load, F, G, dF, dN, c):
+    """Add the derivatives of ``add_load`` by the variables of the Change ``c``, to the columns of A from j on.
+
+    ``dF`` 3x3 are those of F, ``dN`` (3,) those of N.
+    """
+    rows, turn = law_rows(load.law, c.by_law, dN, c.speed, c.turning)
+    aligned = madd(outer(scale(-1.0, k.g.n), turn), mscale(-load.law.turn, c.d.n))
+    add_patch_tangent(A, j, Rn, c.frame, k, F, load.N, G, dF, dN, c.d, madd(c.moment, aligned))
+    add_mat(A, Y, j, 1.0, matmul(rows, c.frame))

@@ -1,0 +1,134 @@
+"""The cases of a study as tasks of Dask: its workers start the same processes as the tasks of an array of Slurm do."""
+
+import json
+import logging
+import queue
+import signal
+import subprocess
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from uuid import uuid4
+
+from mecano.errors import UsageError
+from mecano.study.folder import STOPPED, Record
+from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
+
+PATIENCE = 10  # s in which a scheduler must answer
+ASK = 1.0  # s between two questions of a worker whether the study is to end
+AT_ONCE = 2  # signals that end the study without waiting for its cases
+
+
+def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
+    """Run cases on the workers of the ``scheduler`` at an address, which share the folder, or ``jobs`` at a time here.
+
+    ``ended`` and what is returned: as of ``Pool``. Raises UsageError without Dask, or where no scheduler answers.
+    """
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise UsageError("--executor dask needs Dask, which is not installed: pip install mecano[dask]") from None
+    with folder.held():
+        pass  # from here on the tasks hold it
+    if scheduler is None:
+        workers = {"n_workers": 1, "threads_per_worker": jobs, "processes": False, "dashboard_address": None}
+        with LocalCluster(silence_logs=logging.CRITICAL, **workers) as cluster, Client(cluster) as client:
+            return Tasks(folder, limits, ended, client).run(cases)
+    try:
+        client = Client(scheduler, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no scheduler of Dask answers at {scheduler}: {error}") from error
+    with client:
+        return Tasks(folder, limits, ended, client).run(cases)
+
+
+class Tasks:
+    """Runs cases as tasks of a client of Dask; as ``Pool`` otherwise."""
+
+    def __init__(self, folder, limits, ended, client):
+        self.folder, self.ended, self.client = folder, ended, client
+        self.words = case_words(folder, limits)
+        self.asked = []  # signals that came, of those that end the study
+
+    def run(self, cases):
+        """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None."""
+        from distributed import Event
+
+        stop, done = Event(f"mecano-{uuid4()}", client=self.client), queue.SimpleQueue()
+        futures = {self._submit(case, stop.name, done): case for case in cases}
+        with self._listening():
+            while futures and self.client.status == "running" and len(self.asked) < AT_ONCE:
+                if self.asked and not stop.is_set():
+                    stop.set()
+                self._take(done, futures)
+        return self.asked[0] if self.asked else None
+
+    def _submit(self, case, stop, done):
+        file = self.folder.file(case, ".json").absolute()
+        future = self.client.submit(run_case, (*self.words, str(case.number)), file, stop, pure=False)
+        future.add_done_callback(done.put)
+        return future
+
+    def _take(self, done, futures):
+        """Wait for the end of a task, or some time; tell of its case unless it was not begun."""
+        try:
+            future = done.get(timeout=LOOK)
+        except queue.Empty:
+            return
+        case = futures.pop(future)
+        record = self._record(case, future)
+        if record is not None:
+            self.ended(case, record)
+
+    def _record(self, case, future):
+        if future.status != "error":
+            return future.result() if future.status == "finished" else None  # the scheduler is lost
+        record = replace(self.folder.record(case), status=STOPPED, reason=f"its task failed: {future.exception()}")
+        self.folder.write(case, record)
+        return record
+
+    @contextmanager
+    def _listening(self):
+        """In this block signals are noted."""
+        handlers = {number: signal.signal(number, lambda number, _: self.asked.append(number)) for number in END_BY}
+        try:
+            yield
+        finally:
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+
+
+def run_case(words, file, stop):
+    """Run a case by the ``words`` of a command, on a worker: the Record that its process has put into ``file``.
+
+    It is told to end once the Event named ``stop`` is set; None where that has happened before. Raises RuntimeError
+    with what it said where it has put none.
+    """
+    from distributed import Event
+
+    stop, before = Event(stop), _content(file)
+    if stop.is_set():
+        return None
+    process = subprocess.Popen(
+        [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        process_group=0,
+    )  # fmt: skip
+    said = _said(process, stop)
+    content = _content(file)
+    if content == before:
+        raise RuntimeError(gist(said) or f"exit code {process.returncode}")
+    return Record(**json.loads(content)["ended"])
+
+
+def _said(process, stop):
+    """Wait until a process ends, which is told once the Event is set: its errors."""
+    while True:
+        try:
+            return process.communicate(timeout=ASK)[1]
+        except subprocess.TimeoutExpired:
+            if stop.is_set():
+                process.terminate()
+
+
+def _content(file):
+    return Path(file).read_text(encoding="utf-8") if Path(file).exists() else ""

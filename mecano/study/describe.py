@@ -1,0 +1,38 @@
+"""The study file in words, and as JSON Schema: from the declaration by which it is read."""
+
+from mecano.deck.describe import field_lines
+from mecano.deck.json_schema import file_schema
+from mecano.study.grammar import FIELDS, SPAN_FIELDS
+
+EXAMPLE = """\
+study: 1
+title: Touch-down speeds
+deck: nose_gear_rigid.yaml
+set: {parameters.sink: -2.0, time.end: 1.5}                      # the same in all cases
+grid:                                                            # 5 x 2 cases
+  parameters.speed: {from: 40 m/s, to: 80 m/s, number: 5}
+  elements.wheel.radial_damping: [0, 200]
+list:                                                            # times these 2
+  - {elements.rim.mass: 10, parameters.pressure: 7 bar}
+  - {elements.rim.mass: 14, parameters.pressure: 9 bar}
+csv: cases.csv                                                   # such rows from a file
+latin_hypercube: {ranges: {parameters.load: [1 kN, 5 kN]}, number: 20, seed: 1}
+seeds: {path: laws.road.random.seed, number: 10, first: 1}
+outputs:
+  peak_load: {of: wheel.radial_force, take: max}
+  last_touch_down: {event: wheel touch_down, take: last}
+"""
+
+
+def explain_study():
+    """Text on study files: what each field means, and an example."""
+    lines = ["study (a file of its own, for mecano sweep)", "", "Fields", *field_lines(FIELDS)]
+    lines += ["", "Values of a grid at equal distances", *field_lines(SPAN_FIELDS), "", "Example"]
+    return "\n".join([*lines, *(f"  {line}" for line in EXAMPLE.splitlines()), "", "More: docs/studies.md"])
+
+
+def study_schema():
+    """The JSON Schema of study files, as plain data."""
+    schema = file_schema("study", FIELDS, [field.name for field in FIELDS if field.required], {})
+    del schema["properties"]["outputs"]["additionalProperties"]["properties"]["repeat"]  # only decks repeat
+    return schema
