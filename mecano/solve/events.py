@@ -47,6 +47,12 @@ class Watch:
 
     def __init__(self, system):
         self.system = system
+        within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
+        self._within = np.array(within, bool)
+
+    def within_a_mode(self, hit):
+        """True when accelerations jump at some of the events ``hit`` (n_events,) bool though no mode changes."""
+        return bool(np.any(hit & self._within))
 
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
