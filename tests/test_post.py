@@ -19,10 +19,10 @@ from mecano.post.info import info
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
-from mecano.post.quantity import find
+from mecano.post.quantity import find, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
-from mecano.post.sheet import Curve, EventMark, Panel
+from mecano.post.sheet import Curve, EventMark, Panel, Sheet
 from mecano.post.wire import wire_figure
 from mecano.results.extremes import Extremes
 from mecano.results.reader import Extreme
@@ -204,6 +204,37 @@ def test_many_events_are_lines_without_names(tmp_path):
     drawn = figure.sheet_figure(wheels, "title")
     upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
     assert len(upright) == 9 and not any(t.get_rotation() for ax in drawn.axes for t in ax.texts)
+
+
+def test_many_events_at_once_do_not_become_bars(tmp_path):
+    """60 in 0.06 of 2 s, 3 % of the axis, are no more lines than four."""
+    events = tuple((1.0 + 1e-3 * i, "touch_down") for i in range(60))
+    runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    assert 2 <= len(upright) <= 4
+
+
+def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
+    """Panels are as high with six elements and a named event each as with one element and none."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    heights = []
+    for names in (["a"], [f"element_with_a_long_name_{i}" for i in range(6)]):
+        panel = Panel("force", tuple(Curve(time_of(force), force, 0, name) for name in names))
+        events = tuple(EventMark(1.0, name, "touches down", 0) for name in names if len(names) > 1)
+        drawn = figure.overview_figure(Sheet("overview", "", (panel,) * 6, events), "title", "facts")
+        drawn.draw_without_rendering()
+        heights.append(drawn.axes[0].get_window_extent().height / drawn.dpi)
+    assert heights[1] > 0.93 * heights[0]
+
+
+def test_a_step_without_error_does_not_stretch_a_logarithmic_axis(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    error = replace(force, unit="-", values=np.where(np.arange(41) == 3, 1e-30, 1e-2))
+    panel = Panel("error", (Curve(time_of(error), error, 0, "solver"),), logarithmic=True)
+    (ax,) = figure.sheet_figure(Sheet("solver", "", (panel,)), "title").axes
+    assert 1e-15 < ax.get_ylim()[0] < 1e-3
 
 
 def test_a_moment_that_is_nothing_beside_the_forces_is_not_shown(runs):

@@ -13,7 +13,7 @@ EXAMPLES = {
     "nose_landing_gear": (),
     "paper_disc": (),
     "rolling_disc": (),
-    "shimmy_freeplay": ("time.end=1.0",),
+    "shimmy_freeplay": (),
     "sleigh": (),
     "step_steer": (),
     "trailing_wheel_bump": (),
@@ -28,7 +28,8 @@ def test_the_budget_closes(name):
     """To a millionth of the energy at the start, over all accepted steps."""
     march = March(input_deck(name, *EXAMPLES[name]))
     total = march["energy/total"].ravel()
-    assert np.ptp(march["energy/balance"]) < 1e-6 * total[0]
+    balance = march["energy/balance"].ravel()
+    assert np.abs(balance - balance[0]).max() < 1e-6 * total[0]
     dissipated = np.diff(march["energy/dissipated"].ravel())
     assert dissipated.min() > -1e-12 * total[0]
     if name in ROLLING:

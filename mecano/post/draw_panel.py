@@ -9,8 +9,10 @@ from mecano.post.style import (
     DASHES,
     GREY,
     INK,
+    LINE_OF_TEXT,
     PALE,
     legend_above,
+    legend_columns,
     note_below,
     range_of,
     shown_unit,
@@ -18,9 +20,12 @@ from mecano.post.style import (
 )
 
 EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
+LINE_ROOM = 0.01  # the same of their lines
+LABEL_RISE = 0.036  # inches for each letter of such a label
 MOST_NAMED = 8  # events
 MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
 TINY = 1e-300
+DECADES = 1e-12  # of the largest value: logarithmic axes show no less
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 LINE, WIDER = 1.3, 0.9  # points
 MOST_COVERING = 3
@@ -105,7 +110,7 @@ def draw_panel(ax, panel, look, events, labelled):
     taken = legend_above(ax, look.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
-        marks = [mark for mark in events if mark.element in look.owners(panel)] or events
+        marks = _marks(panel, events, look)
         _draw_events(ax, marks, x_factor, look)
         if labelled:
             _name_events(ax, marks, x_factor, look, taken)
@@ -144,6 +149,9 @@ def _scales(ax, panel, x_factor, y_factor):
     y = _all(panel, "y") / y_factor
     if panel.logarithmic:
         ax.set_yscale("log")
+        largest = np.max(y, where=np.isfinite(y), initial=0.0)
+        if np.any((y > TINY) & (y < DECADES * largest)):  # a step without any error, for example
+            ax.set_ylim(bottom=DECADES * largest)
     elif constant := range_of(y):
         ax.set_ylim(*constant)
     elif panel.stepped and np.array_equal(y, np.round(y)):
@@ -164,13 +172,35 @@ def _note(ax, panel, factor, unit):
         note_below(ax, text)
 
 
+def _marks(panel, events, look):
+    """Events of the elements of the panel; of all where they have none."""
+    return [mark for mark in events if mark.element in look.owners(panel)] or events
+
+
 def _draw_events(ax, marks, factor, look):
-    """Thin lines at the times over ``factor``."""
+    """Thin lines at the times over ``factor``; of many, some of those that are close, so that they stay lines."""
     low, high = ax.get_xlim()
-    for mark in marks:
-        if low <= mark.time / factor <= high:
-            colour = COLOURS[mark.run % len(COLOURS)] if look.runs else PALE
+    for run in dict.fromkeys(mark.run for mark in marks):
+        own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
+        room = LINE_ROOM * (high - low) * factor if len(own) > MOST_NAMED else 0.0
+        for mark, _ in _thinned(own, room):
+            colour = COLOURS[run % len(COLOURS)] if look.runs else PALE
             ax.axvline(mark.time / factor, color=colour, linewidth=0.7, alpha=0.4 if look.runs else 1.0, zorder=1)
+
+
+def room_above(panel, events, look, labelled):
+    """Inches that the legend of a panel takes, and the names of its events if it is ``labelled`` with them."""
+    handles = look.legend(panel)
+    room = LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0
+    marks = _marks(panel, events, look) if labelled and panel.over_time else ()
+    if 0 < len(marks) <= MOST_NAMED:
+        several = len({mark.element for mark in marks}) > 1
+        room += LABEL_RISE * (len(" + 1") + max(len(_name(mark, several)) for mark in marks))
+    return room
+
+
+def _name(mark, several):
+    return f"{mark.element}: {mark.text}" if several else mark.text
 
 
 def _name_events(ax, marks, factor, look, height):
@@ -185,7 +215,7 @@ def _name_events(ax, marks, factor, look, height):
         return
     room = EVENT_ROOM * (1.5 if several else 1.0)  # names of elements make the labels long
     for mark, behind in _thinned(shown, room * (high - low) * factor):
-        name = f"{mark.element}: {mark.text}" if several else mark.text
+        name = _name(mark, several)
         ax.annotate(
             f"{name} + {behind}" if behind else name, (mark.time / factor, 1.0), xycoords=ax.get_xaxis_transform(),
             xytext=(0, 3 + height), textcoords="offset points", rotation=40, rotation_mode="anchor", fontsize=7,

@@ -5,10 +5,10 @@ import math
 import matplotlib
 from matplotlib.figure import Figure
 
-from mecano.post.draw_panel import Look, draw_panel
+from mecano.post.draw_panel import Look, draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.sheet import Panel
-from mecano.post.style import GREY, SETTINGS, legend_columns
+from mecano.post.style import GREY, LINE_OF_TEXT, SETTINGS, legend_columns
 
 PANEL = (4.6, 2.35)  # inches
 SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
@@ -27,11 +27,12 @@ def sheet_figure(sheet, title):
     columns = 1 if len(sheet.panels) < 2 else 2
     rows = math.ceil(len(sheet.panels) / columns)
     width, height = (6.4, 3.6) if len(sheet.panels) == 1 else PANEL
+    look, cells = Look(sheet), [(i // columns, i % columns) for i in range(len(sheet.panels))]
     with matplotlib.rc_context(SETTINGS):
-        figure = plain_figure(columns * width, rows * height + _room(sheet), title, sheet.heading)
+        room = _room(sheet, look, cells, columns * width)
+        figure = plain_figure(columns * width, rows * height + room, title, sheet.heading)
         grid = figure.add_gridspec(rows, columns)
-        places = [grid[i // columns, i % columns] for i in range(len(sheet.panels))]
-        _fill(figure, sheet, places, Look(sheet))
+        _fill(figure, sheet, [grid[cell] for cell in cells], look)
     return figure
 
 
@@ -43,11 +44,13 @@ def overview_figure(sheet, title, facts):
     taken = [(0, c) for c in range(COLUMNS if wide else sketched)]
     free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]
     rows = 1 + max(r for r, _ in [*taken, *free])
+    look, width = Look(sheet, panel_by_panel=True), COLUMNS * PANEL[0]
     with matplotlib.rc_context(SETTINGS):
-        figure = plain_figure(COLUMNS * PANEL[0], rows * PANEL[1] + _room(sheet), title, facts)
+        room = _room(sheet, look, [(0, 0)] * sketched + free, width)
+        figure = plain_figure(width, rows * PANEL[1] + room, title, facts)
         grid = figure.add_gridspec(rows, COLUMNS)
         places = ([grid[0, :] if wide else grid[0, 0]] if sketched else []) + [grid[cell] for cell in free]
-        _fill(figure, sheet, places, Look(sheet, panel_by_panel=True))
+        _fill(figure, sheet, places, look)
     return figure
 
 
@@ -57,9 +60,16 @@ def save(figure, path):
         figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
-def _room(sheet):
-    """Inches for the names of events above and the legend below."""
-    return 0.45 * bool(sheet.events) + 0.25 * (bool(sheet.run_labels) or len(sheet.subjects) > 1)
+def _room(sheet, look, cells, width):
+    """Inches for the legends and the names of events above each row of panels, and for the legend of all below."""
+    named = min((row for (row, _), panel in zip(cells, sheet.panels, strict=True) if _over_time(panel)), default=None)
+    rows = {}
+    for (row, _), panel in zip(cells, sheet.panels, strict=True):
+        if isinstance(panel, Panel):
+            rows[row] = max(rows.get(row, 0.0), room_above(panel, sheet.events, look, row == named))
+    handles = look.handles()
+    lines = -(-len(handles) // min(legend_columns(handles, width), MOST_COLUMNS)) if handles else 0
+    return sum(rows.values()) + LINE_OF_TEXT / 72 * lines
 
 
 def _sketches(sheet, title):
