@@ -437,7 +437,7 @@ class TestInterruption:
         assert interruption.wanted(now + 6.5e5)
 
     def test_time_is_left_for_a_large_file_to_be_closed(self):
-        interruption = Interruption(1e6)  # of the process: so much that tests before it do not count
+        interruption = Interruption(1e6)  # since the process began, which may be long ago
         now = time.monotonic()
         left = interruption._deadline - now
         assert not interruption.wanted(now) and interruption.wanted(now, ending=left + 1.0)
