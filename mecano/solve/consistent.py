@@ -8,8 +8,9 @@ with right-hand sides that set the rate, the second rate, or its derivative, of 
 p makes it regular for nodes without mass; the compliances c are zero unless constraints are redundant.
 """
 
+from functools import cached_property
+
 import numpy as np
-import scipy.sparse as sp
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import SCALAR
@@ -110,7 +111,7 @@ class Consistent:
             # keeps its direction the next step goes further
             if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
                 best, reach = (size, r, s.v[own].copy()), 2.0 * reach
-                C = self._block(own)
+                C = self._block()
             else:
                 reach = 0.25 * reach
             change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
@@ -151,12 +152,22 @@ class Consistent:
     def _own(self, s, cK, cC):
         """cK K + cC C of the scalars without inertia, dense."""
         self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
-        return self._block(self.relaxing)
+        return self._block()
 
-    def _block(self, own):
-        """Rows and columns ``own`` of the tangent that was assembled, dense."""
-        system = self.system
-        return sp.csr_matrix((system.data[:-1], (system.rows, system.cols)))[own][:, own].toarray()
+    def _block(self):
+        """Rows and columns of the scalars without inertia in the tangent that was assembled, dense."""
+        entries, places = self._of_block
+        n = len(self.relaxing)
+        return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
+
+    @cached_property
+    def _of_block(self):
+        """Which entries of the tangent belong to the scalars without inertia, and their places in the dense block."""
+        own = np.full(self.system.n, -1)
+        own[self.relaxing] = np.arange(len(self.relaxing))
+        rows, columns = own[self.system.rows], own[self.system.cols]
+        entries = np.flatnonzero((rows >= 0) & (columns >= 0))
+        return entries, rows[entries] * len(self.relaxing) + columns[entries]
 
     def _unbalanced(self, s):
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
