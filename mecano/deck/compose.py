@@ -62,21 +62,12 @@ class Composer:
         self.count = 0
         self.expanded = 0
         self.documents = 0
-        self.handlers = {
-            yaml.ScalarEvent: self.scalar,
-            yaml.SequenceStartEvent: self.open_list,
-            yaml.MappingStartEvent: self.open_mapping,
-            yaml.SequenceEndEvent: self.close,
-            yaml.MappingEndEvent: self.close,
-            yaml.AliasEvent: self.alias,
-            yaml.DocumentStartEvent: self.document,
-        }
 
     def take(self, event):
         """Add one event to the tree."""
-        handler = self.handlers.get(type(event))
+        handler = HANDLERS.get(type(event))
         if handler:
-            handler(event)
+            handler(self, event)
 
     def scalar(self, event):
         """A scalar: plain ones become numbers, booleans or null; quoted ones and blocks are texts."""
@@ -192,6 +183,17 @@ class Composer:
     def stop(self, message, node, hint=""):
         """Give up."""
         raise DeckError([*self.problems, Problem(message, node.mark, hint)])
+
+
+HANDLERS = {
+    yaml.ScalarEvent: Composer.scalar,
+    yaml.SequenceStartEvent: Composer.open_list,
+    yaml.MappingStartEvent: Composer.open_mapping,
+    yaml.SequenceEndEvent: Composer.close,
+    yaml.MappingEndEvent: Composer.close,
+    yaml.AliasEvent: Composer.alias,
+    yaml.DocumentStartEvent: Composer.document,
+}
 
 
 def compose(source, problems, loader=LOADER):
