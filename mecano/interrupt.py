@@ -118,11 +118,15 @@ class Interruption:
 def stopped_by(error):
     """The Stopped that an exception comes from, or None: compiled code in between may put another in its place.
 
-    A compiler that calls back to Python swallows the Stopped, and fails later for want of what the call was to give.
+    A compiler that calls back to Python swallows the Stopped, and fails later for want of what the call was to give:
+    with an error of its own, never with one of mecano's.
     """
+    from mecano.errors import MecanoError  # as in ``check``
+
+    known = isinstance(error, MecanoError)
     while error is not None and not isinstance(error, Stopped):
         error = error.__cause__ or error.__context__
-    return error or next(iter(_swallowed), None)
+    return error or (None if known else next(iter(_swallowed), None))
 
 
 _swallowed = []  # each Stopped that was raised where none can be: in a destructor, or a call from compiled code

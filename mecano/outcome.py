@@ -7,7 +7,7 @@ MOST_LATCHES = 8  # named in a warning
 NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 UNBALANCED = 0.01  # of the largest change of an energy, from which on the balance is told
-NOISE = 1e-9  # of the largest energy: what varies by less does not vary
+NOISE = 1e-5  # of the largest energy: an error of less says nothing, however little is exchanged
 
 
 def cut_short(values, cuts, final):

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from work_precision import CASES, adaptive, fixed
 
+from mecano.solve.step_control import AdaptiveStep, FixedStep
+
 FAST = {"four_bar": (1e-3, 1e-4, 1e-5), "heavy_top": (1e-3, 1e-4), "wheel_drop": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 REJECTED = 0.08  # share of the trial steps that the controller may waste
@@ -47,3 +49,12 @@ def test_step_sizes_follow_the_motion():
     assert np.median(h[load == 0.0]) > 3.0 * np.median(h[load > 0.0])
     changes = np.abs(np.diff(h)) > 1e-9 * h[1:]
     assert changes.mean() < 0.2
+
+
+def test_what_scalars_without_inertia_forget():
+    """Their error in a step may be a thousandth of the tolerance, or the share of the step where that is more."""
+    control = AdaptiveStep(1e-3, 10.0, 1e-9, 1.0)
+    for h, most in ((1e-6, 1e-6), (1e-3, 1e-6), (0.1, 1e-5)):
+        assert control.accept(control.forgotten(0.999 * most, h), h)
+        assert not control.accept(control.forgotten(1.001 * most, h), h)
+    assert FixedStep(1e-3, 1e-9).forgotten(0.5, 1e-3) == 0.5

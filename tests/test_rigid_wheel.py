@@ -261,9 +261,43 @@ def test_a_trailing_wheel_follows_the_curve_parallel_to_the_bump():
         assert hub[i, 2] == pytest.approx(curve(s)[1], abs=1e-10)
     speed = np.linalg.norm(march["nodes/hub/velocity"], axis=1)
     np.testing.assert_allclose(march["elements/wheel/spin_rate"], speed / 0.3, rtol=2e-5)
-    passed = [(h.t, h.name) for h in march.happenings if h.element == "wheel"]
+    passed = [(h.t, h.name) for h in march.happenings if h.element == "rigid_wheel 'wheel'"]
     np.testing.assert_allclose([t for t, _ in passed], [0.28, 0.48], atol=1e-8)  # (1, 2 m + 0.4 m)/5 m/s
     assert {name for _, name in passed} == {"bend"}
+
+
+BUMP = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{one: {{position: [0, 0, 0.3]}}, other: {{position: [{apart!r}, 1, 0.3]}}}}
+    elements:
+      disc_1: {{type: rigid_body, node: one, mass: 10.0, inertia: [0.25, 0.45, 0.25]}}
+      disc_2: {{type: rigid_body, node: other, mass: 10.0, inertia: [0.25, 0.45, 0.25]}}
+      rim_1: {{type: rigid_wheel, node: one, radius: 0.3, axis: [0, 1, 0], ground: floor, axle: level}}
+      rim_2: {{type: rigid_wheel, node: other, radius: 0.3, axis: [0, 1, 0], ground: floor, axle: level}}
+    grounds:
+      floor:
+        plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}
+        profile: {{direction: [1, 0, 0], height: {{bump: {{start: 1.0, length: 4.0, height: 0.02}}}}}}
+    initial:
+      velocities: [{{nodes: all, velocity: [{speed!r}, 0, 0], angular_velocity: [0, {spin!r}, 0], about: own}}]
+    time: {{end: {end!r}, step: {step!r}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("speed", "step", "apart"),
+    [
+        (20.0, 0.025, 0.0),  # a step ends on the bend, and its first 1e-7 covers more than the event lies behind
+        (2.0, 0.01, 1.2e-9),  # the second wheel comes when the step to the event of the first has just ended
+        (2.0, 0.01, 1e-8),
+        (2.0, 0.01, 0.004),
+    ],
+)
+def test_each_wheel_tells_each_bend_once(speed, step, apart):
+    march = March(deck(BUMP.format(speed=speed, step=step, apart=apart, spin=speed / 0.3, end=2.0 / speed)))
+    assert sorted(h.element for h in march.happenings) == ["rigid_wheel 'rim_1'", "rigid_wheel 'rim_2'"]
+    np.testing.assert_allclose([h.t for h in march.happenings], 1.0 / speed, atol=1e-7 + apart / speed)
 
 
 def test_braking_without_slip():

@@ -20,6 +20,8 @@ GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
 LEAST_Q = 0.1  # of |n x a|: a wheel with less lies flat; its contact runs round the rim
 LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
+MOST_BENDS = 8
+JUMP = 1e-6  # m, -, 1/m: a smaller one is rounding
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a hollow that is narrower than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 
@@ -45,7 +47,7 @@ def check_ground(ground):
     texts = []
     if np.linalg.norm(_in_plane(profile["direction"], _unit(ground["plane"]["normal"]))) < 1e-6:
         texts.append("the profile's direction is along the normal of the plane; it must lie in the plane")
-    corners = [s for s in breakpoints(profile["height"]) if _is_corner(profile["height"], s)]
+    corners = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[:2].any()]
     if corners:
         texts.append(
             f"the profile's height has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
@@ -54,32 +56,23 @@ def check_ground(ground):
     return texts
 
 
-MOST_BENDS = 8
-
-
 def bends(ground):
     """Where along the profile its curvature jumps, ascending, (MOST_BENDS,) [m], inf behind the last.
 
-    There the acceleration of what rolls on it jumps. Of a profile with more of them none is told.
+    There the acceleration of what rolls on it jumps: the ends of bumps and of smooth edges, not the knots of a cubic
+    table. Of a profile with more of them none is told.
     """
     profile, found = ground.get("profile"), np.full(MOST_BENDS, math.inf)
-    places = [s for s in breakpoints(profile["height"]) if _bends(profile["height"], s)] if profile else []
+    places = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[2]] if profile else []
     if len(places) <= MOST_BENDS:
         found[: len(places)] = places
     return found
 
 
-def _bends(law, s):
-    """True when the second derivative of the curve jumps at s."""
+def _jumps(law, s):
+    """Whether value [m], slope [-] and second derivative [1/m] of the curve jump at s."""
     step = 1e-9 * (1.0 + abs(s))
-    return abs(curve_at(law, s + step)[2] - curve_at(law, s - step)[2]) > 1e-6
-
-
-def _is_corner(law, s):
-    """True when value or slope of the curve jumps at s."""
-    step = 1e-9 * (1.0 + abs(s))
-    before, after = curve_at(law, s - step), curve_at(law, s + step)
-    return abs(after[0] - before[0]) > 1e-6 or abs(after[1] - before[1]) > 1e-6
+    return np.abs(np.subtract(curve_at(law, s + step), curve_at(law, s - step))) > JUMP
 
 
 def check_axle(ground, x, axis):

@@ -15,8 +15,8 @@ With ``unilateral`` the wheel leaves the ground when N falls to zero and comes d
 the instant of touch-down the velocities jump to the nearest, by kinetic energy, that roll. The energy
 of this shock is lost (docs/shocks.md).
 
-Where the curvature of the ground's profile jumps, as at the ends of a bump, the accelerations do: the wheel's way over
-such a place is an event, so that no step goes across.
+Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations do: the wheel's way over such
+a place is an event, so that no step goes across, where there are no more than eight.
 
 The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
 """

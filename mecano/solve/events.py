@@ -48,11 +48,11 @@ class Watch:
     def __init__(self, system):
         self.system = system
         within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
-        self._within = np.array(within, bool)
+        self.within = np.array(within, bool)
 
     def within_a_mode(self, hit):
         """True when accelerations jump at some of the events ``hit`` (n_events,) bool though no mode changes."""
-        return bool(np.any(hit & self._within))
+        return bool(np.any(hit & self.within))
 
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
@@ -136,5 +136,7 @@ def locate(watch, step, s0, g0, trial, h):
             side = -1
     hit = crossed.copy()
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
-    hit[crossed] = watch.values(best[0])[crossed] >= -TOGETHER * rise
-    return Located(0.0, None, hit) if hi <= AT_ONCE * h else Located(hi, step(hi), hit)
+    hit[crossed] = watch.values(best[0])[crossed] >= np.where(watch.within[crossed], 0.0, -TOGETHER * rise)
+    # what happens within a mode is known to have happened by what a step commits: it takes a step, however short
+    at_once = hi <= AT_ONCE * h and not watch.within_a_mode(hit)
+    return Located(0.0, None, hit) if at_once else Located(hi, step(hi), hit)

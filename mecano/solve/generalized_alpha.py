@@ -91,6 +91,7 @@ class StepInfo:
     began: History  # what the step began with
     message: str = ""
     lag: float = 0.0  # local error of scalars without inertia, which forget it
+    plain: float = np.nan  # the error before what swings was bounded
 
 
 class GeneralizedAlpha:
@@ -100,6 +101,7 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty = k, penalty
+        self._relaxing = np.flatnonzero(system.relaxing)
         self._lasting = np.where(system.relaxing, RELAXES, system.numbering.kind[: system.n_q])
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
@@ -217,8 +219,8 @@ class GeneralizedAlpha:
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
-        of = np.flatnonzero(self.system.relaxing)
-        return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max(initial=0.0) / self.length
+        of = self._relaxing
+        return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
 
     def bounded_error(self, s, history, info, duration):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
@@ -235,8 +237,8 @@ class GeneralizedAlpha:
         cases = (FREE * w, 1), (w, 1), (math.sqrt(self._weights(h)[1] * w), 2)
         (whole, stable), *bounded = (self._share(s, history, change, *case) for case in cases)
         if not 0.0 < whole < np.inf or any(negative != stable for _, negative in bounded):
-            return info.error
-        return info.error * min(max(size for size, _ in bounded) / whole, 1.0)
+            return info.plain
+        return info.plain * min(max(size for size, _ in bounded) / whole, 1.0)
 
     def _share(self, s, history, change, w, times):
         """Size of the ``change`` (n_q,) filtered by (K + w M)^-1 w M so many times; negative pivots of K + w M."""
@@ -280,7 +282,7 @@ class GeneralizedAlpha:
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
         error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
-        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag)
+        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, plain=error)
 
     def _guesses(self, s0, history):
         """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.

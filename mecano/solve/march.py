@@ -122,17 +122,17 @@ class March:
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion.t, h)
-        plain, info.error = info.error, self._judged(trial, h)
+        info.error = self._judged(trial, h)
         if self.control.accept(info.error, h):
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
-        return self.control.retry(plain, h)  # only steps that resolve what swings make its error smaller
+        return self.control.retry(info.plain, h)  # only steps that resolve what swings make its error smaller
 
     def _judged(self, trial, h):
         """The error of the ``trial``; with what swings bounded where the plain estimate is not accepted."""
-        plain = trial[2].error
+        plain = trial[2].plain
         return plain if self.control.accept(plain, h) else self._bounded(trial, h)
 
     def _bounded(self, trial, h):
@@ -140,7 +140,7 @@ class March:
 
     def _step(self, run, h):
         s, history, info = self.method.step(run.motion, self._history_for(run, h), h)
-        info.error = max(info.error, self.control.forgotten(info.lag, h))
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h))
         return s, history, info
 
     def _history_for(self, run, h):

@@ -61,6 +61,8 @@ class Tasks:
                 if self.asked and not stop.is_set():
                     stop.set()
                 self._take(done, futures)
+            if self.asked and not stop.is_set():
+                stop.set()
         return self.asked[0] if self.asked else None
 
     def _submit(self, case, stop, done):

@@ -74,7 +74,10 @@ class Folder:
     def held(self, alone=True):
         """In this block no other process runs cases here, or if not ``alone`` only such ones. Raises UsageError."""
         make_folder(self.path)
-        place = os.open(self.path, os.O_RDONLY)
+        try:
+            place = os.open(self.path, os.O_RDONLY)
+        except OSError as error:
+            raise ResultsError(f"cannot read {self.path}: {error.strerror}") from error
         try:
             fcntl.flock(place, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -1,4 +1,4 @@
-"""A whole study: which cases are to be run, here or by Slurm, and the table in the end."""
+"""A whole study: which cases are to be run, here, by Slurm or by Dask, and the table in the end."""
 
 import os
 import subprocess
