@@ -42,6 +42,15 @@ OUTPUTS = (
     Output("bow_rate", "m/s", "rate of bow"),
     Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
 )
+DIVERGENT = (
+    "braking exceeds what the torsional stiffness of the tyre bears: its patch runs away sideways; a greater "
+    "'torsional_stiffness' is needed"
+)
+STRING = {
+    "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,
+    "least_speed": 1.0,
+}  # fmt: skip
+MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
 
 
 @njit
@@ -102,19 +111,6 @@ def limits(d):
     """The range of the radial law, braking at which the patch gives way sideways on its own."""
     found = range_of_law(d)
     return found if d["tire_law"]["lateral"] is None else [*found, ("divergence", 1.0, DIVERGENT)]
-
-
-DIVERGENT = (
-    "braking exceeds what the torsional stiffness of the tyre bears: its patch runs away sideways; a greater "
-    "'torsional_stiffness' is needed"
-)
-
-
-STRING = {
-    "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,
-    "least_speed": 1.0,
-}  # fmt: skip
-MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
 
 
 def _sample(rng, profile, eps, mode, form):

@@ -45,8 +45,9 @@ class _Blocks(Motion):
 
     def apart(self, nodes, points):
         """True when nodes are not at one place at all saved times."""
-        key, whole = tuple(nodes), Motion(self.run, slice(None))
+        key = tuple(nodes)
         if key not in self._apart:
+            whole = Motion(self.run, slice(None))
             self._apart[key] = apart(np.stack([whole.position(node) for node in nodes], axis=1))
         return self._apart[key]
 
