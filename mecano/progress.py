@@ -26,7 +26,7 @@ class Progress:
     def compiling(self, kinds):
         """Say that kinds of elements are compiled when they are used first; nothing when they all were."""
         if not compiled_before(kinds):
-            self.note("compiling what this deck is the first to use: this takes up to a minute, once")
+            self.note("compiling what this deck is the first to use: this takes a minute or two, once")
 
     def note(self, text):
         """A text on lines of its own."""

@@ -67,7 +67,7 @@ LATERAL_FIELDS = (
     Field("matrices", MATRICES, "-", "A0 and A1 in full", None),
     Field("moreland", MORELAND, "-", "Moreland's constants", None),
     Field("relaxation", RELAXATION, "-", "cornering stiffness and relaxation length", None),
-    Field("string", STRING_TYPE, "-", "stretched string (von Schlippe, Dietrich), its contact line a parabola", None),
+    Field("string", STRING_TYPE, "-", "stretched string (von Schlippe, Dietrich), its contact line a cubic", None),
     Field("straight_tangent", STRING_TYPE, "-", "stretched string, its contact line the tangent at the front", None),
     Field("stiffness_by_load", CURVE, "-", FACTOR.format("A0", "the normal force [N]"), 1.0),
     Field("stiffness_by_speed", CURVE, "-", FACTOR.format("A0", "the speed of the axle [m/s]"), 1.0),

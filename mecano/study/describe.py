@@ -11,13 +11,13 @@ deck: nose_gear_rigid.yaml
 set: {parameters.sink: -2.0, time.end: 1.5}                      # the same in all cases
 grid:                                                            # 5 x 2 cases
   parameters.speed: {from: 40 m/s, to: 80 m/s, number: 5}
-  elements.wheel.radial_damping: [0, 200]
+  tire_laws.nose_tire.radial_damping: [0.1, 0.2]
 list:                                                            # times these 2
-  - {elements.rim.mass: 10, parameters.pressure: 7 bar}
-  - {elements.rim.mass: 14, parameters.pressure: 9 bar}
+  - {elements.rim.mass: 40, elements.aircraft.mass: 6 t}
+  - {elements.rim.mass: 50, elements.aircraft.mass: 7 t}
 csv: cases.csv                                                   # such rows from a file
-latin_hypercube: {ranges: {parameters.load: [1 kN, 5 kN]}, number: 20, seed: 1}
-seeds: {path: laws.road.random.seed, number: 10, first: 1}
+latin_hypercube: {ranges: {parameters.bump_amplitude: [0 mm, 30 mm]}, number: 20, seed: 1}
+seeds: {path: laws.road.random.seed, number: 10, first: 1}       # of a deck with a random road
 outputs:
   peak_load: {of: wheel.radial_force, take: max}
   last_touch_down: {event: wheel touch_down, take: last}
