@@ -114,7 +114,8 @@ def _axle(impacts):
     curves = [curve for one in impacts if (curve := _axle_drag(one)) is not None]
     found = [spin_up_and_spring_back(curve.y.values) for curve in curves]
     told = [_told(curves, [rows[i] for rows in found]) for i in range(2)]
-    return Panel("drag on the axle", tuple(curves), note=f"spin-up {told[0]}, spring-back {told[1]}, of the saved times")
+    note = f"spin-up {told[0]}, spring-back {told[1]}, of the saved times"
+    return Panel("drag on the axle", tuple(curves), note=note)
 
 
 def _told(curves, rows):
