@@ -16,6 +16,8 @@ from mecano.results.layout import AXES, EVENT_NUMBERS, EVENT_TEXTS
 
 CHUNK_NUMBERS = 8192  # 64 KB
 BLOCK_NUMBERS = 2**17  # 1 MB
+MOST_VIEWS = 3000
+"""Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
 _TEXT_DTYPE = h5py.string_dtype()
 _TEXT = h5t.py_create(_TEXT_DTYPE, logical=True)
 _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
@@ -143,6 +145,27 @@ class NumberTable:
         describe(times, units=unit, long_name=doc)
         times.make_scale(name)
         return times
+
+
+def make_views(file, axes, layout, outputs, steps):
+    """Name the series of a Layout in an h5py file: a view of each in the NumberTables ``outputs`` and ``steps``."""
+    times = outputs.time_view(file, "time", layout.axis.unit, layout.axis.doc)
+    name_axes(outputs.dataset, times, axes.scale(1 + layout.size))
+    groups = {}
+    for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
+        parent, _, name = series.path.rpartition("/")
+        if parent not in groups:
+            groups[parent] = file.require_group(parent or "/")
+        view = outputs.view(groups[parent], name, 1 + layout.slices[series.path].start, series.shape)
+        describe(view, units=series.unit, long_name=series.doc)
+        name_axes(view, times, *axes.of(series.shape))
+    solver = file.create_group("solver")
+    ends = steps.time_view(file, "step_time", layout.axis.unit, "end of the accepted step")
+    name_axes(steps.dataset, ends, axes.scale(1 + len(layout.steps)))
+    for column, series in enumerate(layout.steps, start=1):
+        view = steps.view(solver, series.path, column, ())
+        describe(view, units=series.unit, long_name=series.doc)
+        name_axes(view, ends)
 
 
 class EventTable:

@@ -20,11 +20,9 @@ from mecano.results.disk import SIGNATURE, Disk, new_file, undisturbed
 from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
 from mecano.results.provenance import lives, provenance
-from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, name_axes
+from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, make_views, name_axes
 
 STATUSES = ("running", "complete", "stopped", "failed")
-MOST_VIEWS = 3000
-"""Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
 """How the reason begins when the disk took no more."""
@@ -123,7 +121,7 @@ class Writer:
         self._steps = NumberTable(file, "storage/solver", 1 + len(layout.steps))
         self._events = EventTable(file, max(64, layout.longest_name))
         file["storage/layout"] = layout.to_json()
-        _make_views(file, axes, layout, self._outputs, self._steps)
+        make_views(file, axes, layout, self._outputs, self._steps)
         for name, text in source.texts().items():
             file[f"deck/{name}"] = text
         self._build_run(axes, {"title": source.title, "deck_path": source.deck_path, **provenance()})
@@ -359,26 +357,6 @@ def _new_file(disk, layout):
     rows, width = chunk_shape(1 + layout.size)
     chunks = -(-(1 + layout.size) // width)
     return new_file(disk, cache_bytes=max(3 * 8 * rows * width * chunks, 2**20), cache_slots=max(4 * chunks + 1, 521))
-
-
-def _make_views(file, axes, layout, outputs, steps):
-    times = outputs.time_view(file, "time", layout.axis.unit, layout.axis.doc)
-    name_axes(outputs.dataset, times, axes.scale(1 + layout.size))
-    groups = {}
-    for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
-        parent, _, name = series.path.rpartition("/")
-        if parent not in groups:
-            groups[parent] = file.require_group(parent or "/")
-        view = outputs.view(groups[parent], name, 1 + layout.slices[series.path].start, series.shape)
-        describe(view, units=series.unit, long_name=series.doc)
-        name_axes(view, times, *axes.of(series.shape))
-    solver = file.create_group("solver")
-    ends = steps.time_view(file, "step_time", layout.axis.unit, "end of the accepted step")
-    name_axes(steps.dataset, ends, axes.scale(1 + len(layout.steps)))
-    for column, series in enumerate(layout.steps, start=1):
-        view = steps.view(solver, series.path, column, ())
-        describe(view, units=series.unit, long_name=series.doc)
-        name_axes(view, ends)
 
 
 def _clear(path):
