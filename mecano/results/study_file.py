@@ -99,13 +99,10 @@ def _read(file, path):
 
 def write_columns(path, table):
     """Write a StudyTable as comma-separated values: a row for each case. Raises ResultsError."""
-    try:
-        with appearing(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow([one.name + (f" [{one.unit}]" if one.unit else "") for one in table.columns])
-            rows.writerows(zip(*([_cell(value) for value in one.values] for one in table.columns), strict=True))
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+    with appearing(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow([one.name + (f" [{one.unit}]" if one.unit else "") for one in table.columns])
+        rows.writerows(zip(*([_cell(value) for value in one.values] for one in table.columns), strict=True))
 
 
 def _cell(value):

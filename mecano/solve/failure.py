@@ -35,7 +35,7 @@ def worst_equations(system):
     of = system.numbering
     r = np.abs(system.residual[: system.n])
     relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
-    least, places = max(NEGLIGIBLE * relative.max(initial=0.0), 1e-300), {}
+    least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
             places.setdefault(of.name[i].partition(": ")[0], i)
