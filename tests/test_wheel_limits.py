@@ -51,7 +51,7 @@ def test_a_wheel_that_falls_over_ends_the_run(kind, tmp_path):
     [
         ({"height": -0.01}, "the wheel's centre is 0.01 m below the ground"),
         ({"height": 0.3, "profile": "{direction: [0, 1, 0], height: 0.5}"}, "the wheel's centre is 0.2 m below"),
-        ({"radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}, "the radial force falls to -"),
+        ({"radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}, "'tire_law.radial' falls to -"),
     ],
 )
 def test_what_a_wheel_may_not_start_with(values, text):
@@ -64,3 +64,19 @@ def test_a_law_that_softens_beyond_its_validity_may_be_used():
     soft = WHEEL.replace("radial_damping: 0.2", "valid_deformation: 0.09")
     values = {"kind": "wheel", "height": 0.2625, "radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}
     assert deck(soft.format(profile="null", **values)).values["tire_laws"]["rubber"]["valid_deformation"] == 0.09
+
+
+def test_errors_of_a_tire_law_stand_at_the_law():
+    radial = "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"
+    with pytest.raises(DeckError) as error:
+        leaning(radial=radial)
+    [problem] = error.value.problems
+    assert problem.message.startswith("wheel 'tire': 'tire_law.radial' falls to -")
+    assert problem.mark.text[problem.mark.column - 1 :].startswith(radial)
+    with pytest.raises(DeckError) as error:
+        deck(WHEEL.format(kind="flexible_wheel", height=0.2625, radial="{linear: {slope: 1.0e5}}", profile="null")
+             .partition("        lateral:")[0] + "    time: {end: 1, step: 0.1}\n    grounds:\n      road: {plane: "
+             "{point: [0, 0, 0], normal: [0, 0, 1]}}\n")  # fmt: skip
+    [problem] = error.value.problems
+    assert "flexible_wheel 'tire': 'tire_law.lateral' is missing" in problem.message
+    assert problem.mark.text.strip() == "rubber:"

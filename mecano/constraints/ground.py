@@ -46,11 +46,11 @@ def check_ground(ground):
         return []
     texts = []
     if np.linalg.norm(_in_plane(profile["direction"], _unit(ground["plane"]["normal"]))) < 1e-6:
-        texts.append("the profile's direction is along the normal of the plane; it must lie in the plane")
+        texts.append("'ground.profile.direction' is along the normal of the plane; it must lie in the plane")
     corners = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[:2].any()]
     if corners:
         texts.append(
-            f"the profile's height has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
+            f"'ground.profile.height' has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
             "(a table: 'interpolation: cubic', and ends that run out flat or 'beyond: extend')"
         )
     return texts

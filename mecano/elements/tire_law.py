@@ -72,13 +72,13 @@ def check_tire_law(law):
     at_zero, slope, _ = curve_at(law["radial"], 0.0)
     size = abs(curve_at(law["radial"], 0.1 * law["radius"])[0])
     if abs(at_zero) > 1e-6 * size:
-        texts.append(f"the radial force must be zero at zero deformation; it is {at_zero:g} N")
+        texts.append(f"'tire_law.radial' must be zero at zero deformation; it is {at_zero:g} N")
     if slope < 0.0:
-        texts.append("the radial force must not fall from zero deformation on")
+        texts.append("'tire_law.radial' must not fall from zero deformation on")
     else:
         texts += _softening(law)
     if curve_at(law["friction"], 0.0)[0] < 0.0:
-        texts.append("the coefficient of friction must not be negative")
+        texts.append("'tire_law.friction' must not be negative")
     return texts
 
 
@@ -89,7 +89,7 @@ def _softening(law):
         force = curve_at(law["radial"], w)[0]
         if force < 0.0:
             hint = "" if valid else " or 'valid_deformation' says how far the law holds"
-            return [f"the radial force falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
+            return [f"'tire_law.radial' falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
     return []
 
 
