@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 
 from mecano.contract import SECTIONS
+from mecano.deck.hollows import check_hollows
 from mecano.deck.pointing import pointed_at
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
@@ -64,6 +65,7 @@ def check_model(values, root, scope):
                 scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
             elif all(node in at for node in names if node != "ground"):
                 _check_element(kind, element, names, at, key, root, scope, told)
+    check_hollows(values, at, root, scope)
     _check_axes(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
 

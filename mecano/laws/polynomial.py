@@ -1,9 +1,12 @@
 """Polynomial curves: constant, linear, polynomial."""
 
+import numpy as np
 from numba import njit
 
 from mecano.laws.term import ARGUMENT, SLOPE, VALUE, Term, numbers_of
 from mecano.schema import NUMBER, NUMBERS, Field
+
+SHOWN = 257  # arguments that show the shape of a polynomial
 
 
 def at_least_one(coefficients):
@@ -61,6 +64,13 @@ def pack_polynomial(values):
     return [len(values["coefficients"]), *values["coefficients"]]
 
 
+def shape_of_polynomial(values, low, high):
+    """Equally spaced, and where the slope is zero."""
+    roots = np.polynomial.Polynomial(values["coefficients"]).deriv().roots()
+    level = roots.real[np.abs(roots.imag) < 1e-9 * np.abs(roots)]
+    return [*np.linspace(low, high, SHOWN), *level[(low < level) & (level < high)]]
+
+
 COEFFICIENTS = Field(
     "coefficients", NUMBERS, "-", "c0, c1, c2 ... (SI), in ascending powers from the power 0", check=at_least_one
 )
@@ -98,4 +108,5 @@ POLYNOMIAL = Term(
     pack=pack_polynomial,
     evaluate=polynomial,
     integral=polynomial_integral,
+    shape=shape_of_polynomial,
 )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 
 
@@ -67,6 +67,18 @@ def some(number):
     return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
 
 
+def shape_of_bump(values, low, high):
+    """Equal parts of the bump, from just behind its beginning to just before its end."""
+    start, end = values["start"], values["start"] + values["length"]
+    return np.linspace(np.nextafter(start, end), np.nextafter(end, start), OF_A_WAVE + 1)
+
+
+def shape_of_random(values, low, high):
+    """Equal parts of the shortest wave."""
+    part = 1.0 / (OF_A_WAVE * values["highest"])
+    return low + part * np.arange(min(math.ceil((high - low) / part) + 1, MOST_SHOWN))
+
+
 BUMP_FIELDS = (
     Field("start", NUMBER, ARGUMENT, "where the bump begins"),
     Field("length", NUMBER, ARGUMENT, "its length", check=positive),
@@ -80,6 +92,7 @@ BUMP = Term(
     pack=numbers_of(BUMP_FIELDS),
     evaluate=bump,
     integral=bump_integral,
+    shape=shape_of_bump,
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
 )
 
@@ -106,5 +119,6 @@ RANDOM = Term(
     pack=pack_random,
     evaluate=waves,
     integral=waves_integral,
+    shape=shape_of_random,
     check=check_random,
 )  # fmt: skip

@@ -13,6 +13,7 @@ from numba import njit
 from mecano.laws.term import ARGUMENT, VALUE, Term
 from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 
+PARTS = 4  # of the way from point to point that show the shape of a table
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 
 
@@ -146,6 +147,13 @@ def table_breakpoints(values):
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
+def shape_of_table(values, low, high):
+    """Both sides of every point, where the second derivative jumps, and some between: it is linear there."""
+    x = np.array(values["points"], float)[:, 0]
+    between = (x[:-1, None] + np.diff(x)[:, None] * np.arange(1, PARTS) / PARTS).ravel()
+    return np.concatenate([np.nextafter(x, -np.inf), x, between])
+
+
 POINTS_FIELD = Field(
     "points", POINTS, f"{ARGUMENT}, {VALUE}", "points [x, y], x strictly increasing", None, two_increasing
 )
@@ -170,6 +178,7 @@ TABLE = Term(
     pack=pack_table,
     evaluate=table,
     integral=table_integral,
+    shape=shape_of_table,
     check=some_points,
     breakpoints=table_breakpoints,
 )

@@ -2,9 +2,10 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
-from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative
 
 
@@ -92,6 +93,26 @@ def exponential_integral(a, i, s):
     return w * (a[i + 1] + (a[i] - a[i + 1]) * mean)
 
 
+def shape_of_sine(values, low, high):
+    """Equal parts of a wave, its highest and lowest points among them; a whole wave at least."""
+    frequency = values["frequency"]
+    if not frequency:
+        return []
+    part, zero = 1.0 / (OF_A_WAVE * abs(frequency)), -values["phase"] / (2.0 * math.pi * frequency)
+    first, count = math.ceil((low - zero) / part), max(OF_A_WAVE, math.ceil((high - low) / part))
+    return zero + part * (first + np.arange(min(count, MOST_SHOWN)))
+
+
+def shape_of_step(values, low, high):
+    """Equal parts of the edge."""
+    return values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1)
+
+
+def shape_of_exponential(values, low, high):
+    """Equal parts of a decay to some thousandths."""
+    return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
+
+
 def end_after_start(values):
     """Check: the ramp takes some time."""
     return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
@@ -111,6 +132,7 @@ SINE = Term(
     pack=numbers_of(SINE_FIELDS),
     evaluate=sine,
     integral=sine_integral,
+    shape=shape_of_sine,
 )
 
 RAMP_FIELDS = (
@@ -145,6 +167,7 @@ STEP = Term(
     pack=numbers_of(STEP_FIELDS),
     evaluate=step,
     integral=step_integral,
+    shape=shape_of_step,
     # A smooth edge has no corner, but a step of time must not leap over it.
     breakpoints=lambda values: sorted({values["time"], values["time"] + values["rise"]}),
 )
@@ -163,5 +186,6 @@ EXPONENTIAL = Term(
     pack=numbers_of(EXPONENTIAL_FIELDS),
     evaluate=exponential,
     integral=exponential_integral,
+    shape=shape_of_exponential,
     breakpoints=lambda values: [values["origin"]],
 )
