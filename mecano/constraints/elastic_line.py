@@ -37,6 +37,15 @@ def put_line(p, y, length, L, strain, strain_rate, N):
 
 
 @njit
+def put_no_push(y):
+    """Write tension and stress of a cable, which are not negative.
+
+    An accepted step that ends where it goes slack is within rounding of no tension, on either side.
+    """
+    y[4], y[5] = max(y[4], 0.0), max(y[5], 0.0)
+
+
+@njit
 def put_line_energy(p, q, v, e):
     """Write the kinetic energy and the potential of the weight."""
     v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)

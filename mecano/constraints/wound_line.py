@@ -16,7 +16,14 @@ held and is elastic (``shock``) or held (``hold``) from then on. The winder diss
 from numba import njit
 
 from mecano.constraints.augmented import let_go, put_levels
-from mecano.constraints.elastic_line import LINE_RECORD, add_line_inertia, put_line, put_line_energy, strained
+from mecano.constraints.elastic_line import (
+    LINE_RECORD,
+    add_line_inertia,
+    put_line,
+    put_line_energy,
+    put_no_push,
+    strained,
+)
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_modes import FAR
 from mecano.contract import CONTACT, Event, Kind, Part, Row, record
@@ -140,6 +147,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
             e[2] = viscous * L * strain_rate
             e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
+    put_no_push(y)
     y[6] = 2.0 if mode == PAYING else 0.0 if mode == SLACK else 1.0
 
 

@@ -36,6 +36,7 @@ from mecano.constraints.elastic_line import (
     line_record,
     put_line,
     put_line_energy,
+    put_no_push,
     strained,
 )
 from mecano.constraints.joint_frame import at_one_place
@@ -90,6 +91,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 def observe_cable(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """The same, and whether it is taut."""
     observe(p, m, mode, t, laws, q, v, a, R, F, y, e)
+    put_no_push(y)
     y[6] = 1.0 if mode == TAUT else 0.0
 
 
