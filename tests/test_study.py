@@ -141,6 +141,34 @@ class TestDecks:
         with pytest.raises(DeckError, match="unknown key 'time.stop'"):
             try_deck(study(folder, "grid: {time.stop: [1, 2, 3]}"))
 
+    @pytest.mark.parametrize(
+        "text,place,message",
+        [
+            ("set: {elements.ball.mass: -1}\ngrid: {time.end: [1]}", "study.yaml:3:27", "'mass' must be greater than"),
+            ("grid: {elements.ball.mass: [-1, -2]}", "study.yaml:3:29", "'mass' must be greater than"),
+            ("grid: {elements.ball.mas: [1, 2]}", "study.yaml:3:8", "unknown key 'mas'"),
+            ("grid: {time.end: {from: -2, to: -1, number: 3}}", "study.yaml:3:18", "'end' must be later than 'start'"),
+            ("list: [{time.end: 1,\n  elements.ball.mass: 2 s}]", "study.yaml:4:23", "a mass [kg] is expected"),
+            ("csv: rows.csv", "rows.csv:2:1", "'mass' must be greater than"),
+            ("latin_hypercube: {ranges: {time.step: [-2, -1]}, number: 3}", "study.yaml:3:39", "'time.step' must be"),
+            ("seeds: {path: elements.ball.mass, number: 1, first: 0}", "study.yaml:3:15", "'mass' must be greater"),
+        ],
+        ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds"],
+    )  # fmt: skip
+    def test_a_value_that_no_deck_can_have_is_told_where_it_stands(self, folder, text, place, message):
+        (folder / "rows.csv").write_text("time.end, elements.ball.mass\n1, -3\n")
+        with pytest.raises(DeckError) as error:
+            try_deck(study(folder, text))
+        told = deck_error_text(error.value)
+        assert told.startswith(f"{place}: ") and message in told and "--set" not in told, told
+
+    def test_a_deck_that_is_wrong_with_a_value_says_of_which_case(self, folder):
+        (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: $speed"))
+        with pytest.raises(DeckError) as error:
+            try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
+        told = deck_error_text(error.value)
+        assert re.match("deck.yaml:6:.*got -1.* as of case 1 of the study \\(parameters.speed = -1\\)", told), told
+
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
         assert found.overrides == ("time.end=2",) and found.values["time"]["end"] == 2.0
@@ -206,7 +234,7 @@ def test_a_study_from_its_beginning_to_its_table(folder):
         """))  # fmt: skip
     code, out, err = mecano_process("sweep", "study.yaml", "--plot")
     assert code == 3 and "4 cases: 3 complete, 1 failed" in out and "not all cases are complete: 1 failed" in err
-    assert "1 x exit code 2: --set elements.ball.mass" in out and "'mass' must be greater than zero" in out
+    assert "1 x exit code 2: study.yaml:7:" in out and "'mass' must be greater than zero" in out
     table = read_table("study_runs/table.h5")
     assert table.title == "Throws" and table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
     assert table["parameters/parameters.speed"].tolist() == [10.0, 20.0, 10.0, 30.0]
