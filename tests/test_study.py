@@ -18,6 +18,7 @@ from process import COMMAND, mecano_process, settings
 
 from mecano.cli import commands
 from mecano.deck.format import deck_error_text
+from mecano.deck.read import read_deck
 from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
 from mecano.post.pictures import post
@@ -28,6 +29,7 @@ from mecano.study.perform import due
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
+from mecano.study.units import units_of
 from mecano.warmup import all_kinds, warmup
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
@@ -134,6 +136,29 @@ def test_what_is_no_study(folder, head, message):
     with pytest.raises(DeckError) as info:
         study(folder, "grid: {time.end: [1]}" if head else "", head=head)
     assert message in deck_error_text(info.value)
+
+
+@pytest.mark.parametrize(
+    "path,unit",
+    [
+        ("time.end", "s"), ("time.adaptive.tolerance", ""), ("time.method", ""), ("gravity.2", "m/s2"),
+        ("nodes.ball.position.0", "m"), ("elements.ball.mass", "kg"), ("initial.velocities.0.velocity.1", "m/s"),
+        ("output.every", "s"), ("parameters.speed", "m/s"), ("parameters.turn", ""),
+        ("tire_laws.tyre.friction_by_speed.exponential.start", ""), ("tire_laws.tyre.radial.linear.slope", ""),
+        ("tire_laws.tyre.radial.linear.offset", "N"), ("laws.any.constant.value", ""),
+        ("loads.push.value.sine.phase", "rad"),
+    ],
+)  # fmt: skip
+def test_units_of_what_is_varied(folder, path, unit):
+    """Those that are declared, of a parameter the one it is written with, in SI; none where it hangs on the use."""
+    text = BALL.replace("speed: 10", "speed: 36 km/h, turn: 3") + dedent("""\
+        laws: {any: 3}
+        tire_laws: {tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}}
+        loads: {push: {type: force, node: ball, direction: [1, 0, 0], value: {sine: {amplitude: 1, frequency: 2}}}}
+        """)
+    (folder / "deck.yaml").write_text(text)
+    found = study(folder, f"grid: {{{path}: [1, 2]}}")
+    assert units_of(found, read_deck("deck.yaml")) == {path: unit}
 
 
 class TestDecks:
@@ -247,6 +272,8 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     assert all(table["case/processor_time"] > 0.1) and table["case/exit_code"].tolist() == [0, 2, 0, 0]
     with open("study_runs/table.csv") as file:
         rows = list(csv.DictReader(file))
+    assert [row["parameters.speed [m/s]"] for row in rows] == ["10", "20", "10", "30"]  # one case says 36 km/h
+    assert [row["elements.ball.mass [kg]"] for row in rows] == ["1", "-1", "2", "1"]
     assert [row["way [m]"] for row in rows] == [repr(float(x)) if x == x else "" for x in table["outputs/way"]]
     assert (folder / "study_runs" / "table.png").stat().st_size > 10_000
     before = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("*.h5")}
