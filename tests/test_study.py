@@ -161,6 +161,20 @@ def test_units_of_what_is_varied(folder, path, unit):
     assert units_of(found, read_deck("deck.yaml")) == {path: unit}
 
 
+@pytest.mark.parametrize(
+    "way",
+    [
+        "grid: {parameters.speed: {from: 36 km/h, to: 20 m/s, number: 2}}",
+        "latin_hypercube: {ranges: {parameters.speed: [36 km/h, 20 m/s]}, number: 2}",
+        "list: [{parameters.speed: 10}, {parameters.speed: 36 km/h}]",
+        "csv: rows.csv",
+    ],
+)
+def test_units_of_parameters_are_those_of_the_cases(folder, way):
+    (folder / "rows.csv").write_text("parameters.speed\n10\n36 km/h\n")
+    assert units_of(study(folder, way), read_deck("deck.yaml")) == {"parameters.speed": "m/s"}
+
+
 class TestDecks:
     def test_a_value_that_no_deck_has_is_refused(self, folder):
         with pytest.raises(DeckError, match="unknown key 'time.stop'"):

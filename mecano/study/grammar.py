@@ -139,7 +139,8 @@ def _span(node, name, scope):
     if span is INVALID:
         return INVALID
     first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
-    return here(node, [here(node, first + (last - first) * i / steps) for i in range(span["number"])])
+    raw = node.value["from"][1].raw
+    return here(node, [here(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
 
 
 def _range(node, name, scope):
@@ -149,12 +150,13 @@ def _range(node, name, scope):
     found = scope.checks["numbers"](node, pair, scope)
     if found is INVALID:
         return INVALID
-    return here(node, found) if found[0] < found[1] else scope.refuse_value(node, pair, "must rise")
+    raw = node.value[0].raw
+    return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must rise")
 
 
-def here(node, value):
-    """The node of another value at the place of ``node``."""
-    return Node(value, node.source, node.line, node.column)
+def here(node, value, raw=""):
+    """The node of another value at the place of ``node``; ``raw``: a text written there that has its unit."""
+    return Node(value, node.source, node.line, node.column, raw)
 
 
 def plain(node):

@@ -58,8 +58,8 @@ class Study:
         return tuple(dict.fromkeys(path for case in self.cases for path in case.entries))
 
     def given(self, path):
-        """The values, as JSON has them, that the cases give to a path."""
-        return [plain(case.entries[path].node) for case in self.cases if path in case.entries]
+        """The values that the cases give to a path, as they are written; of a range its lower end."""
+        return [case.entries[path].node.raw for case in self.cases if path in case.entries]
 
     def entries(self, case):
         """{path: Entry} of all that is set in a case."""

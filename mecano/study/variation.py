@@ -55,7 +55,7 @@ def _hypercube(cube):
     for path, (key, node) in cube["ranges"].items():
         low, high = node.value
         places = (random.permutation(number) + random.random(number)) / number
-        columns[path] = [Entry(key, here(node, value)) for value in (low + (high - low) * places).tolist()]
+        columns[path] = [Entry(key, here(node, value, node.raw)) for value in (low + (high - low) * places).tolist()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
@@ -83,7 +83,7 @@ def _table(name, source, scope):
             elif len(cells) != len(head):
                 scope.refuse(place, f"the row has {len(cells)} columns, the first line {len(head)}")
             else:
-                entries = [Entry(key, here(place, resolved(cell))) for key, cell in zip(head, cells, strict=True)]
+                entries = [Entry(key, here(place, resolved(cell), cell)) for key, cell in zip(head, cells, strict=True)]
                 rows.append({entry.key.value: entry for entry in entries})
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
