@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import textwrap
+import time
 
 import numpy as np
 import pytest
@@ -153,6 +154,16 @@ class TestStore:
         (tmp_path / "file").write_text("")
         monkeypatch.setenv(store.FOLDER, str(tmp_path / "file"))
         assert store.folder.__wrapped__().name.startswith("mecano-")
+
+    def test_folders_that_nobody_has_used_for_long_are_removed_when_one_is_made(self, tmp_path, monkeypatch):
+        monkeypatch.setenv(store.FOLDER, str(tmp_path))
+        names = [f"mecano-{16 * letter}" for letter in "ab"] + ["mecano-studies"]
+        for name in names:
+            (tmp_path / name).mkdir()
+        for name in (names[0], names[2]):
+            os.utime(tmp_path / name, times=(0.0, time.time() - 1.01 * store.UNUSED))
+        found = store.folder.__wrapped__()
+        assert {path.name for path in tmp_path.iterdir()} == {*names[1:], found.name}
 
     def test_other_processors_have_other_folders(self, monkeypatch):
         here = store.folder.__wrapped__()

@@ -6,7 +6,9 @@ processor, and the compiler. A process that finds there what it needs imports ne
 
 import hashlib
 import os
+import shutil
 import tempfile
+import time
 import zlib
 from contextlib import suppress
 from functools import cache
@@ -16,6 +18,7 @@ import llvmlite
 import llvmlite.binding as llvm
 
 COMPILED = ("compiled", "maths", "laws", "constraints", "elements", "model", "solve", "results")
+UNUSED = 90 * 86400.0  # s after which a folder is removed when a new one is made
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
 
 _kept = []  # what LLVM has loaded, which lives as long as this
@@ -31,11 +34,23 @@ def folder():
     base = os.environ.get(FOLDER) or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     found = Path(base) / f"mecano-{key}"
     try:
+        new = not found.exists()
         found.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=found):
-            return found
+            os.utime(found)
     except OSError:
         return Path(tempfile.mkdtemp(prefix="mecano-"))
+    if new:
+        _remove_old(found.parent)
+    return found
+
+
+def _remove_old(base):
+    """Remove the folders of sources, processors and compilers that nobody has used for long."""
+    for path in base.glob("mecano-" + 16 * "[0-9a-f]"):
+        with suppress(OSError):  # another process may be faster
+            if time.time() - path.stat().st_mtime > UNUSED:
+                shutil.rmtree(path)
 
 
 def address(name, code):
