@@ -1,8 +1,8 @@
 """Values of one law for callers in Python, such as checks; kernels evaluate laws in the table of a model."""
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Vector, entry
 from mecano.laws import TERMS
 from mecano.laws.table import LawTable, evaluate_curve, terms_of
 
@@ -26,6 +26,6 @@ def shape_of_curve(law, low, high):
     return s, np.array([_evaluate(numbers, start, place) for place in s.tolist()]).reshape(-1, 3)
 
 
-@njit(cache=True)
-def _evaluate(laws, start, s):
+@entry
+def _evaluate(laws: Vector, start: int, s: float) -> (float, float, float):
     return evaluate_curve(laws, start, s)
