@@ -121,6 +121,17 @@ def test_of_a_random_road_the_way_of_the_run_counts():
         on(road, end="time: {end: 2, step: 1.0e-3}\n    initial: {velocities: [{nodes: all, velocity: [10, 0, 0]}]}")
 
 
+@pytest.mark.parametrize("kind", ["skate", "plane_contact, radius: 0.1"])
+def test_what_needs_a_plane_says_so_of_a_narrow_hollow(kind):
+    text = f"{{type: {kind}, node: hub, ground: road" + (", axis: [0, 1, 0]}" if kind == "skate" else "}")
+    whole = WHEEL.format(kind="wheel", height=0.6, radial="{linear: {slope: 1.0e5}}",
+                         profile="{direction: [1, 0, 0], height: {sine: {amplitude: 0.1, frequency: 2}}}")  # fmt: skip
+    before, _, after = whole.partition("      tire: ")
+    with pytest.raises(DeckError, match="plane") as error:
+        deck(f"{before}      tire: {text}\n{after.partition(chr(10))[2]}")
+    assert len(error.value.problems) == 1
+
+
 def test_errors_of_a_tire_law_stand_at_the_law():
     radial = "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"
     with pytest.raises(DeckError) as error:

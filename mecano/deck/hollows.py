@@ -11,26 +11,26 @@ from mecano.schema import GROUND
 
 
 def check_hollows(values, at, root, scope):
-    """Note the grounds, once each, with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name."""
+    """Note the grounds, once each, with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
+
+    A wheel that is wrong otherwise is left out.
+    """
+    wheels = {kind.name for kind in scope.kinds.values() if any(field.type is GROUND for field in kind.fields)}
     told, way = set(), _way(values)
     for name, d in values["elements"].items():
-        kind = scope.kinds[d["type"]]
-        radius, ground = _radius(d), next((d[field.name] for field in kind.fields if field.type is GROUND), None)
-        if not (ground and ground["profile"] and radius and d["node"] in at) or id(ground) in told:
+        if d["type"] not in wheels or not d["ground"]["profile"] or d["node"] not in at or id(d["ground"]) in told:
             continue
+        kind, pose = scope.kinds[d["type"]], at[d["node"]]
         with np.errstate(all="ignore"):
-            hollow = narrowest_hollow(ground, at[d["node"]][0], d["axis"], radius, way)
+            if kind.check(d, [pose]):
+                continue
+            radius = d.get("tire_law", d)["radius"]
+            hollow = narrowest_hollow(d["ground"], pose[0], d["axis"], radius, way)
         if hollow:
-            told.add(id(ground))
-            key, _ = root.value["elements"][1].value[name]
+            told.add(id(d["ground"]))
             scope.subject = f"{kind.name} {quoted(name)}"
-            text = _text(hollow, radius)
-            scope.refuse(pointed_at(text, kind, key, root), text, _hint(hollow, radius))
-
-
-def _radius(d):
-    """Radius [m] of a wheel, that of its tyre or its own; None of what has none."""
-    return d["tire_law"]["radius"] if "tire_law" in d else d.get("radius")
+            text, entry = _text(hollow, radius), root.value["elements"][1].value[name]
+            scope.refuse(pointed_at(text, kind, entry, root), text, _hint(hollow, radius))
 
 
 def _way(values):

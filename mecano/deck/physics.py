@@ -64,7 +64,7 @@ def check_model(values, root, scope):
             if name in left:
                 scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
             elif all(node in at for node in names if node != "ground"):
-                _check_element(kind, element, names, at, key, root, scope, told)
+                _check_element(kind, element, names, at, (key, node), root, scope, told)
     check_hollows(values, at, root, scope)
     _check_axes(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
@@ -99,18 +99,18 @@ def _place_members(elements, at, kinds):
     return {member.name for member in left}
 
 
-def _check_element(kind, element, names, at, key, root, scope, told):
+def _check_element(kind, element, names, at, entry, root, scope, told):
     """Note what the kind says is wrong; of a law or ground that several elements name, once (``told``)."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        scope.refuse(key, f"node {quoted(twice[0])} is named twice")
+        scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
         return
     held = next((name for name in names if name != "ground"), None)
     given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
     with np.errstate(all="ignore"):
         texts = kind.check(element, given)
     for text in texts:
-        place = pointed_at(text, kind, key, root)
+        place = pointed_at(text, kind, entry, root)
         if (id(place), text) not in told:
             told.add((id(place), text))
             scope.refuse(place, text)

@@ -8,13 +8,13 @@ from mecano.schema import SECTION_OF
 PATH = re.compile(r"'(\w+)((?:\.\w+)+)'")
 
 
-def pointed_at(text, kind, key, root):
+def pointed_at(text, kind, entry, root):
     """The node at which the text on the element of a ``kind`` points, in the checked tree ``root`` of a deck.
 
     A text that begins with a path in quotes, such as 'tire_law.radial', is on what is found there; otherwise see
-    ``place_of``. ``key`` is the node of the name of the element.
+    ``place_of``. ``entry``: the nodes of the name of the element, and of what it is.
     """
-    _, node = root.value[kind.section][1].value[key.value]
+    key, node = entry
     match = PATH.match(text)
     field = match and next((field for field in kind.fields if field.name == match[1]), None)
     if not field or field.type.name not in SECTION_OF:
