@@ -20,7 +20,8 @@ from mecano.results.disk import SIGNATURE, Disk, new_file, undisturbed
 from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
 from mecano.results.provenance import lives, provenance
-from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, make_views, name_axes
+from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, name_axes
+from mecano.results.views import make_views
 
 STATUSES = ("running", "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
