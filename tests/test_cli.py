@@ -37,8 +37,8 @@ output: {every: 0.01}
 """
 NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
 TRIES = 8  # of a limit on the processor time, which other processes lengthen
-LIBRARIES = ("numpy", "numba", "scipy.sparse", "h5py", "yaml", "click")
-HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "yaml")
+LIBRARIES = ("numpy", "llvmlite.binding", "scipy.sparse", "h5py", "yaml", "click")
+HEAVY = ("numpy", "scipy", "llvmlite", "numba", "h5py", "matplotlib", "yaml")
 
 
 @pytest.fixture

@@ -17,6 +17,7 @@ from marching import INPUTS
 from process import COMMAND, mecano_process, settings
 
 from mecano.cli import commands
+from mecano.compiled import store
 from mecano.deck.format import deck_error_text
 from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
@@ -326,16 +327,16 @@ def test_the_study_of_the_page(folder):
 def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     assert {kind.name for kind in all_kinds()} > set(KINDS)
     told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
-    assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
+    assert told[0] == "running the beginning of deck.yaml" and str(store.folder()) in told[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
 
 
 @pytest.mark.slow
 def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
     """Of a deck that it does not contain; some 6 minutes of processor time."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    environment = {**os.environ, "MECANO_CACHE_DIR": str(tmp_path / "cache")}
     subprocess.run([*COMMAND, "warmup"], env=environment, check=True)
-    before = sorted((tmp_path / "cache").rglob("*.nb?"))
+    before = sorted((tmp_path / "cache").rglob("*.o"))
     deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
     subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
-    assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.nb?")) == before
+    assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.o")) == before

@@ -8,8 +8,8 @@ mecano/maths/surface.py.
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.contract import Output
 from mecano.laws.probe import curve_at
 from mecano.laws.table import breakpoints, evaluate_curve
@@ -106,19 +106,19 @@ def _in_plane(direction, normal):
     return direction - (direction @ normal) * normal
 
 
-@njit
+@kernel
 def lean_of(g):
     """LEAN [rad] of a disc in the Contact ``g``."""
     return math.asin(max(-1.0, min(1.0, g.s)))
 
 
-@njit
+@kernel
 def along_profile(p, x):
     """Distance [m] of the point x (3,) along the profile of the ground of record ``p``."""
     return dot(vec(p.direction, 0), sub(x, vec(p.point, 0)))
 
 
-@njit
+@kernel
 def touch(p, laws, x, a):
     """Contact (see surface.py) of the ground of record ``p`` and a disc of centre ``x`` and unit axis ``a``.
 

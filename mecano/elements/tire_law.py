@@ -16,8 +16,8 @@ exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1,
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.elements.lateral_law import LATERAL_TYPE
 from mecano.laws.friction import friction_factor
 from mecano.laws.probe import curve_at
@@ -93,20 +93,20 @@ def _softening(law):
     return []
 
 
-@njit
+@kernel
 def elastic_force(p, laws, w):
     """F(w) [N] and dF/dw of the deformation w [m]; below zero its tangent at zero."""
     F, dF, _ = evaluate_curve(laws, p.radial, max(w, 0.0))
     return F + dF * min(w, 0.0), dF
 
 
-@njit
+@kernel
 def elastic_energy(p, laws, w):
     """Energy [J] stored at the deformation w [m] >= 0."""
     return potential(laws, p.radial, w) - potential(laws, p.radial, 0.0)
 
 
-@njit
+@kernel
 def radial_force(p, laws, w, w1):
     """F_r [N], dF_r/dw and dF_r/dw1 of the deformation w [m] and its rate w1 [m/s]."""
     F, dF = elastic_force(p, laws, w)
@@ -116,7 +116,7 @@ def radial_force(p, laws, w, w1):
     return F * factor, dF * factor, F * p.radial_damping
 
 
-@njit
+@kernel
 def speed_over_ground(n, v):
     """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
     along = sub(v, scale(dot(n, v), n))
@@ -124,7 +124,7 @@ def speed_over_ground(n, v):
     return u, scale(1.0 / u, along) if u > 0.0 else ZERO
 
 
-@njit
+@kernel
 def gripping(p, laws, speed, u):
     """``friction_factor`` for the speed u [m/s] of the axle, and the derivative of b by it."""
     sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)

@@ -1,7 +1,6 @@
 """Values of one law for callers in Python, such as checks; kernels evaluate laws in the table of a model."""
 
-from numba import njit
-
+from mecano.compiled.entry import Vector, entry
 from mecano.laws.table import LawTable, evaluate_curve
 
 
@@ -12,6 +11,6 @@ def curve_at(law, s):
     return _evaluate(table.array(), start, float(s))
 
 
-@njit(cache=True)
-def _evaluate(laws, start, s):
+@entry
+def _evaluate(laws: Vector, start: int, s: float) -> (float, float, float):
     return evaluate_curve(laws, start, s)

@@ -3,13 +3,13 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 
 
-@njit
+@kernel
 def bump(a, i, s):
     """Numbers: start, length, height."""
     w, k = s - a[i], 2.0 * math.pi / a[i + 1]
@@ -19,14 +19,14 @@ def bump(a, i, s):
     return half * (1.0 - math.cos(k * w)), half * k * math.sin(k * w), half * k * k * math.cos(k * w)
 
 
-@njit
+@kernel
 def bump_integral(a, i, s):
     """Antiderivative, zero before the bump."""
     w, k = min(max(s - a[i], 0.0), a[i + 1]), 2.0 * math.pi / a[i + 1]
     return 0.5 * a[i + 2] * (w - math.sin(k * w) / k)
 
 
-@njit
+@kernel
 def waves(a, i, s):
     """Numbers: how many; of each its amplitude, angular frequency, phase."""
     y, d, h = 0.0, 0.0, 0.0
@@ -37,7 +37,7 @@ def waves(a, i, s):
     return y, d, h
 
 
-@njit
+@kernel
 def waves_integral(a, i, s):
     """Antiderivative, zero at s = 0."""
     total = 0.0

@@ -2,13 +2,12 @@
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative
 
 
-@njit
+@kernel
 def sine(a, i, s):
     """Numbers: amplitude, frequency, phase, offset."""
     w = 2.0 * math.pi * a[i + 1]
@@ -16,7 +15,7 @@ def sine(a, i, s):
     return y + a[i + 3], w * d, -w * w * y
 
 
-@njit
+@kernel
 def sine_integral(a, i, s):
     """Antiderivative, zero at s = 0."""
     half = math.pi * a[i + 1] * s
@@ -24,7 +23,7 @@ def sine_integral(a, i, s):
     return (a[i] * mean + a[i + 3]) * s
 
 
-@njit
+@kernel
 def ramp(a, i, s):
     """Numbers: start, end, from, to."""
     if s <= a[i]:
@@ -35,7 +34,7 @@ def ramp(a, i, s):
     return a[i + 2] + slope * (s - a[i]), slope, 0.0
 
 
-@njit
+@kernel
 def ramp_integral(a, i, s):
     """Antiderivative, zero at the start of the ramp."""
     w, length, rise = s - a[i], a[i + 1] - a[i], a[i + 3] - a[i + 2]
@@ -46,7 +45,7 @@ def ramp_integral(a, i, s):
     return a[i + 2] * w + rise * (w - 0.5 * length)
 
 
-@njit
+@kernel
 def step(a, i, s):
     """Numbers: time, rise, from, to; the edge is u^3 (10 - 15 u + 6 u^2)."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
@@ -60,7 +59,7 @@ def step(a, i, s):
     return y, d, jump / (rise * rise) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
-@njit
+@kernel
 def step_integral(a, i, s):
     """Antiderivative, zero at the start of the edge."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
@@ -72,7 +71,7 @@ def step_integral(a, i, s):
     return a[i + 2] * w + jump * rise * u * u * u * u * (2.5 - u * (3.0 - u))
 
 
-@njit
+@kernel
 def exponential(a, i, s):
     """Numbers: start, limit, rate, origin."""
     w = s - a[i + 3]
@@ -82,7 +81,7 @@ def exponential(a, i, s):
     return a[i + 1] + y, -a[i + 2] * y, a[i + 2] * a[i + 2] * y
 
 
-@njit
+@kernel
 def exponential_integral(a, i, s):
     """Antiderivative, zero at the origin."""
     w, x = s - a[i + 3], -a[i + 2] * (s - a[i + 3])

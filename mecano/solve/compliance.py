@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
@@ -36,7 +36,7 @@ class Compliance:
     @property
     def rows(self):
         """c by rows, as ``soften`` takes it: where each begins, columns, values."""
-        return self.matrix.indptr, self.matrix.indices, self.values
+        return self.matrix.indptr.astype(np.int64), self.matrix.indices.astype(np.int64), self.values
 
     def set_lag(self, lag):
         """Set the values for steps in which rates count ``lag`` [s] times."""
@@ -62,11 +62,11 @@ class Compliance:
         return cls(matrix, plain["places"], plain["of_rates"], plain["values"].copy())
 
 
-NO_ROWS = np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0)
+NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
 
 
-@njit(cache=True)
-def soften(k, starts, columns, values, multipliers, rows_out):
+@entry
+def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipliers: Vector, rows_out: Vector):
     """Add -k c Lambda to the rows of the constraints (n_l,); c by rows."""
     for i in range(starts.shape[0] - 1):
         for j in range(starts[i], starts[i + 1]):

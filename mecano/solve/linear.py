@@ -56,7 +56,7 @@ class LinearSolver:
         self._tables = analysis.order, analysis.fronts, analysis.links
         self._factors = np.zeros(analysis.factor_length)
         self._vectors = np.zeros((VECTORS, padded(n)))
-        self._exchanges = np.zeros(n, dtype=np.int32)
+        self._exchanges = np.zeros(n, dtype=np.int64)
         largest = analysis.largest
         scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
         self._solve_arguments = (
