@@ -92,24 +92,19 @@ class Axes:
         return self._scales[name]
 
 
+def create_numbers(file, path, width):
+    """A dataset for a NumberTable with so many numbers in a row, the time included."""
+    return file.create_dataset(
+        path, shape=(0, width), maxshape=(None, width), chunks=chunk_shape(width), dtype="<f8", fillvalue=np.nan
+    )
+
+
 class NumberTable:
-    """Rows of float64, the time first, buffered and written in blocks to one dataset.
+    """Rows of float64, the time first, buffered and written in blocks to a dataset of ``create_numbers``."""
 
-    Parameters
-    ----------
-    file : h5py.File
-    path : str
-        Of the dataset.
-    width : int
-        Numbers in a row, the time included.
-    """
-
-    def __init__(self, file, path, width):
-        chunks = chunk_shape(width)
-        self.dataset = file.create_dataset(
-            path, shape=(0, width), maxshape=(None, width), chunks=chunks, dtype="<f8", fillvalue=np.nan
-        )
-        self.buffer = np.empty((chunks[0], width))
+    def __init__(self, dataset):
+        self.dataset = dataset
+        self.buffer = np.empty((dataset.chunks[0], dataset.shape[1]))
         self.filled = 0
         self.written = 0
         self.sum = 0  # CRC-32 of all rows written
@@ -143,33 +138,32 @@ class NumberTable:
         self.written += count
 
 
+def create_events(file, text_length):
+    """The group ``events``: a dataset per field, with the time as their dimension scale, texts of so many bytes."""
+    group = file.create_group("events")
+    kind = h5py.string_dtype("utf-8", text_length)
+    times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
+    describe(times, units="s", long_name="time of the event")
+    times.make_scale("event_time")
+    for name, doc in EVENT_TEXTS.items():
+        texts = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(64,), dtype=kind)
+        describe(texts, long_name=doc)
+        name_axes(texts, times)
+    for name, (unit, doc) in EVENT_NUMBERS.items():
+        numbers = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
+        describe(numbers, units=unit, long_name=doc)
+        name_axes(numbers, times)
+
+
 class EventTable:
-    """The list of events: a dataset per field in the group ``events``, with the time as their dimension scale.
+    """The list of events in a group that ``create_events`` has made; longer texts are cut."""
 
-    Texts have a fixed length in bytes; longer ones are cut.
-    """
-
-    def __init__(self, file, text_length):
-        group = file.create_group("events")
-        self._length = text_length
+    def __init__(self, group):
+        self._datasets = [group[name] for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS)]
+        self._length = self._datasets[1].dtype.itemsize
         self._pending = []
         self.written = 0
         self.sum = 0  # CRC-32 of all events written
-        kind = h5py.string_dtype("utf-8", text_length)
-        times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
-        describe(times, units="s", long_name="time of the event")
-        times.make_scale("event_time")
-        self._datasets = [times]
-        for name, doc in EVENT_TEXTS.items():
-            texts = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(64,), dtype=kind)
-            describe(texts, long_name=doc)
-            name_axes(texts, times)
-            self._datasets.append(texts)
-        for name, (unit, doc) in EVENT_NUMBERS.items():
-            numbers = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
-            describe(numbers, units=unit, long_name=doc)
-            name_axes(numbers, times)
-            self._datasets.append(numbers)
 
     def add(self, time, texts, numbers):
         """Keep an event: its time, and what ``EVENT_TEXTS`` and ``EVENT_NUMBERS`` name."""

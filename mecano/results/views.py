@@ -20,20 +20,20 @@ STEP_TIME = Series("step_time", "s", "end of the accepted step")
 
 
 class Views:
-    """The views of a NumberTable ``table`` of an h5py file; that of its times is the dimension scale of all others.
+    """The views of the dataset ``table`` of a NumberTable; that of its times is the dimension scale of all others.
 
     Parameters
     ----------
     file : h5py.File
     axes : Axes
-    table : NumberTable
+    table : h5py.Dataset
     time : Series
         What its first column is.
     """
 
     def __init__(self, file, axes, table, time):
-        self._file, self._axes, self._table = file.id, axes, table.dataset.name.encode()
-        width = table.dataset.shape[1]
+        self._file, self._axes, self._table = file.id, axes, table.name.encode()
+        width = table.shape[1]
         self._columns = h5s.create_simple((0, width), (h5s.UNLIMITED, width))
         self._properties = h5p.create(h5p.DATASET_CREATE)
         self._properties.set_fill_value(np.array([np.nan]))
@@ -73,12 +73,12 @@ def _space(shape):
 
 
 def make_views(file, axes, layout, outputs, steps):
-    """Name the series of a Layout in an h5py file: a view of each in the NumberTables ``outputs`` and ``steps``."""
+    """Name the series of a Layout in an h5py file: a view of each in the datasets ``outputs`` and ``steps``."""
     views = Views(file, axes, outputs, replace(layout.axis, path="time"))
-    name_axes(outputs.dataset, views.times, axes.scale(1 + layout.size))
+    name_axes(outputs, views.times, axes.scale(1 + layout.size))
     for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
         views.add(series, 1 + layout.slices[series.path].start)
     views = Views(file, axes, steps, STEP_TIME)
-    name_axes(steps.dataset, views.times, axes.scale(1 + len(layout.steps)))
+    name_axes(steps, views.times, axes.scale(1 + len(layout.steps)))
     for column, series in enumerate(layout.steps, start=1):
         views.add(replace(series, path=f"solver/{series.path}"), column)
