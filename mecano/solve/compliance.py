@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
 from mecano.compiled.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
@@ -24,7 +23,7 @@ class Compliance:
     Constraints on velocities give way by c for each second: ``lag`` times c in a step, whose rows are displacements.
     """
 
-    matrix: sp.csr_matrix  # (n_l, n_l) [m/N, rad/(N m)], per second for constraints on velocities
+    matrix: object  # csr_matrix (n_l, n_l) [m/N, rad/(N m)], per second for constraints on velocities
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent
     of_rates: np.ndarray  # (matrix.nnz,) bool
     values: np.ndarray  # (matrix.nnz,) in a step
@@ -56,6 +55,8 @@ class Compliance:
     @classmethod
     def from_plain(cls, plain):
         """The compliances of ``to_plain``."""
+        import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
         n = len(plain["indptr"]) - 1
         matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
         return cls(matrix, plain["places"], plain["of_rates"], plain["values"].copy())
@@ -75,12 +76,14 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
 def compliance(system, s, length, dependent):
     """Compliance of a model, or None when no constraint is redundant.
 
-    Reactions in the directions that the projector ``dependent`` (n_l, n_l) holds meet a compliance under which the
-    forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or rad; all
-    others are exact.
+    Reactions in the directions that the projector ``dependent`` (n_l, n_l) of the Analysis holds meet a compliance
+    under which the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length
+    scale, or rad; all others are exact.
     """
-    if not dependent.nnz:
+    if dependent is None or not dependent.nnz:
         return None
+    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     of = system.numbering
     sizes = np.where(of.kind == ROTATION, system.size / length, system.size)
