@@ -111,9 +111,9 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties):
     marks = np.frombuffer(hashlib.shake_128().digest(8 * n_nodes), np.uint64)  # numpy.random takes 5 ms to import
     mark = np.zeros(n - n_q, dtype=np.uint64)
     np.add.at(mark, ties[0], marks[ties[1]])
-    alike, label = np.unique(mark, return_inverse=True)
-    label = label.reshape(-1)
-    block_last = np.empty(len(alike), dtype=np.int64)
+    _, first, label = np.unique(mark, return_index=True, return_inverse=True)
+    label = np.argsort(np.argsort(first))[label.reshape(-1)]  # in the order of the multipliers, not of the marks
+    block_last = np.empty(len(first), dtype=np.int64)
     block_last[label] = last
     keys = np.concatenate([2 * position, 2 * block_last + 1])
     rank = np.empty(len(keys), dtype=np.int64)
