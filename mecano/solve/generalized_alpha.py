@@ -43,7 +43,7 @@ from mecano.solve.scales import Tolerances, balance, norms
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
-DIVERGED = 100.0  # times the first residual, or its tolerance; iterations that converge go up to 10 times (inputs/)
+MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
@@ -324,7 +324,7 @@ class GeneralizedAlpha:
             report[FIRST] = report[WORST]
         if not np.isfinite(report[WORST]):
             return NOT_FINITE
-        if report[WORST] > DIVERGED * max(report[FIRST], 1.0):
+        if report[INCREMENT] * self.tolerances.increment > MOST_MOVED:
             return DIVERGES
         solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
         return STALE if solved.ok else SINGULAR

@@ -22,7 +22,7 @@ MESSAGES = {
     NOT_FINITE: "a residual is not finite",
     TOO_MANY: "no convergence in {} iterations",
     SINGULAR: "the tangent is singular",
-    DIVERGES: "no convergence: the residual grows",
+    DIVERGES: "no convergence: corrections grow beyond the size of the mechanism",
 }
 
 # What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;
