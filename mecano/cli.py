@@ -66,7 +66,7 @@ def main():
 
 
 def program():
-    """``main`` as a process of its own: the objects of numba and of the model all live to its end.
+    """``main`` as a process of its own: the objects of the model all live to its end.
 
     To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
     """

@@ -1,10 +1,14 @@
 """Compiled functions: how Python calls them, and how they come from the disk."""
 
+import math
 import os
 import subprocess
 import sys
+import tempfile
 import textwrap
 import time
+from collections import namedtuple
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +17,7 @@ from mecano.compiled import store
 from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.compiled.kernel import kernel
 
+Spec = namedtuple("Spec", "origin")
 POINT = np.dtype([("x", "f8"), ("n", "i8")])
 
 
@@ -62,6 +67,18 @@ def allocates(n: int) -> float:
     return np.zeros(n).sum()
 
 
+@entry
+def scaled(n: int) -> float:
+    """What numba has from a library of its own."""
+    return math.ldexp(1.0, n)
+
+
+@entry
+def fill(x_out: Vector, value: float):
+    """Write an array."""
+    x_out[:] = value
+
+
 @pytest.fixture(scope="module", autouse=True)
 def own_store(tmp_path_factory):
     """A store of its own: the code of this file does not belong to that of mecano."""
@@ -70,6 +87,10 @@ def own_store(tmp_path_factory):
         store.folder.cache_clear()
         yield store.folder()
     store.folder.cache_clear()
+
+
+def refuse(*_, **__):
+    raise PermissionError
 
 
 def arguments():
@@ -102,6 +123,12 @@ class TestEntry:
             (6, np.zeros((2, 1))),
             (8, np.zeros(3, np.int64)),
             (9, np.zeros(2)),
+            (1, np.zeros(2, ">f8")),
+            (1, None),
+            (1, 2.0),
+            (1, np.zeros(2).view(np.recarray)),
+            (1, np.frombuffer(bytes(17), np.float64, 2, offset=1)),
+            (9, np.zeros(2, [("n", "i8")])),
         ],
     )
     def test_an_array_of_another_type_dimension_or_order_is_refused(self, place, value):
@@ -111,12 +138,32 @@ class TestEntry:
         with pytest.raises(TypeError, match=rf"^mixed: {name} must be a contiguous array of [^;]*$"):
             mixed(*given)
 
+    def test_numbers_that_are_none_are_refused_and_arrays_to_be_written_that_cannot_be(self):
+        for call, text in (
+            (lambda: half(3.0), "half: n must be a whole number"),
+            (lambda: over("3"), "over: x must be a number"),
+            (lambda: fill(np.frombuffer(bytes(16)), 1.0), "fill: x_out must be .* that can be written"),
+        ):
+            with pytest.raises(TypeError, match=f"^{text}$"):
+                call()
+        given = arguments()
+        given[7] = np.False_
+        assert mixed(*given)[2] is True
+
     def test_divisions_are_those_of_c(self):
         assert over(0.0) == np.inf and over(4.0) == 0.25
 
     def test_memory_cannot_be_allocated(self):
         with pytest.raises(SystemError, match="NRT_MemInfo_alloc.*may not allocate"):
             allocates(3)
+
+    def test_functions_of_numba_are_not_there(self):
+        with pytest.raises(SystemError, match="needs numba_ldexp: .* call libraries"):
+            scaled(3)
+
+    def test_an_error_that_no_compiled_function_should_have_ends_the_program_with_a_word(self, tmp_path):
+        found = run_script(FAILING, tmp_path, check=False)
+        assert found.returncode < 0 and "an error in compiled code of mecano" in found.stderr
 
 
 SCRIPT = """
@@ -132,28 +179,52 @@ SCRIPT = """
 """
 
 
-def run_script(folder):
+FAILING = """
+    import mecano.compiled.entry as of
+
+    def refuse(n: int):
+        assert n < 0
+
+    of.entry(refuse)(1)
+"""
+
+
+def run_script(script, folder, check=True):
     environment = {**os.environ, store.FOLDER: str(folder)}
-    command = [sys.executable, "-c", textwrap.dedent(SCRIPT)]
-    found = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    return found.stdout.split()
+    command = [sys.executable, "-c", textwrap.dedent(script)]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=check)
 
 
 class TestStore:
     def test_the_second_process_needs_no_compiler_and_gets_the_same_bits(self, tmp_path):
-        compiled, first = run_script(tmp_path)
-        loaded, second = run_script(tmp_path)
+        compiled, first = run_script(SCRIPT, tmp_path).stdout.split()
+        loaded, second = run_script(SCRIPT, tmp_path).stdout.split()
         assert (compiled, loaded) == ("True", "False") and first == second
         (path,) = tmp_path.rglob("*.o")
         assert path.name == "mecano.solve.increments.place_rotations.o"
-        path.write_bytes(path.read_bytes()[:-100])
-        again, third = run_script(tmp_path)
-        assert (again, third) == ("True", first)
+        for damage in (lambda data: data[:-100], lambda data: b"name check\n" + data):
+            path.write_bytes(damage(path.read_bytes()))
+            again, third = run_script(SCRIPT, tmp_path).stdout.split()
+            assert (again, third) == ("True", first)
+            assert list(path.parent.iterdir()) == [path]
 
-    def test_a_folder_that_cannot_be_written_costs_nothing_but_time(self, tmp_path, monkeypatch):
+    def test_where_no_folder_can_be_made_one_lives_as_long_as_the_process(self, tmp_path):
         (tmp_path / "file").write_text("")
-        monkeypatch.setenv(store.FOLDER, str(tmp_path / "file"))
-        assert store.folder.__wrapped__().name.startswith("mecano-")
+        script = "from mecano.compiled import store; print(store.folder(), store.folder().is_dir())"
+        path, is_there = run_script(script, tmp_path / "file").stdout.split()
+        assert Path(path).parent == Path(tempfile.gettempdir()) and is_there == "True" and not Path(path).exists()
+
+    def test_a_folder_that_is_there_is_used_though_nothing_can_be_written_there(self, tmp_path, monkeypatch):
+        monkeypatch.setenv(store.FOLDER, str(tmp_path))
+        found = store.folder.__wrapped__()
+        monkeypatch.setattr(os, "utime", refuse)
+        monkeypatch.setattr(Path, "mkdir", refuse)
+        assert store.folder.__wrapped__() == found and found.parent == tmp_path
+
+    def test_what_cannot_be_kept_leaves_nothing(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(Path, "replace", refuse)
+        store.put(tmp_path / "a.o", b"code")
+        assert not list(tmp_path.iterdir())
 
     def test_folders_that_nobody_has_used_for_long_are_removed_when_one_is_made(self, tmp_path, monkeypatch):
         monkeypatch.setenv(store.FOLDER, str(tmp_path))
@@ -165,7 +236,19 @@ class TestStore:
         found = store.folder.__wrapped__()
         assert {path.name for path in tmp_path.iterdir()} == {*names[1:], found.name}
 
-    def test_other_processors_have_other_folders(self, monkeypatch):
-        here = store.folder.__wrapped__()
-        monkeypatch.setattr(store.llvm, "get_host_cpu_name", lambda: "another")
-        assert store.folder.__wrapped__() != here
+    @pytest.mark.parametrize(
+        ("of", "name", "value"),
+        [
+            (store.llvm, "get_host_cpu_name", lambda: "another"),
+            (store.llvm, "get_process_triple", lambda: "another"),
+            (store.llvmlite, "__version__", "0.0"),
+            (sys, "abiflags", "t"),
+            (store, "RECORDS", "errors.py"),
+            (store, "find_spec", None),
+        ],
+    )
+    def test_what_code_depends_on_has_folders_of_its_own(self, monkeypatch, tmp_path, of, name, value):
+        (tmp_path / "_version.py").write_text("")
+        here = store._key()
+        monkeypatch.setattr(of, name, value if name != "find_spec" else lambda _: Spec(str(tmp_path / "__init__.py")))
+        assert store._key() != here

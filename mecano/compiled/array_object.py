@@ -1,14 +1,16 @@
 """numpy's arrays seen from compiled code: the head of PyArrayObject and PyArray_Descr in the documented C API.
 
 After the head of every object stand: data, number of dimensions, dimensions, strides, base, descriptor, flags; in the
-descriptor: the type object, then the letters for the kind and for the type.
+descriptor: the type object, then the letters for the kind, the type and the order of bytes (all of a little-endian
+machine).
 """
 
 from mecano.compiled.kernel import kernel
 from mecano.compiled.memory import integers
 
-HEAD = object.__basicsize__
-C_CONTIGUOUS = 1
+HEAD = object.__basicsize__  # its last word is the type of the object
+C_CONTIGUOUS, ALIGNED, WRITEABLE = 0x1, 0x100, 0x400
+HAS_RECORDS = ord("V")
 
 
 @kernel
@@ -18,11 +20,16 @@ def word(address):
 
 
 @kernel
-def fits(array, dimensions, letter):
-    """True for a contiguous array of so many dimensions whose items have this type."""
-    if word(array + HEAD + 8) & 0xFFFFFFFF != dimensions or not word(array + HEAD + 48) & C_CONTIGUOUS:
+def fits(array, ndarray, dimensions, flags, letters, size):
+    """True for an ``ndarray`` of so many dimensions with these flags, whose items have this type and size.
+
+    ``letters`` are those of the type and of the order of bytes; the size is looked at where they do not tell it.
+    """
+    if word(array + HEAD - 8) != ndarray or word(array + HEAD + 8) & 0xFFFFFFFF != dimensions:
         return False
-    return (word(word(array + HEAD + 40) + HEAD + 8) >> 8) & 0xFF == letter
+    if word(array + HEAD + 48) & flags != flags or (word(word(array + HEAD + 40) + HEAD + 8) >> 8) & 0xFFFF != letters:
+        return False
+    return letters & 0xFF != HAS_RECORDS or word(word(array + HEAD + 24)) == size
 
 
 @kernel

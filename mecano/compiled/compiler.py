@@ -17,7 +17,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 from mecano.compiled import memory
-from mecano.compiled.array_object import data, fits, shape_1, shape_2, shape_3
+from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
 from mecano.compiled.entry import Array
 from mecano.compiled.nowhere import Nowhere, wanted
 
@@ -25,8 +25,15 @@ from mecano.compiled.nowhere import Nowhere, wanted
 KNOWN = frozenset(
     "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax "
     "fmin fmod frexp hypot ldexp log log10 log1p log2 memcpy memmove memset pow remainder rint round sin sincos sinh "
-    "sqrt tan tanh trunc calloc free PyErr_BadArgument".split()
+    "sqrt tan tanh trunc calloc free PyErr_BadArgument Py_FatalError".split()
 )
+# What numba calls to tell Python of an error.
+ERRORS = frozenset(
+    "numba_gil_ensure numba_gil_release numba_unpickle numba_do_raise numba_runtime_build_excinfo_struct NRT_Free "
+    "NRT_MemInfo_call_dtor PyErr_Clear PyErr_SetString PyErr_SetNone PyErr_WriteUnraisable PyUnicode_FromString "
+    "PyBytes_FromStringAndSize Py_DecRef".split()
+)
+FATAL = b"an error in compiled code of mecano, which should have none\0"
 LOOP = types.void(types.int64, types.int64)
 NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
@@ -58,14 +65,16 @@ def _unpacking(entry):
     names |= {"shape_1": shape_1, "shape_2": shape_2, "shape_3": shape_3}
     lines, given = [], []
     refused = "return" if entry.several or not entry.returns else "return 0"
-    for i, kind in enumerate(entry.signature):
+    for i, kind in enumerate(entry.signature, start=1):  # before the arguments stands the type of arrays
         if isinstance(kind, Array):
-            lines += [f"if not fits(words[{i}], {kind.dimensions}, {ord(kind.dtype.char)}):"]
-            lines += ["    refuse()", f"    {refused}"]
+            flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if entry.is_written(i - 1) else 0)
+            letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
+            wanted = f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
+            lines += [f"if not fits(words[{i}], words[0], {wanted}):", "    refuse()", f"    {refused}"]
             given.append(_array_at(kind, i, names))
         else:
             given.append({float: f"reals[{i}]", bool: f"words[{i}] != 0"}.get(kind, f"words[{i}]"))
-    call, n = f"function({', '.join(given)})", len(given)
+    call, n = f"function({', '.join(given)})", 1 + len(given)
     lines[:0] = [f"words, reals = memory.integers(at, {n}), memory.floats(at, {n})"]
     if entry.several:
         out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
@@ -86,22 +95,35 @@ def _array_at(kind: Array, word, names):
     return f"memory.items({place}, {shape}, dtype_{word})"
 
 
-def _machine_code(compiled):
-    """(symbol, machine code) of a function compiled by numba; raises SystemError if it needs what is not there.
+def _machine_code(function):
+    """(symbol, machine code) of a function compiled by numba; raises SystemError if it needs what is not there."""
+    module = llvm.parse_assembly(function.inspect_llvm())
+    missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
+    if missing - ERRORS:
+        needs = ", ".join(sorted(missing - ERRORS))
+        raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
+    variables = [variable.name for variable in module.global_variables if variable.is_declaration]
+    module.link_in(llvm.parse_assembly(str(_ending(sorted(missing), variables))))
+    return function.native_name, _target().emit_object(module)
 
-    numba's C functions would tell Python of errors. Nothing in kernels raises any, so that these calls only end the
-    program, should they ever be reached.
-    """
-    module = llvm.parse_assembly(compiled.inspect_llvm())
-    missing = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
-    errors = [name for name in missing if name not in KNOWN]
-    unknown = [name for name in errors if not name.startswith(("Py", "numba_", "NRT_MemInfo_call_dtor", "NRT_Free"))]
-    if unknown:
-        raise SystemError(f"{compiled.native_name} needs {', '.join(unknown)}: a kernel may not allocate or print")
-    stubs = [f"define weak void @{name}() {{\n  call void @llvm.trap()\n  unreachable\n}}" for name in errors]
-    stubs += [f"@{g.name} = weak global i64 0" for g in module.global_variables if g.is_declaration]
-    module.link_in(llvm.parse_assembly("declare void @llvm.trap()\n" + "\n".join(stubs)))
-    return compiled.native_name, _target().emit_object(module)
+
+def _ending(functions, variables):
+    """What stands in for numba's telling Python of an error: the end of the program. No kernel raises any."""
+    module, pointer = ir.Module(), ir.IntType(8).as_pointer()
+    content = ir.Constant(ir.ArrayType(ir.IntType(8), len(FATAL)), bytearray(FATAL))
+    text = ir.GlobalVariable(module, content.type, "mecano_fatal")
+    text.initializer, text.linkage = content, "internal"
+    end = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer]), "Py_FatalError")
+    for name in functions:
+        stub = ir.Function(module, ir.FunctionType(ir.VoidType(), []), name)
+        stub.linkage = "weak"
+        builder = ir.IRBuilder(stub.append_basic_block())
+        builder.call(end, [builder.bitcast(text, pointer)])
+        builder.unreachable()
+    for name in variables:
+        variable = ir.GlobalVariable(module, ir.IntType(64), name)
+        variable.initializer, variable.linkage = ir.Constant(ir.IntType(64), 0), "weak"
+    return module
 
 
 def _target():

@@ -33,7 +33,8 @@ def Records(dtype):
     return Array(dtype, 1)
 
 
-RESULT = {None: None, float: ctypes.c_double, int: ctypes.c_int64, bool: ctypes.c_int64}
+RESULT = {float: ctypes.c_double, int: ctypes.c_int64, bool: ctypes.c_int64}
+WORD = {float: "d", int: "q", bool: "?7x"}
 
 
 class Entry(Kernel):
@@ -45,7 +46,7 @@ class Entry(Kernel):
         returns = signature.pop("return", None)
         self.names, self.signature = tuple(signature), tuple(signature.values())
         self.returns = returns if isinstance(returns, tuple) else (returns,) if returns else ()
-        self.pack = struct.Struct("=" + "".join("d" if kind is float else "q" for kind in self.signature)).pack
+        self.pack = struct.Struct("=q" + "".join(WORD.get(kind, "q") for kind in self.signature)).pack
 
     @property
     def several(self):
@@ -59,35 +60,54 @@ class Entry(Kernel):
         result = None if self.several or not self.returns else RESULT[self.returns[0]]
         return ctypes.PYFUNCTYPE(result, ctypes.c_char_p, ctypes.c_void_p)(found)
 
-    def refusal(self, *arguments):
-        """A TypeError that names the arrays which are not of their type, dimension and order."""
-        found = [
-            f"{name} must be a contiguous array of {kind.dtype} with {kind.dimensions} dimensions"
-            for name, kind, value in zip(self.names, self.signature, arguments, strict=True)
-            if isinstance(kind, Array)
-            and not (isinstance(value, np.ndarray) and (value.dtype, value.ndim) == kind and value.flags.c_contiguous)
+    def is_written(self, place):
+        """True for an argument that by its name is an array that the function writes."""
+        return self.names[place].endswith("_out")
+
+    def refusal(self, error, *arguments):
+        """A TypeError that names the arguments which are not what they must be; the ``error`` itself if all are."""
+        wrong = [
+            f"{name} must be {_wanted(kind, self.is_written(i))}"
+            for i, (name, kind, value) in enumerate(zip(self.names, self.signature, arguments, strict=True))
+            if not _fits(kind, value, self.is_written(i))
         ]
-        return TypeError(f"{self.__name__}: {'; '.join(found)}")
+        return TypeError(f"{self.__name__}: {'; '.join(wrong)}") if wrong else error
+
+
+def _fits(kind, value, is_written):
+    if not isinstance(kind, Array):
+        return kind is bool or isinstance(value, (int, np.integer) if kind is int else (int, float, np.number))
+    if type(value) is not np.ndarray or (value.dtype, value.ndim) != kind:
+        return False
+    return value.flags.c_contiguous and value.flags.aligned and (value.flags.writeable or not is_written)
+
+
+def _wanted(kind, is_written):
+    if not isinstance(kind, Array):
+        return "a number" if kind is float else "a whole number"
+    what = f"a contiguous array of {kind.dtype} with {kind.dimensions} dimensions"
+    return f"{what} that can be written" if is_written else what
 
 
 def entry(function):
     """An Entry whose call is written out for its signature: what it does for each argument would take longer."""
     names = [name for name in function.__annotations__ if name != "return"]
-    kinds = [function.__annotations__[name] for name in names]
-    words = ", ".join(
-        f"id({name})" if isinstance(kind, Array) else name for name, kind in zip(names, kinds, strict=True)
-    )
-    returns = function.__annotations__.get("return")
-    result = f"self.function(self.pack({words}), None)"
+    words = [f"id({name})" if isinstance(function.__annotations__[name], Array) else name for name in names]
+    returns, given = function.__annotations__.get("return"), ", ".join(names)
+    packed = f"self.pack({', '.join(['NDARRAY', *words])})"
     if isinstance(returns, tuple):
         numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
-        lines = ["results = Results()", f"self.function(self.pack({words}), addressof(results))", f"return {numbers}"]
+        lines = ["results = Results()", f"function({packed}, addressof(results))", f"return {numbers}"]
     else:
-        lines = [f"return bool({result})" if returns is bool else f"return {result}"]
-    given = ", ".join(names)
-    text = [f"def call(self, {given}):", "    try:", *(f"        {line}" for line in lines)]
-    text += ["    except TypeError:", f"        raise self.refusal({given}) from None"]
-    scope = {"addressof": ctypes.addressof}
+        lines = [f"return {'bool' if returns is bool else ''}(function({packed}, None))"]
+    text = [
+        f"def call(self, {given}):",
+        "    function = self.function",
+        "    try:",
+        *("        " + line for line in lines),
+    ]
+    text += ["    except (TypeError, StructError) as error:", f"        raise self.refusal(error, {given}) from None"]
+    scope = {"addressof": ctypes.addressof, "StructError": struct.error, "NDARRAY": id(np.ndarray)}
     if isinstance(returns, tuple):
         scope["Results"] = ctypes.c_double * len(returns)
     exec(compile("\n".join(text), f"<call of {function.__qualname__}>", "exec"), scope)

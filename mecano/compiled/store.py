@@ -1,23 +1,28 @@
 """Machine code on the disk, and its functions in memory.
 
 One file for each function, in a folder named by a hash of what the code depends on: all sources that are compiled, the
-processor, and the compiler. A process that finds there what it needs imports neither numba nor the compiler of LLVM.
+processor, the compiler, Python. A process that finds there what it needs imports neither numba nor LLVM's compiler.
 """
 
+import atexit
 import hashlib
 import os
+import secrets
 import shutil
+import sys
 import tempfile
 import time
 import zlib
 from contextlib import suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import llvmlite
 import llvmlite.binding as llvm
 
 COMPILED = ("compiled", "maths", "laws", "constraints", "elements", "model", "solve", "results")
+RECORDS = "contract.py"  # makes the types of records
 UNUSED = 90 * 86400.0  # s after which a folder is removed when a new one is made
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
 
@@ -26,23 +31,31 @@ _kept = []  # what LLVM has loaded, which lives as long as this
 
 @cache
 def folder():
-    """The folder of the store; a temporary one when the usual one cannot be written."""
-    sources = Path(__file__).parent.parent
-    files = sorted(path for part in COMPILED for path in (sources / part).glob("*.py"))
-    depends = [llvmlite.__version__, llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()]
-    key = hashlib.sha256(b"".join(path.read_bytes() for path in files) + " ".join(depends).encode()).hexdigest()[:16]
+    """The folder of the store; one for this process only where the usual one is not there and cannot be made."""
     base = os.environ.get(FOLDER) or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    found = Path(base) / f"mecano-{key}"
-    try:
-        new = not found.exists()
-        found.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=found):
+    found = Path(base).absolute() / f"mecano-{_key()}"
+    if found.is_dir():
+        with suppress(OSError):
             os.utime(found)
+        return found
+    try:
+        found.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return Path(tempfile.mkdtemp(prefix="mecano-"))
-    if new:
-        _remove_old(found.parent)
+        found = Path(tempfile.mkdtemp(prefix="mecano-"))
+        atexit.register(shutil.rmtree, found, ignore_errors=True)
+        return found
+    _remove_old(found.parent)
     return found
+
+
+def _key():
+    """What tells apart the folders of sources, processors, compilers and Pythons."""
+    here = Path(__file__).parent.parent
+    files = [here / RECORDS, *sorted(path for part in COMPILED for path in (here / part).glob("*.py"))]
+    files.append(Path(find_spec("numba").origin).with_name("_version.py"))
+    processor = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    depends = " ".join([llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", ""), *processor])
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files) + depends.encode()).hexdigest()[:16]
 
 
 def _remove_old(base):
@@ -74,22 +87,31 @@ def size():
     return sum(path.stat().st_size for path in folder().iterdir() if path.is_file())
 
 
+def put(path, data):
+    """Make a file that is there as a whole or not at all, whoever else writes it; without one if there is no room."""
+    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    try:
+        own.write_bytes(data)
+        own.replace(path)
+    except OSError:
+        with suppress(OSError):
+            own.unlink()
+
+
 def _read(name):
     """(symbol, machine code), or None when there is none, or not what was written."""
     try:
         head, code = (folder() / f"{name}.o").read_bytes().split(b"\n", 1)
         symbol, check = head.decode().split()
+        return (symbol, code) if int(check) == zlib.crc32(code) else None
     except (OSError, ValueError):
         return None
-    return (symbol, code) if int(check) == zlib.crc32(code) else None
 
 
 def _write(name, symbol, code):
-    """A file that is there as a whole or not at all, whoever else writes it."""
-    with suppress(OSError), tempfile.NamedTemporaryFile(dir=folder(), delete=False) as file:
-        file.write(f"{symbol} {zlib.crc32(code)}\n".encode() + code)
-        file.close()
-        os.replace(file.name, folder() / f"{name}.o")  # a full disk costs the next process time, nothing else
+    """Keep a function, unless the sources have changed since this process has read them."""
+    if folder().name.endswith(_key()):
+        put(folder() / f"{name}.o", f"{symbol} {zlib.crc32(code)}\n".encode() + code)
 
 
 @cache
@@ -102,5 +124,6 @@ def _linker():
 def _load(name, symbol, code):
     """Each function is a library of its own, for compilers in different processes give functions the same symbols."""
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
-    _kept.append(library.link(_linker(), f"{name} {len(_kept)}"))
-    return _kept[-1][symbol]
+    loaded = library.link(_linker(), f"{name} {len(_kept)}")
+    _kept.append(loaded)
+    return loaded[symbol]

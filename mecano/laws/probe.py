@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.compiled.entry import Vector, entry
+from mecano.compiled.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
 from mecano.laws.table import LawTable, evaluate_curve, terms_of
 
@@ -22,10 +22,17 @@ def shape_of_curve(law, low, high):
     places = [TERMS[name].shape(values, low, high) for name, values in terms_of(law)]
     s = np.unique(np.concatenate([np.zeros(0), *places]))
     table = LawTable()
-    start, numbers = table.add(law), table.array()
-    return s, np.array([_evaluate(numbers, start, place) for place in s.tolist()]).reshape(-1, 3)
+    start, values = table.add(law), np.zeros((len(s), 3))
+    _evaluate_all(table.array(), start, s, values)
+    return s, values
 
 
 @entry
 def _evaluate(laws: Vector, start: int, s: float) -> (float, float, float):
     return evaluate_curve(laws, start, s)
+
+
+@entry
+def _evaluate_all(laws: Vector, start: int, s: Vector, values_out: Matrix):
+    for i in range(s.shape[0]):
+        values_out[i, 0], values_out[i, 1], values_out[i, 2] = evaluate_curve(laws, start, s[i])

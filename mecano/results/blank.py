@@ -7,14 +7,13 @@ bytes of such a file are kept beside the compiled code, and a run begins with a 
 import hashlib
 import io
 import os
-import tempfile
 import zlib
 from contextlib import suppress
 
 import h5py
 import numpy as np
 
-from mecano.compiled.store import folder
+from mecano.compiled.store import folder, put
 from mecano.results.disk import new_file
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
 from mecano.results.table import Axes, chunk_shape, create_events, create_numbers, describe, name_axes
@@ -32,7 +31,10 @@ def blank(layout):
     """The bytes of the results file of a Layout without deck, provenance and results."""
     path = folder() / f"{_digest(layout)}.blank"
     try:
-        return zlib.decompress(path.read_bytes())
+        data = zlib.decompress(path.read_bytes())
+        with suppress(OSError):
+            os.utime(path)
+        return data
     except (OSError, zlib.error):  # none yet, or damaged
         data = _made(layout)
         _keep(path, data)
@@ -46,11 +48,9 @@ def _digest(layout):
 
 
 def _keep(path, data):
-    """Put a file there that is whole whoever else writes it, and remove the oldest of many."""
-    with suppress(OSError):  # a full disk costs the next run time, nothing else
-        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-            file.write(zlib.compress(data, 1))
-        os.replace(file.name, path)
+    """Put the file there, and remove those that have not been used for longest."""
+    put(path, zlib.compress(data, 1))
+    with suppress(OSError):
         kept = sorted(path.parent.glob("*.blank"), key=lambda one: one.stat().st_mtime)
         for old in kept[:-MOST_KEPT]:
             old.unlink(missing_ok=True)

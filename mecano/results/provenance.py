@@ -13,7 +13,7 @@ import h5py
 
 import mecano
 
-PACKAGES = ("numpy", "scipy", "numba", "h5py")
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
 
 @dataclass(frozen=True)

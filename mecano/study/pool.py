@@ -16,7 +16,7 @@ from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
 from mecano.study.places import line_in_study
 
 PROGRAM = (sys.executable, "-m", "mecano")
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
 LOOK = 0.2  # s between two looks at memory and time
 GRACE, SHARE = 10.0, 0.1  # s, and share of its time, after which a case that does not end is killed
 END_BY = set(SIGNALS) - {CLOCK}
