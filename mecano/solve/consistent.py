@@ -230,6 +230,13 @@ class Consistent:
         now, next_, last = (self.system.levels(moved(s, i * dt, of))[:, 2] for i in range(3))
         return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
 
+    def turning_rate(self, s):
+        """B (omega x alpha) (n_l,), material, of all rotations of ``s``: see ``GeneralizedAlpha._history``."""
+        of, turning = self.system.numbering, s.copy()
+        at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
+        turning.v[at] += np.cross(s.v[at], s.a[at])
+        return self.system.levels(turning)[:, 1] - self.system.levels(s)[:, 1]
+
 
 def _with(s, v, a):
     out = s.copy()
