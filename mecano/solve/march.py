@@ -197,7 +197,7 @@ class March:
         h, trial, hit = found
         s, history, info = trial
         info.error = self._judged(trial, h)
-        reached = self._powers_before(run, s, h) if self.watch.within_a_mode(hit) else None
+        reached = self._powers_before(run, s, h)
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
@@ -221,7 +221,7 @@ class March:
     def _stepped(self, run, s, history, planned, h, reached=None):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
 
-        ``reached`` are the powers to which the step itself came where they are not those at ``s``. Afterwards the
+        ``reached`` are the powers to which the step itself came where ``s`` has another start of its own. Afterwards the
         outputs of the batches are those of ``s``, which has just been evaluated.
         """
         s.memory = self.system.commit(s)
@@ -247,7 +247,10 @@ class March:
         self.system.observe(s)
 
     def _powers_before(self, run, s, h):
-        """Powers as far as a step of size h came towards an event: consistent accelerations are those behind it."""
+        """Powers as far as a step of size h came towards an event, as the motion had them on the way.
+
+        Consistent accelerations are those behind it where they jump, and begin with none of scalars without inertia.
+        """
         if h <= SHORT * run.h:
             return run.powers
         self._observe(s)
