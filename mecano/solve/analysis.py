@@ -14,6 +14,7 @@ from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
+NEARLY = 0.99  # of the largest: as large
 DENSE_ROWS = 3000  # beyond this many constraints in closed loops, or unknowns, no singular values are computed
 
 
@@ -39,12 +40,18 @@ class Analysis:
     redundant: tuple  # Group
     mechanisms: tuple | None  # Group
     dependent: sp.csr_matrix  # projector on the reactions that take part in a redundancy, see ``_directions``
+    let_go: sp.csr_matrix  # (n_l, n_l): its rows times the reactions vanish, instead of constraints; see ``_repeated``
     complete: bool = True
 
     @property
     def mobility(self):
         """Number of independent motions that the constraints leave."""
         return self.unknowns - self.rank
+
+    @property
+    def released(self):
+        """Constraints (n,) that are let go."""
+        return np.flatnonzero(np.diff(self.let_go.indptr))
 
 
 def analyse(system, s, length):
@@ -54,8 +61,10 @@ def analyse(system, s, length):
     loops, n_l = _in_loops(B, of.group), int(holds.sum())
     loops = loops[holds[loops]]
     if len(loops) > DENSE_ROWS:
-        return Analysis(system.n_q, n_l, n_l, (), None, sp.diags(holds.astype(float), format="csr"), False)
-    projector, deficiency = _left_null_projector(B[loops].toarray())
+        every, none = sp.diags(holds.astype(float), format="csr"), sp.csr_matrix((system.n_l, system.n_l))
+        return Analysis(system.n_q, n_l, n_l, (), None, every, none, False)
+    null = _left_null(B[loops].toarray())
+    projector, deficiency = null @ null.T, null.shape[1]
     names = of.name[system.n_q : system.n]
     redundant = _groups(projector, [names[i] for i in loops])
     rank = n_l - deficiency
@@ -63,8 +72,10 @@ def analyse(system, s, length):
     if system.n_q <= DENSE_ROWS:
         motions = [motion_name(name) for name in of.name[: of.n_q]]
         mechanisms = _groups(_null_projector(B.toarray(), rank), motions)
-    dependent = _directions(system, projector, loops, size)
-    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent)
+    rows, shares, null = _repeated(null, of.of_rates[loops])
+    dependent = _directions(system, null @ null.T, loops, size)
+    let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l)
+    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent, let_go)
 
 
 def gradient(system, s, length):
@@ -121,13 +132,41 @@ def _members(group, tied):
     return [some for some, one in zip(np.split(order, starts[1:]), touched, strict=True) if one]
 
 
-def _left_null_projector(B):
-    """Projector (m, m) on the y with B^T y = 0, and its rank."""
+def _left_null(B):
+    """Orthonormal basis (m, d) of the y with B^T y = 0."""
     if not B.size:
-        return np.eye(B.shape[0]), B.shape[0]
+        return np.eye(B.shape[0])
     U, sigma, _ = np.linalg.svd(B, full_matrices=True)
-    null = U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
-    return null @ null.T, null.shape[1]
+    return U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
+
+
+def _repeated(null, of_rates):
+    """Constraints on velocities that are let go because those on positions imply them (docs/theory.md, section 3).
+
+    They are taken one by one until no redundancy in ``null`` (m, d) is of both kinds; of those that are equally suited
+    the first. Returns their rows (r,); of the projector on the reactions of constraints on velocities that those on
+    positions could balance the same rows (r, m); and the null space (m, d - r) of the others.
+    """
+    rows, balanced = [], np.zeros((len(null), 0))
+    while of_rates.any():
+        _, sigma, Vt = np.linalg.svd(null[~of_rates], full_matrices=False)
+        mixed = null @ Vt[sigma > RANK_TOLERANCE].T
+        mixed[~of_rates] = 0.0
+        size = np.linalg.norm(mixed, axis=1)
+        if size.max() <= SHARE:
+            break
+        row = int(np.argmax(size >= NEARLY * size.max()))
+        rows.append(row)
+        balanced = np.column_stack([balanced, mixed @ mixed[row]])
+        null = null @ np.linalg.svd(null[row : row + 1])[2][1:].T
+    return rows, balanced[rows] @ np.linalg.pinv(balanced), null
+
+
+def _spread(block, rows, cols, n):
+    """The dense ``block`` in a sparse matrix (n, n), without what is rounding."""
+    block = np.where(np.abs(block) < SHARE, 0.0, block)
+    i, j = np.nonzero(block)
+    return sp.csr_matrix((block[i, j], (rows[i], cols[j])), shape=(n, n))
 
 
 def _null_projector(B, rank):

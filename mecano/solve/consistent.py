@@ -74,9 +74,15 @@ class Consistent:
         return x
 
     def _resolve(self, top, bottom):
-        b, x = np.concatenate([top, bottom]), np.zeros(self.system.n)
-        self.linear.resolve(b, x)
-        return x[: self.system.n_q], self.k * x[self.system.n_q :]
+        n_q, x = self.system.n_q, self._solution(top, bottom)
+        if self.compliance is not None and len(self.compliance.released):
+            x = self._solution(top, self.compliance.sharing(self.k, bottom, x[n_q:]))
+        return x[:n_q], self.k * x[n_q:]
+
+    def _solution(self, top, bottom):
+        x = np.zeros(self.system.n)
+        self.linear.resolve(np.concatenate([top, bottom]), x)
+        return x
 
     def change(self, rate):
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""

@@ -181,17 +181,25 @@ class March:
     def _happen(self, run, s, hit, at_once=False):
         """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [Happening], Consistent or None)."""
         if not self.shocks.among(hit):
+            before, compliance, consistent = s.modes, self.method.compliance, None
             s, happenings = self.watch.apply(s, hit)
             self._guard(run, happenings)
-            return run, s, happenings, None
+            if compliance and len(compliance.released) and not np.array_equal(before, s.modes):
+                consistent, compliance, redundant = self.shocks.consistent(s, compliance)
+                self._soften(compliance, s.t, happenings, redundant)
+            return replace(run, compliance=compliance), s, happenings, consistent
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.strike(s, hit, self.method.compliance, run.h, at_once)
         self._guard(run, shock.happenings)
-        if shock.compliance is not self.method.compliance:
-            self.method.use(shock.compliance)
-            self.remarks += [_redundant(s.t, shock.happenings, group) for group in shock.redundant]
+        self._soften(shock.compliance, s.t, shock.happenings, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
+
+    def _soften(self, compliance, t, happenings, redundant):
+        """Use a ``compliance`` that may be new, and keep what is to be told of the ``redundant`` Groups."""
+        if compliance is not self.method.compliance:
+            self.method.use(compliance)
+        self.remarks += [_redundant(t, happenings, group) for group in redundant]
 
     def _accept_event(self, run, found, rejected):
         h, trial, hit = found
@@ -221,7 +229,7 @@ class March:
     def _stepped(self, run, s, history, planned, h, reached=None):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
 
-        ``reached`` are the powers to which the step itself came where ``s`` has another start of its own. Afterwards the
+        ``reached`` are the powers to which the step itself came where ``s`` is a start of its own. Afterwards the
         outputs of the batches are those of ``s``, which has just been evaluated.
         """
         s.memory = self.system.commit(s)
