@@ -18,7 +18,7 @@ import numpy as np
 from mecano.errors import AssemblyError
 from mecano.model.conduct import direct
 from mecano.model.loops import residual
-from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
@@ -231,12 +231,15 @@ class GeneralizedAlpha:
     def _contradiction(self, s, h, rates, share):
         """Text on a constraint let go whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds, or none."""
         of, rows = self.system.numbering, self._released
-        slip = np.abs(rates[rows]) / np.where(of.kind[of.n_q + rows] == LENGTH_CONSTRAINT, self.length, 1.0)
+        kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
+        speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
+        linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
+        slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
         worst = int(np.argmax(slip))
-        if slip[worst] <= share * max(self._size(s.v[: of.n_q]) + h * self._size(s.a[: of.n_q]), CREEPING):
+        if slip[worst] <= share:
             return ""
         row = of.n_q + rows[worst]
-        amount = f"{rates[rows[worst]]:.3g} {'m/s' if of.kind[row] == LENGTH_CONSTRAINT else 'rad/s'}"
+        amount = f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}"
         return f"constraints contradict one another: those on positions leave a slip of {amount} to {of.name[row]}"
 
     def _lag(self, h, a0, a):
