@@ -6,7 +6,7 @@ import sys
 import time
 from textwrap import wrap
 
-from mecano import compiled_before
+from mecano.model.loops import compiled_before
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar

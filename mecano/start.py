@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from mecano.statics import equilibrium
-
 NOTICEABLE = 0.1  # of the length scale
 
 
@@ -15,6 +13,8 @@ def bring_to_start(prepared, disturbed=True):
     """
     initial = prepared.deck.values["initial"]
     if initial["static"]:
+        from mecano.statics import equilibrium  # which other decks need not wait for
+
         return equilibrium(prepared)
     if not initial["steady"]:
         return ()

@@ -23,7 +23,9 @@ from mecano.sweep_text import lines
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
+ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not in a name
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
+STEADY = 1e-6  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
 
 
@@ -73,6 +75,12 @@ class Locus:
     growth: np.ndarray  # (n,) largest real part [1/s]; nan where nothing was found
     count: np.ndarray  # (n,) how many branches grow; -1 where nothing was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue of the largest real part
+    variation: np.ndarray  # (n,) that of a Linearization; 0 where nothing was found
+
+    def of_instant(self, found):
+        """True where a Critical lies between states that are not steady, so that its modes are those of an instant."""
+        i = int(np.searchsorted(self.axis.values, found.place))
+        return bool(self.variation[max(i - 1, 0) : i + 1].max() > STEADY)
 
 
 @dataclass
@@ -95,7 +103,7 @@ class Case:
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    remarks: dict = field(default_factory=dict)  # text -> in how many states
+    remarks: dict = field(default_factory=dict)  # text without numbers -> (first text, in how many states)
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # largest of all states, as that of a Linearization
@@ -106,8 +114,10 @@ class Case:
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
     def remark(self, text):
-        """Note a text, once more where it is known."""
-        self.remarks[text] = self.remarks.get(text, 0) + 1
+        """Note a text, once more where it is known but for its numbers."""
+        key = ALONE.sub("#", text)
+        first, count = self.remarks.get(key, (text, 0))
+        self.remarks[key] = first, count + 1
 
     def fail(self, error):
         """Note the error of a state."""
@@ -115,7 +125,7 @@ class Case:
         self.remark(str(error).partition("\n")[0])
 
     def spectrum(self, settings):
-        """(Spectrum, words(shape) -> text) of a state."""
+        """(Spectrum, words(shape) -> text, variation) of a state."""
         base = about(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
@@ -131,7 +141,7 @@ class Case:
         def motion(shape):
             return words(system, base.state, (shape / lin.root).real, length, inertial=True, most=2)
 
-        return Spectrum.of(found, lin.root), motion
+        return Spectrum.of(found, lin.root), motion, lin.variation
 
 
 def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
@@ -155,27 +165,29 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
         found.append(_locus(case, first, other, told))
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
-    remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in case.remarks.items()]
+    told = case.remarks.values()
+    remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in told]
     return Sweep(axes, found, [*remarks, *doubts(case.variation, case.residual)], case.about, deck)
 
 
 def _locus(case, axis, other, told):
     """The Locus over ``axis`` with the other numbers set."""
-    spectra, motions = [], []
+    spectra, motions, variations = [], [], []
     for i, value in enumerate(axis.values):
         settings = (*other, (axis.path, float(value)))
         try:
-            spectrum, motion = case.spectrum(settings)
+            spectrum, motion, variation = case.spectrum(settings)
         except FAILED as error:
-            spectrum, motion = None, None
+            spectrum, motion, variation = None, None, 0.0
             case.fail(error)
         spectra.append(spectrum)
         motions.append(motion)
+        variations.append(variation)
         told(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
     found = _criticals(case, axis, other, rows, spectra)
-    return Locus(axis, values, described, found, *_growth(spectra))
+    return Locus(axis, values, described, found, *_growth(spectra), np.array(variations))
 
 
 def _described(row, spectra, motions):

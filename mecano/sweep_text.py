@@ -50,7 +50,11 @@ def _critical(name, locus):
     for c in locus.critical:
         what = f"oscillates at {c.value.imag / (2 * np.pi):.6g} Hz" if c.value.imag else "diverges"
         side = "above" if c.destabilizes else "below"
-        yield f"critical {name} {c.place:.11g}: mode {c.branch + 1} ({what}) grows {side} it"
+        grows = f"mode {c.branch + 1} ({what}) grows {side} it"
+        if locus.of_instant(c):
+            yield f"critical {name} about {c.place:.3g}: {grows}, of an instant only: the states there are not steady"
+        else:
+            yield f"critical {name} {c.place:.11g}: {grows}"
 
 
 def _stretches(axis, locus):

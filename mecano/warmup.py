@@ -3,10 +3,10 @@
 import os
 import tempfile
 from importlib import import_module
-from pathlib import Path
 from pkgutil import iter_modules
 
 from mecano import constraints, elements
+from mecano.compiled import store
 from mecano.contract import Kind
 from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
@@ -24,7 +24,7 @@ def warmup(decks=(), overrides=()):
 
     Raises what reading and running a deck raises.
     """
-    before = _size()
+    before = store.size()
     if decks:
         for path in decks:
             yield f"running the beginning of {path}"
@@ -37,8 +37,8 @@ def warmup(decks=(), overrides=()):
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
             _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
-    after = _size()
-    yield f"compiled code is in {os.environ['NUMBA_CACHE_DIR']}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
+    after = store.size()
+    yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
 
 
 def all_kinds():
@@ -75,8 +75,3 @@ def _begin(deck):
     _compile(batch.kind for batch in prepare(deck).system.batches)
     with tempfile.TemporaryDirectory() as folder:
         (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))
-
-
-def _size():
-    """Bytes of compiled code on the disk."""
-    return sum(path.stat().st_size for path in Path(os.environ["NUMBA_CACHE_DIR"]).rglob("*") if path.is_file())

@@ -8,6 +8,10 @@ import os
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
+from mecano.compiled.store import folder  # noqa: E402
+
+os.environ["NUMBA_CACHE_DIR"] = str(folder() / "tests")  # of functions that only tests call, see instances.py
+
 import pytest  # noqa: E402
 
 

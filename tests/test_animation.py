@@ -17,11 +17,12 @@ from mecano.results.reader import open_results
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """A flexible pendulum in four beams, and a wheel that drops."""
+    """A flexible pendulum in four beams, a wheel that drops, a cable without area."""
     folder = tmp_path_factory.mktemp("played")
     for name, *overrides in (
         ("flexible_pendulum", "time.end=0.3", "elements.rod.mesh=4"),
         ("wheel_drop", "time.end=0.2"),
+        ("winder", "time.end=0.2"),
     ):
         command = ("run", INPUTS / f"{name}.yaml", "-q", "-o", folder / f"{name}.h5", *settings(*overrides))
         assert mecano_process(*command)[0] == 0
@@ -59,6 +60,13 @@ def test_a_wheel_has_its_ground_and_its_events(results):
     assert len(data["grounds"]) == 3 and len(data["plots"]) == 1 and data["plots"][0]["unit"] == "N"
     assert any("touch down" in text for _, text in data["events"])
     assert len(floats(data["times"])) <= MOST_FRAMES and page.stat().st_size < 500_000
+
+
+def test_what_is_zero_throughout_colours_nothing(results):
+    """A cable without area has the stress zero: its page begins with its tension."""
+    data = data_of(animate(results / "winder.h5", results / "winder.html"))
+    assert [q[:2] for q in data["quantities"]] == [["axial force", "N"]]
+    assert [list(shape["colours"]) for shape in data["shapes"]] == [["axial force"], [], []]
 
 
 def test_what_cannot_be_played_is_told(results, tmp_path):

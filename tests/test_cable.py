@@ -94,7 +94,7 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
     for step in (2e-3, 1e-3):
         march = March(deck(BOUNCE.format(length=1.2, damping=damping, step=step)))
         tension, strain = march["elements/rope/tension"], march["elements/rope/strain"]
-        assert tension.min() >= -1e-6 * tension.max()
+        assert tension.min() == 0.0
         assert {h.name for h in march.happenings} == {"goes taut", "goes slack"}
         left = strain[[np.argmin(np.abs(march.time - h.t)) for h in march.happenings if h.name == "goes slack"]]
         assert left[0] > 1e-4  # slack while longer than natural

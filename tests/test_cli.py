@@ -37,8 +37,8 @@ output: {every: 0.01}
 """
 NEVER_ENDING = ("--set", "time.end=1e5", "--set", "output.every=0.002")
 TRIES = 8  # of a limit on the processor time, which other processes lengthen
-LIBRARIES = ("numpy", "numba", "scipy.sparse", "h5py", "yaml", "click")
-HEAVY = ("numpy", "scipy", "numba", "h5py", "matplotlib", "yaml")
+LIBRARIES = ("numpy", "llvmlite.binding", "h5py", "yaml", "click")
+HEAVY = ("numpy", "scipy", "llvmlite", "numba", "h5py", "matplotlib", "yaml")
 
 
 @pytest.fixture
@@ -155,6 +155,13 @@ class TestRun:
                 break
         else:
             raise AssertionError(times)
+
+    def test_a_warm_one_imports_neither_compiler_nor_scipy(self, call, folder):
+        call("run", "deck.yaml", "-q", "-o", "cold.h5")  # compiles, if need be
+        code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
+        command = [sys.executable, "-c", code, "run", "deck.yaml", "-q"]
+        loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+        assert "mecano.solve.march" in loaded and not {"numba", "scipy", "matplotlib"} & set(loaded)
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")

@@ -78,6 +78,22 @@ def test_a_file_beside_the_results_which_is_not_overwritten(own):
         export(own, own.with_suffix(".csv").rename(own.with_suffix(".vtkhdf")), force=True)
 
 
+def test_an_ending_that_is_left_out_is_added(path, tmp_path):
+    assert export(path, tmp_path / "cells", vtk=True) == tmp_path / "cells.vtkhdf"
+    assert export(path, tmp_path / "columns", series=["one_hinge.angle"]) == tmp_path / "columns.csv"
+    with h5py.File(tmp_path / "cells.vtkhdf") as file:
+        assert "VTKHDF" in file
+
+
+def test_all_columns_of_the_solver_history(path, tmp_path):
+    header, _ = table(export(path, tmp_path / "solver.csv", series=["solver.*"]))
+    with open_results(path) as results:
+        names = [f"solver.{name}" for name in results.step_columns]
+    assert [name.partition(" [")[0] for name in header] == ["solver.time", *names] and len(names) > 5
+    with pytest.raises(UsageError, match=r"no column 'step_\*x' in the solver history; "):
+        export(path, tmp_path / "a.csv", series=["solver.step_*x"])
+
+
 def test_what_cannot_be_exported_is_told(path, tmp_path):
     for options in ({"output": tmp_path / "a.txt"}, {"vtk": True, "output": tmp_path / "a.csv"}):
         with pytest.raises(UsageError, match=".vtkhdf"):

@@ -198,7 +198,7 @@ def test_what_cannot_be_is_refused():
     none = dict.fromkeys(FORMS)
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
-    assert "no 'lateral' law" in check_lateral(None)[0]
+    assert "'tire_law.lateral' is missing" in check_lateral(None)[0]
     assert "one of" in check_lateral(none)[0]
     assert "grow in the air" in check_lateral({**none, "matrices": grows})[0]
     assert "singular" in check_lateral({**none, "matrices": singular})[0]

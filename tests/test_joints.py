@@ -243,7 +243,8 @@ def test_multipliers_of_a_hinge_are_moments(row, axis):
     q[6] = 5.0
     matrices = [np.zeros((7, 7)) for _ in range(3)]
     rotations = np.array([node[1] for node in nodes])
-    part.kind.force(p[0], np.zeros(0), 0, 0.0, 1.0, 0.0, np.zeros(1), q, 0 * q, 0 * q, rotations, f, *matrices)
+    record = p.view(np.recarray)[0]
+    part.kind.force(record, np.zeros(0), 0, 0.0, 1.0, 0.0, np.zeros(1), q, 0 * q, 0 * q, rotations, f, *matrices)
     expected = (5.0, -5.0)[row] * triad((1, 2, 3))[axis]
     close(R @ -f[3:6], expected)
     close(-f[0:3], -expected)

@@ -216,6 +216,16 @@ def test_many_events_at_once_do_not_become_bars(tmp_path):
     assert 2 <= len(upright) <= 4
 
 
+def test_very_many_events_leave_the_panel_free(tmp_path):
+    """Hundreds of lines would grey it: they end just above the axis, and are no denser than can be seen."""
+    events = tuple((0.01 * i, "touch_down") for i in range(1, 200))
+    runs = open_runs([every_kind.write(tmp_path / "rug.h5", events=events)])
+    wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
+    drawn = figure.sheet_figure(wheels, "title")
+    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
+
+
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
     """Panels are as high with six elements and a named event each as with one element and none."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")

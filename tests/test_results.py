@@ -13,6 +13,7 @@ import pytest
 import results_samples as samples
 
 from mecano.errors import ResultsError, UnknownNameError
+from mecano.results import blank
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import Source, lives
@@ -318,6 +319,25 @@ def test_a_state_comes_back_bit_for_bit(tmp_path):
 def test_states_that_cannot_be_saved(tmp_path, state, error):
     with h5py.File(tmp_path / "s.h5", "w") as file, pytest.raises(error):
         save_state(file, "0", state)
+
+
+def test_runs_of_one_layout_begin_with_a_copy(tmp_path, monkeypatch):
+    """Kept bytes that were damaged are made anew, to the same file; of many layouts the last are kept."""
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    monkeypatch.setattr(blank, "folder", lambda: kept)
+    monkeypatch.setattr(blank, "MOST_KEPT", 2)
+    layouts = [Layout([Series(f"elements/e{i}/force", "N", "force", (3,))]) for i in range(4)]
+    first = blank.blank(layouts[0])
+    assert [path.read_bytes() for path in kept.iterdir()] != [first] and blank.blank(layouts[0]) == first
+    (path,) = kept.iterdir()
+    path.write_bytes(path.read_bytes()[:-9])
+    assert blank.blank(layouts[0]) == first and blank.blank(layouts[0]) == first
+    for layout in layouts[1:]:
+        assert blank.blank(layout) != first
+    assert len(list(kept.iterdir())) == 2
+    monkeypatch.setattr(blank, "folder", lambda: tmp_path / "not there")
+    assert blank.blank(layouts[0]) == first
 
 
 def test_many_series_have_no_views_but_are_read(tmp_path):

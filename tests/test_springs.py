@@ -36,23 +36,27 @@ class One:
     def force(self, q, v, R, t=0.0):
         n = self.kind.n_local
         f, K, C, M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
-        self.kind.force(self.p[0], self.memory, 0, t, 1.0, 0.0, self.laws, q, v, np.zeros(n), R, f, K, C, M)
+        self.kind.force(
+            self.p.view(np.recarray)[0], self.memory, 0, t, 1.0, 0.0, self.laws, q, v, np.zeros(n), R, f, K, C, M
+        )
         return f, K, C
 
     def observe(self, q, v, R, t=0.0):
         n, y, e = self.kind.n_local, np.zeros(9), np.zeros(4)
         a, F = np.zeros(n), np.zeros(n)
-        self.kind.observe(self.p[0], self.memory, 0, t, self.laws, q, v, a, R, F, y, e)
+        self.kind.observe(self.p.view(np.recarray)[0], self.memory, 0, t, self.laws, q, v, a, R, F, y, e)
         return y, e
 
     def events(self, q, R):
         g, zero = np.zeros(4), np.zeros(self.kind.n_local)
-        self.kind.event_values(self.p[0], self.memory, 0, 0.0, self.laws, q, zero, zero, R, g)
+        self.kind.event_values(self.p.view(np.recarray)[0], self.memory, 0, 0.0, self.laws, q, zero, zero, R, g)
         return g
 
     def commit(self, R):
         zero = np.zeros(self.kind.n_local)
-        self.kind.commit(self.p[0], self.memory.copy(), 0, 0.0, self.laws, zero, zero, zero, R, self.memory)
+        self.kind.commit(
+            self.p.view(np.recarray)[0], self.memory.copy(), 0, 0.0, self.laws, zero, zero, zero, R, self.memory
+        )
 
 
 def at(*positions):

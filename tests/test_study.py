@@ -17,7 +17,9 @@ from marching import INPUTS
 from process import COMMAND, mecano_process, settings
 
 from mecano.cli import commands
+from mecano.compiled import store
 from mecano.deck.format import deck_error_text
+from mecano.deck.read import read_deck
 from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
 from mecano.post.pictures import post
@@ -28,6 +30,7 @@ from mecano.study.perform import due
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
+from mecano.study.units import units_of
 from mecano.warmup import all_kinds, warmup
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
@@ -136,10 +139,75 @@ def test_what_is_no_study(folder, head, message):
     assert message in deck_error_text(info.value)
 
 
+@pytest.mark.parametrize(
+    "path,unit",
+    [
+        ("time.end", "s"), ("time.adaptive.tolerance", ""), ("time.method", ""), ("gravity.2", "m/s2"),
+        ("nodes.ball.position.0", "m"), ("elements.ball.mass", "kg"), ("initial.velocities.0.velocity.1", "m/s"),
+        ("output.every", "s"), ("parameters.speed", "m/s"), ("parameters.turn", ""),
+        ("tire_laws.tyre.friction_by_speed.exponential.start", ""), ("tire_laws.tyre.radial.linear.slope", ""),
+        ("tire_laws.tyre.radial.linear.offset", "N"), ("laws.any.constant.value", ""),
+        ("loads.push.value.sine.phase", "rad"),
+    ],
+)  # fmt: skip
+def test_units_of_what_is_varied(folder, path, unit):
+    """Those that are declared, of a parameter the one it is written with, in SI; none where it hangs on the use."""
+    text = BALL.replace("speed: 10", "speed: 36 km/h, turn: 3") + dedent("""\
+        laws: {any: 3}
+        tire_laws: {tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}}
+        loads: {push: {type: force, node: ball, direction: [1, 0, 0], value: {sine: {amplitude: 1, frequency: 2}}}}
+        """)
+    (folder / "deck.yaml").write_text(text)
+    found = study(folder, f"grid: {{{path}: [1, 2]}}")
+    assert units_of(found, read_deck("deck.yaml")) == {path: unit}
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "grid: {parameters.speed: {from: 36 km/h, to: 20 m/s, number: 2}}",
+        "latin_hypercube: {ranges: {parameters.speed: [36 km/h, 20 m/s]}, number: 2}",
+        "list: [{parameters.speed: 10}, {parameters.speed: 36 km/h}]",
+        "csv: rows.csv",
+    ],
+)
+def test_units_of_parameters_are_those_of_the_cases(folder, way):
+    (folder / "rows.csv").write_text("parameters.speed\n10\n36 km/h\n")
+    assert units_of(study(folder, way), read_deck("deck.yaml")) == {"parameters.speed": "m/s"}
+
+
 class TestDecks:
     def test_a_value_that_no_deck_has_is_refused(self, folder):
         with pytest.raises(DeckError, match="unknown key 'time.stop'"):
             try_deck(study(folder, "grid: {time.stop: [1, 2, 3]}"))
+
+    @pytest.mark.parametrize(
+        "text,place,message",
+        [
+            ("set: {elements.ball.mass: -1}\ngrid: {time.end: [1]}", "study.yaml:3:27", "'mass' must be greater than"),
+            ("grid: {elements.ball.mass: [-1, -2]}", "study.yaml:3:29", "'mass' must be greater than"),
+            ("grid: {elements.ball.mas: [1, 2]}", "study.yaml:3:8", "unknown key 'mas'"),
+            ("grid: {time.end: {from: -2, to: -1, number: 3}}", "study.yaml:3:18", "'end' must be later than 'start'"),
+            ("list: [{time.end: 1,\n  elements.ball.mass: 2 s}]", "study.yaml:4:23", "a mass [kg] is expected"),
+            ("csv: rows.csv", "rows.csv:2:1", "'mass' must be greater than"),
+            ("latin_hypercube: {ranges: {time.step: [-2, -1]}, number: 3}", "study.yaml:3:39", "'time.step' must be"),
+            ("seeds: {path: elements.ball.mass, number: 1, first: 0}", "study.yaml:3:15", "'mass' must be greater"),
+        ],
+        ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds"],
+    )  # fmt: skip
+    def test_a_value_that_no_deck_can_have_is_told_where_it_stands(self, folder, text, place, message):
+        (folder / "rows.csv").write_text("time.end, elements.ball.mass\n1, -3\n")
+        with pytest.raises(DeckError) as error:
+            try_deck(study(folder, text))
+        told = deck_error_text(error.value)
+        assert told.startswith(f"{place}: ") and message in told and "--set" not in told, told
+
+    def test_a_deck_that_is_wrong_with_a_value_says_of_which_case(self, folder):
+        (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: $speed"))
+        with pytest.raises(DeckError) as error:
+            try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
+        told = deck_error_text(error.value)
+        assert re.match("deck.yaml:6:.*got -1.* as of case 1 of the study \\(parameters.speed = -1\\)", told), told
 
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
@@ -206,7 +274,7 @@ def test_a_study_from_its_beginning_to_its_table(folder):
         """))  # fmt: skip
     code, out, err = mecano_process("sweep", "study.yaml", "--plot")
     assert code == 3 and "4 cases: 3 complete, 1 failed" in out and "not all cases are complete: 1 failed" in err
-    assert "1 x exit code 2: --set elements.ball.mass" in out and "'mass' must be greater than zero" in out
+    assert "1 x exit code 2: study.yaml:7:" in out and "'mass' must be greater than zero" in out
     table = read_table("study_runs/table.h5")
     assert table.title == "Throws" and table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
     assert table["parameters/parameters.speed"].tolist() == [10.0, 20.0, 10.0, 30.0]
@@ -219,6 +287,8 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     assert all(table["case/processor_time"] > 0.1) and table["case/exit_code"].tolist() == [0, 2, 0, 0]
     with open("study_runs/table.csv") as file:
         rows = list(csv.DictReader(file))
+    assert [row["parameters.speed [m/s]"] for row in rows] == ["10", "20", "10", "30"]  # one case says 36 km/h
+    assert [row["elements.ball.mass [kg]"] for row in rows] == ["1", "-1", "2", "1"]
     assert [row["way [m]"] for row in rows] == [repr(float(x)) if x == x else "" for x in table["outputs/way"]]
     assert (folder / "study_runs" / "table.png").stat().st_size > 10_000
     before = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("*.h5")}
@@ -326,16 +396,16 @@ def test_the_study_of_the_page(folder):
 def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     assert {kind.name for kind in all_kinds()} > set(KINDS)
     told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
-    assert told[0] == "running the beginning of deck.yaml" and os.environ["NUMBA_CACHE_DIR"] in told[-1]
+    assert told[0] == "running the beginning of deck.yaml" and str(store.folder()) in told[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
 
 
 @pytest.mark.slow
 def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
     """Of a deck that it does not contain; some 6 minutes of processor time."""
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    environment = {**os.environ, "MECANO_CACHE_DIR": str(tmp_path / "cache")}
     subprocess.run([*COMMAND, "warmup"], env=environment, check=True)
-    before = sorted((tmp_path / "cache").rglob("*.nb?"))
+    before = sorted((tmp_path / "cache").rglob("*.o"))
     deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
     subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
-    assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.nb?")) == before
+    assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.o")) == before

@@ -15,6 +15,7 @@ from marching import INPUTS, deck, input_deck
 
 from mecano.errors import ConvergenceError, UsageError
 from mecano.modes_run import about
+from mecano.post.loci import real_range
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.tracking import Spectrum, loci, track
@@ -234,6 +235,34 @@ def test_map_files_and_pictures(tmp_path):
     assert (tmp_path / "map.png").stat().st_size > 20_000
 
 
+def test_critical_values_about_a_start_that_is_kicked(tmp_path):
+    """The arm swings at 0.1 rad/s: no mode runs steadily, and one of 1e-5 /s more or less even seems to be born."""
+    kick = ("initial={velocities: [{nodes: all, velocity: [$speed, 0, 0]}, {nodes: [hub], angular_velocity: "
+            "[0, '$speed/0.3', 0]}, {nodes: [arm], angular_velocity: [0, 0, 0.1]}]}")  # fmt: skip
+    path = tmp_path / "kicked.h5"
+    text, _ = sweep_into(path, INPUTS / "caster_shimmy.yaml", (kick,), ["speed=40:60:20"])
+    lines = [line for line in text.splitlines() if line.startswith("critical")]
+    assert lines[-1] == (
+        "critical speed about 50.4: mode 2 (oscillates at 11.6543 Hz) grows below it, of an instant only: the states "
+        "there are not steady"
+    )
+    assert text.count("do not fit the constraints") == 1  # told once, not of each speed with its numbers
+    file = read_sweep(path)
+    assert np.all(file.critical["of_instant"] == 1.0)
+    with h5py.File(path, "a") as older:
+        del older["critical/of_instant"]
+    assert [p.name for p in post([path])] == ["kicked.png"]
+
+
+def test_pictures_show_what_is_near_the_limit_of_stability():
+    """A mode that grows by 0.5 /s beside one that decays by 2000 /s: both cannot be seen on one axis."""
+    real = np.array([[-0.3, 0.1, 0.5], [-40.0, -60.0, -2000.0], [-1.0, -2.0, -3.0]])
+    imaginary = np.array([[10.0, 11.0, 12.0], [0.0, 0.0, 900.0], [30.0, 30.0, 30.0]])
+    size = np.hypot(real, imaginary)
+    low, high, beyond = real_range({"real_part": real, "imaginary_part": imaginary, "damping_ratio": -real / size})
+    assert -10.0 < low < -3.0 and 0.5 < high < 0.8 and beyond == [1]
+
+
 def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     from mecano.cli import commands
 
@@ -258,7 +287,8 @@ def test_states_that_are_not_found_are_left_out(tmp_path):
     tow = "joints.tow.value={linear: {slope: 20}}"
     found = sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,20,30"])
     np.testing.assert_array_equal(found.loci[0].count, [-1, 1, -1])
-    assert sum("no straight steady running" in text for text in found.remarks) == 2
+    [told] = [text for text in found.remarks if "no straight steady running" in text]
+    assert told.endswith("(in 2 of the states)")
     with pytest.raises(ConvergenceError, match="it would not fulfil"):
         sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
 

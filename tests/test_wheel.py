@@ -354,7 +354,7 @@ def test_check_names_what_cannot_be():
         ({**good, "ground": ground_of(UP, SINE, direction=(0, 0, 2))}, node, "along the normal"),
         (changed(good, "tire_law", radial=preload), node, "it is 50 N"),
         (changed(good, "tire_law", radial=-1e5), node, "must be zero at zero"),
-        (changed(good, "tire_law", friction=-0.1), node, "friction must not be negative"),
+        (changed(good, "tire_law", friction=-0.1), node, "friction' must not be negative"),
     )
     for values, nodes, text in cases:
         assert any(text in line for line in WHEEL.check(values, nodes)), text

@@ -70,7 +70,7 @@ def _refuse_strays(results, **given):
 
 @click.command()
 @click.argument("results", type=click.Path())
-@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf.")
+@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf (added if left out).")
 @click.option("--series", multiple=True, metavar="NAME", help="Only this one, or those of a pattern; may be repeated.")
 @click.option("--vtk", is_flag=True, help="Cells and points for ParaView instead; without -o into RESULTS itself.")
 @click.option("--force", is_flag=True, help="Replace what exists.")

@@ -45,6 +45,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     from mecano.study.folder import Folder
     from mecano.study.pool import Limits
     from mecano.study.read import read_study, try_deck
+    from mecano.study.units import units_of
 
     limits = Limits(seconds(time_limit) if time_limit else None, memory_limit and memory_limit * 10**6)
     checked = read_study(study)
@@ -52,8 +53,9 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     if number is not None:
         sys.exit(perform.one_case(folder, number, limits))
     deck = try_deck(checked)
+    units = units_of(checked, deck)
     if only_table:
-        return _finish(perform.collect(folder), plot)
+        return _finish(perform.collect(folder, units), plot)
     cases = perform.due(folder, resume=resume, failed=again == "failed", force=force)
     if executor == "slurm" and cases:
         from mecano.study.slurm import submit
@@ -61,7 +63,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
         show(submit(folder, cases, limits, shlex.split(options), wait))
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
-        return _finish(perform.collect(folder), plot)
+        return _finish(perform.collect(folder, units), plot)
     from mecano.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
@@ -69,7 +71,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     progress.compiling(deck.kinds)
     if cases:
         perform.compile_first(deck)
-    table = perform.perform(folder, cases, run_cases, progress)
+    table = perform.perform(folder, units, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)
 

@@ -1,7 +1,6 @@
 """Latch and stops of the angle between two nodes about an axis that both carry, over any turns."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.end_stops import LATCH_RECORD, STOP_RECORD, end_fields, end_parts, latch_kind, stop_kind
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.relative_angle import MULTIPLIER, angle_levels, hold_angle
@@ -14,17 +13,17 @@ LAYOUT = ("R0", "R1")
 ANGLE_END_FIELDS = end_fields("angle", "rad")
 
 
-@njit
+@kernel
 def _angle(p, m, q, v, R):
     return followed(p, m, q, v, R)[0]
 
 
-@njit
+@kernel
 def _hold(p, sign, wanted, k, penalty, q, R, f, K):
     hold_angle(sign, mat(p.mu), mat(p.xi), wanted, k, penalty, q, R, f, K)
 
 
-@njit
+@kernel
 def _levels(p, sign, wanted, q, v, a, R, g):
     angle_levels(sign, mat(p.mu), mat(p.xi), (wanted, 0.0, 0.0), v, a, R, g)
 

@@ -7,12 +7,11 @@ equations (12)-(14) of Cardona, Geradin & Doan 1991):
            K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import add_col, add_mat, add_row, add_vec, outer
 
 
-@njit
+@kernel
 def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
     """Add one constraint without its curvature; return g = penalty Phi - k lambda [N, N m].
 
@@ -30,7 +29,7 @@ def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
     return g
 
 
-@njit
+@kernel
 def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
     """Add to a constraint of ``add_constraint``, which returned g, its part by one more unknown, at the index ``at``.
 
@@ -45,14 +44,14 @@ def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
         add_row(K, at, i, penalty * slope, b)
 
 
-@njit
+@kernel
 def let_go(f, K, row, k, multiplier):
     """One constraint that does not hold in the present mode: no reaction. Its levels are not written."""
     f[row] -= multiplier
     K[row, row] -= k
 
 
-@njit
+@kernel
 def put_levels(g, row, Phi, rate, second_rate):
     """Write the three levels of one constraint."""
     g[row, 0] = Phi

@@ -4,8 +4,7 @@ The coordinate c has gradients b_i by local unknowns of the element and a rate, 
 P(c - natural, dc/dt), which adds P b_i to the forces: P > 0 drives the coordinate back.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import add_blocks
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output
@@ -15,7 +14,7 @@ from mecano.maths.vec import add, add_mat, add_vec, outer, scale, tmul
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": ()}
 
 
-@njit
+@kernel
 def add_along(f, K, C, P, P_c, P_rate, blocks):
     """Add the force P [N, N m] along a coordinate, with its derivatives by coordinate and rate.
 
@@ -28,7 +27,7 @@ def add_along(f, K, C, P, P_c, P_rate, blocks):
             add_mat(C, i, j, P_rate, outer(b, c))
 
 
-@njit
+@kernel
 def turning_blocks(i, j, gradient, H, omega_0, omega_1):
     """Blocks for ``add_along`` of a coordinate of two rotations at i, j, given its gradients and their derivatives."""
     r_0 = add(tmul(H[0][0], omega_0), tmul(H[1][0], omega_1))
@@ -36,14 +35,14 @@ def turning_blocks(i, j, gradient, H, omega_0, omega_1):
     return (i, gradient[0], r_0), (j, gradient[1], r_1)
 
 
-@njit
+@kernel
 def add_turning(f, K, C, P, P_c, P_rate, gradient, H, omega_0, omega_1):
     """``add_along`` with the derivative of b, for a coordinate of the rotations of two nodes, local unknowns R0, R1."""
     add_along(f, K, C, P, P_c, P_rate, turning_blocks(0, 3, gradient, H, omega_0, omega_1))
     add_blocks(K, 0, 3, P, H)
 
 
-@njit
+@kernel
 def report(p, laws, coordinate, rate, y, e):
     """Write the force of the law to y[0], potential energy and dissipated power to e."""
     P, _, _ = evaluate_force(laws, p.law, coordinate - p.natural, rate)
@@ -59,16 +58,16 @@ def law_kind(name, doc, dtype, layout, force, coordinate, memory=()):
     Its unit is that of a force when the layout has positions; with ``memory`` the value is followed.
     """
 
-    @njit
+    @kernel
     def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         c, rate = coordinate(p, m, q, v, R)
         report(p, laws, c, rate, y, e)
 
-    @njit
+    @kernel
     def event_values(p, m, mode, t, laws, q, v, a, R, g):
         put_stop_events(g, p.low, p.high, coordinate(p, m, q, v, R)[0] - p.natural)
 
-    @njit
+    @kernel
     def commit(p, m, mode, t, laws, q, v, a, R, m_out):
         m_out[0] = coordinate(p, m, q, v, R)[0]
 

@@ -3,8 +3,7 @@
 Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, turned
 from mecano.constraints.slide import slide
 from mecano.contract import Output
@@ -22,27 +21,27 @@ MOMENT = Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 a
 REACTIONS = (Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)), MOMENT)
 
 
-@njit
+@kernel
 def angle_in_turn(p, v, R):
     """Angle about the axis, in (-pi, pi] [rad], and its rate [rad/s]."""
     return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
 
 
-@njit
+@kernel
 def put_turning(p, m, v, R, y, i):
     """Write ``TURNING`` from y[i] on; the memory tells which turn it is."""
     angle, y[i + 1] = angle_in_turn(p, v, R)
     y[i] = follow(m[0], angle)
 
 
-@njit
+@kernel
 def put_sliding(p, q, v, R, y, i):
     """Write ``SLIDING`` from y[i] on."""
     along, y[i + 1] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
     y[i] = along - p.start[2]
 
 
-@njit
+@kernel
 def follow_turning(p, m, mode, t, laws, q, v, a, R, m_out):
     """Follow the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
     m_out[0] = follow(m[0], angle_in_turn(p, v, R)[0])

@@ -10,8 +10,7 @@ on a along w, on b against it: the ball bears at one point, next to which it sli
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import relative_rotation
 from mecano.constraints.friction import FRICTION_RECORD, POWER, REGULARIZED, TINY, friction_record
 from mecano.contract import Kind, Output, Row, record
@@ -40,7 +39,7 @@ RECORD = record(radius=(), **FRICTION_RECORD)
 BORROWED = 6
 
 
-@njit
+@kernel
 def _friction(p, laws, q, v, A):
     """Angular velocity w, moment over normal force (3,) and its derivative by w, in axes of a; |F|."""
     w = sub(mul(A, vec(v, 3)), vec(v, 0))
@@ -52,7 +51,7 @@ def _friction(p, laws, q, v, A):
     return w, scale(r2 * b, w), slope, norm(vec(q, BORROWED))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     A = relative_rotation(mat(R[0]), mat(R[1]))
@@ -77,7 +76,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_col(K, 3, BORROWED + j, share, moment_b)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment, normal force, power."""
     w, moment, _, N = _friction(p, laws, q, v, relative_rotation(mat(R[0]), mat(R[1])))

@@ -10,8 +10,7 @@ which in inertial axes are :math:`\mu \times \xi` and :math:`-\mu \times \xi`. T
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import (
     add,
     add_mat,
@@ -29,27 +28,27 @@ from mecano.maths.vec import (
 )  # fmt: skip
 
 
-@njit
+@kernel
 def carried(R, omega, alpha, m):
     """R m and its first and second rate, inertial; omega, alpha material angular velocity and acceleration."""
     spin = cross(omega, m)
     return mul(R, m), mul(R, spin), mul(R, add(cross(alpha, m), cross(omega, spin)))
 
 
-@njit
+@kernel
 def product_rates(u, w):
     """u . w and its first two rates for two vectors given with theirs."""
     value, rate = dot(u[0], w[0]), dot(u[1], w[0]) + dot(u[0], w[1])
     return value, rate, dot(u[2], w[0]) + 2.0 * dot(u[1], w[1]) + dot(u[0], w[2])
 
 
-@njit
+@kernel
 def product_gradient(A, m, s):
     """Gradients (b_0, b_1) of (R_0 m) . (R_1 s) by the material variations of both nodes."""
     return cross(m, mul(A, s)), cross(s, tmul(A, m))
 
 
-@njit
+@kernel
 def product_curvature(A, m, s):
     """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
     hat_m, hat_s = skew(m), skew(s)
@@ -59,7 +58,7 @@ def product_curvature(A, m, s):
     return (H_00, H_01), (H_10, matmul(hat_s, skew(tmul(A, m))))
 
 
-@njit
+@kernel
 def twist(A, mu, xi):
     """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
 
@@ -71,7 +70,7 @@ def twist(A, mu, xi):
     return math.atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
 
 
-@njit
+@kernel
 def twist_gradient(A, mu_3, xi_3):
     """Gradients (-G_0, G_1) of the angle; G_0 and G_1 are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
     xi, mu = mul(A, xi_3), tmul(A, mu_3)
@@ -79,7 +78,7 @@ def twist_gradient(A, mu_3, xi_3):
     return scale(-size, add(mu_3, xi)), scale(size, add(mu, xi_3))
 
 
-@njit
+@kernel
 def twist_curvature(A, mu_3, xi_3):
     """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
     xi, mu = mul(A, xi_3), tmul(A, mu_3)
@@ -93,38 +92,38 @@ def twist_curvature(A, mu_3, xi_3):
     return (H_00, H_01), (H_10, H_11)
 
 
-@njit
+@kernel
 def turning_rate(gradient, omega_0, omega_1):
     """Rate of a quantity of the relative rotation, from its gradients and the material angular velocities."""
     return dot(gradient[0], omega_0) + dot(gradient[1], omega_1)
 
 
-@njit
+@kernel
 def turned(R_0, omega_0, mu, R_1, omega_1, xi):
     """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
     A = relative_rotation(R_0, R_1)
     return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), omega_0, omega_1)
 
 
-@njit
+@kernel
 def wrap(angle):
     """The angle brought to (-pi, pi] by whole turns [rad]."""
     return angle - 2.0 * math.pi * math.ceil(angle / (2.0 * math.pi) - 0.5)
 
 
-@njit
+@kernel
 def follow(previous, angle):
     """The angle plus the whole turns that bring it nearest to ``previous`` [rad]."""
     return previous + wrap(angle - previous)
 
 
-@njit
+@kernel
 def relative_rotation(R_0, R_1):
     """R_0^T R_1"""
     return matmul(transpose(R_0), R_1)
 
 
-@njit
+@kernel
 def add_blocks(K, i, j, s, H):
     """Add s ((H_00, H_01), (H_10, H_11)) to K; i, j are the local indices of two rotations."""
     add_mat(K, i, i, s, H[0][0])

@@ -1,8 +1,8 @@
 """What wheels have in common: deck fields, outputs; of rigid ones also the records of their constraints."""
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import LEAN, prepare_ground
 from mecano.contract import Output
 from mecano.maths.vec import add, norm, put, scale, vec
@@ -42,7 +42,7 @@ def disc_record(d, nodes, context):
     return {"axis": carried_axis(d, nodes), "radius": d["radius"], **prepare_ground(d["ground"], context)}
 
 
-@njit
+@kernel
 def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
     """Write CONTACT_OUTPUTS.
 
@@ -59,7 +59,7 @@ def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
     y[12] = lean
 
 
-@njit
+@kernel
 def put_outputs(y, q, push, frame, height, radius, arm, spin, lean):
     """Write OUTPUTS, as ``put_contact``."""
     put_contact(y, q, push, frame, height, radius, arm, spin, lean)

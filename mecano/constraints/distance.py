@@ -1,7 +1,6 @@
 r"""Distance: :math:`|x_1 - x_0| - L = 0`. The multiplier is the force that pushes the two nodes apart."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.contract import Kind, Row, record
 from mecano.maths.vec import EYE, add_mat, dot, madd, mscale, norm, outer, scale, sub, vec
@@ -10,7 +9,7 @@ RECORD = record(length=())
 MULTIPLIER = 6
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces along the line between the nodes."""
     d = sub(vec(q, 3), vec(q, 0))
@@ -24,7 +23,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
             add_mat(K, i, j, s * s_j, across)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates of the length."""
     d, d1, d2 = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0)), sub(vec(a, 3), vec(a, 0))

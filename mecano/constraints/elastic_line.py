@@ -1,8 +1,8 @@
 r"""What bars and cables have in common: record, strain, inertia, outputs (elements/cable.py has the equations)."""
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.line import SHORTEST
 from mecano.laws.probe import curve_at
 from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, scale, sub, vec
@@ -12,7 +12,7 @@ LINE_RECORD = {
 }  # fmt: skip
 
 
-@njit
+@kernel
 def strained(length, rate, L, L_rate):
     """Strain and its rate of a line of natural length L."""
     L = max(L, SHORTEST)
@@ -20,7 +20,7 @@ def strained(length, rate, L, L_rate):
     return stretch - 1.0, (rate - stretch * L_rate) / L
 
 
-@njit
+@kernel
 def add_line_inertia(p, a, f, M):
     """Forces of inertia and weight."""
     half_weight = scale(0.5 * p.mass, vec(p.gravity, 0))
@@ -30,13 +30,22 @@ def add_line_inertia(p, a, f, M):
         add_mat(M, i, j, p.cross, EYE)
 
 
-@njit
+@kernel
 def put_line(p, y, length, L, strain, strain_rate, N):
     """Write the outputs."""
     y[0], y[1], y[2], y[3], y[4], y[5] = length, L, strain, strain_rate, N, N * p.inverse_area
 
 
-@njit
+@kernel
+def put_no_push(y):
+    """Write tension and stress of a cable, which are not negative.
+
+    An accepted step that ends where it goes slack is within rounding of no tension, on either side.
+    """
+    y[4], y[5] = max(y[4], 0.0), max(y[5], 0.0)
+
+
+@kernel
 def put_line_energy(p, q, v, e):
     """Write the kinetic energy and the potential of the weight."""
     v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)

@@ -10,8 +10,7 @@ several that are met together hold what fits together, to the last bit. Docs: do
 
 from math import inf
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go
 from mecano.constraints.stop_modes import FAR
 from mecano.contract import CONTACT, LOCK, Event, Kind, Output, Part, Row
@@ -42,28 +41,28 @@ def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sampl
     place of the multiplier in q; ``sample(rng)`` gives values of the record, without latch and stops.
     """
 
-    @njit
+    @kernel
     def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         if mode == LOCKED:
             hold(p, 1.0, m[0], k, penalty, q, R, f, K)
         else:
             let_go(f, K, row, k, q[row])
 
-    @njit
+    @kernel
     def levels(p, m, mode, t, laws, q, v, a, R, g):
         g[:] = 0.0
         if mode == LOCKED:
             levels_of(p, 1.0, m[0], q, v, a, R, g)
 
-    @njit
+    @kernel
     def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         y[0], y[1] = q[row], float(mode)
 
-    @njit
+    @kernel
     def event_values(p, m, mode, t, laws, q, v, a, R, g):
         g[0] = p.direction * (coordinate(p, m, q, v, R) - p.value)
 
-    @njit
+    @kernel
     def commit(p, m, mode, t, laws, q, v, a, R, m_out):
         m_out[0] = m[0] if mode == LOCKED else coordinate(p, m, q, v, R)
 
@@ -83,31 +82,31 @@ def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sampl
 def stop_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample):
     """The Kind of a pair of stops; arguments as those of ``latch_kind``."""
 
-    @njit
+    @kernel
     def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         if mode == BETWEEN:
             let_go(f, K, row, k, q[row])
         else:
             hold(p, 1.0 if mode == LOWER else -1.0, m[0], k, penalty, q, R, f, K)
 
-    @njit
+    @kernel
     def levels(p, m, mode, t, laws, q, v, a, R, g):
         g[:] = 0.0
         if mode != BETWEEN:
             levels_of(p, 1.0 if mode == LOWER else -1.0, m[0], q, v, a, R, g)
 
-    @njit
+    @kernel
     def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         side = 0.0 if mode == BETWEEN else 1.0 if mode == UPPER else -1.0
         y[0], y[1] = -side * q[row], side
 
-    @njit
+    @kernel
     def event_values(p, m, mode, t, laws, q, v, a, R, g):
         c = coordinate(p, m, q, v, R)
         g[0], g[1] = p.lower - c, -q[row]
         g[2], g[3] = c - p.upper, -q[row]
 
-    @njit
+    @kernel
     def commit(p, m, mode, t, laws, q, v, a, R, m_out):
         m_out[0] = coordinate(p, m, q, v, R) if mode == BETWEEN else m[0]
 

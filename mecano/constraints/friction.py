@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.contract import Output, Row
 from mecano.laws.friction import friction_factor
 from mecano.laws.probe import curve_at
@@ -36,7 +35,7 @@ NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of th
 POWER = Output("dissipated_power", "W", "power lost by friction")
 
 
-@njit
+@kernel
 def pads(F_1, F_2, m_1, m_2, inverse_length):
     """N [N] and its derivatives by F_1, F_2, m_1, m_2."""
     a_1, a_2 = 0.5 * F_1 + inverse_length * m_1, 0.5 * F_2 + inverse_length * m_2
@@ -49,7 +48,7 @@ def pads(F_1, F_2, m_1, m_2, inverse_length):
     return a + b, (0.5 * (a_1 + b_1), 0.5 * (a_2 + b_2), by_m[0], by_m[1])
 
 
-@njit
+@kernel
 def drag(p, laws, velocity):
     """Friction over normal force, odd in the sliding velocity [m/s], and its derivative."""
     grip, b, b1 = friction_factor(laws, p.coefficient, p.regularization, abs(velocity))

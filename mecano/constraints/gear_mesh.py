@@ -11,8 +11,7 @@ first gear along :math:`\tau`, on the second against it, each at the pitch point
 The angles are followed over whole turns by the memory of those of the last accepted step.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import add_blocks, follow, relative_rotation, twist, twist_curvature, twist_gradient
 from mecano.constraints.joint_frame import triad
@@ -25,7 +24,7 @@ MESH_RECORD = record(mu_1=(3, 3), xi_1=(3, 3), mu_2=(3, 3), xi_2=(3, 3), travel=
 MULTIPLIER = 15
 
 
-@njit
+@kernel
 def gear_angles(p, m, R):
     """Angles of both gears relative to the carrier over any turns [rad]."""
     first = twist(relative_rotation(mat(R[0]), mat(R[1])), mat(p.mu_1), mat(p.xi_1))
@@ -33,7 +32,7 @@ def gear_angles(p, m, R):
     return follow(m[0], first), follow(m[1], second)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both gears, moments on all three nodes."""
     A, tau = mat(R[0]), vec(p.tangent, 0)
@@ -52,7 +51,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_slide_curvature(K, g, q, A, tau)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates."""
     carrier = (mat(R[0]), vec(v, 3), vec(a, 3))
@@ -66,7 +65,7 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
     put_levels(g, 0, Phi, h_1 * rate_1 + h_2 * rate_2 + s_rate, h_1 * second_1 + h_2 * second_2 + s_second)
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """Follow both angles over whole turns."""
     m_out[0], m_out[1] = gear_angles(p, m, R)

@@ -10,8 +10,7 @@ number of turns needs no memory. The multiplier is the force on the second node 
 moment :math:`-h` times that force about :math:`\mu_3`.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import add_blocks, relative_rotation, twist, twist_curvature, twist_gradient, wrap
 from mecano.constraints.joint_frame import triad
@@ -24,7 +23,7 @@ RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
 MULTIPLIER = 12
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces and moments on both nodes."""
     A, sigma, mu, xi, h = mat(R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
@@ -39,7 +38,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_blocks(K, 3, 9, -h * g, twist_curvature(Q, mu[2], xi[2]))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates."""
     first, second = (mat(R[0]), vec(v, 3), vec(a, 3)), (mat(R[1]), vec(v, 9), vec(a, 9))

@@ -8,8 +8,8 @@ mecano/maths/surface.py.
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.contract import Output
 from mecano.laws.probe import curve_at
 from mecano.laws.table import breakpoints, evaluate_curve
@@ -46,11 +46,11 @@ def check_ground(ground):
         return []
     texts = []
     if np.linalg.norm(_in_plane(profile["direction"], _unit(ground["plane"]["normal"]))) < 1e-6:
-        texts.append("the profile's direction is along the normal of the plane; it must lie in the plane")
+        texts.append("'ground.profile.direction' is along the normal of the plane; it must lie in the plane")
     corners = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[:2].any()]
     if corners:
         texts.append(
-            f"the profile's height has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
+            f"'ground.profile.height' has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
             "(a table: 'interpolation: cubic', and ends that run out flat or 'beyond: extend')"
         )
     return texts
@@ -106,19 +106,19 @@ def _in_plane(direction, normal):
     return direction - (direction @ normal) * normal
 
 
-@njit
+@kernel
 def lean_of(g):
     """LEAN [rad] of a disc in the Contact ``g``."""
     return math.asin(max(-1.0, min(1.0, g.s)))
 
 
-@njit
+@kernel
 def along_profile(p, x):
     """Distance [m] of the point x (3,) along the profile of the ground of record ``p``."""
     return dot(vec(p.direction, 0), sub(x, vec(p.point, 0)))
 
 
-@njit
+@kernel
 def touch(p, laws, x, a):
     """Contact (see surface.py) of the ground of record ``p`` and a disc of centre ``x`` and unit axis ``a``.
 

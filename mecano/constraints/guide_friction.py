@@ -14,8 +14,7 @@ vector of length u, so that a turning shaft slides easily:
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import add_along, turning_blocks
 from mecano.constraints.carried import (
     add_blocks,
@@ -47,7 +46,7 @@ ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
 FORCE = Output("friction_force", "N", "force of the friction along the axis; > 0 against a positive velocity")
 
 
-@njit
+@kernel
 def _keyed_normal(p, q):
     """N + |M_3|/r_k and its derivatives by the five borrowed multipliers."""
     N, by = pads(q[12], q[13], q[9], q[10], p.inverse_length)
@@ -56,7 +55,7 @@ def _keyed_normal(p, q):
     return N + p.inverse_key * abs(torsion), (by[2], by[3], by_torsion, by[0], by[1])
 
 
-@njit
+@kernel
 def keyed_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite forces on both nodes, and the moment on the first."""
     mu, A = vec(p.mu, 0), mat(R[0])
@@ -70,7 +69,7 @@ def keyed_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
             add_col(K, 3 * i, 9 + j, k * c * by[j], b[i])
 
 
-@njit
+@kernel
 def keyed_observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Force, normal force, power."""
     rate = slide(q, v, mat(R[0]), vec(p.mu, 0))[1]
@@ -80,7 +79,7 @@ def keyed_observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     e[2] = y[2]
 
 
-@njit
+@kernel
 def _round(p, laws, q, rate, turn):
     """N, its derivatives, (P, M)/N and the derivative (2, 2) of that by the rates of s and theta."""
     N, by = pads(q[14], q[15], q[12], q[13], p.inverse_length)
@@ -94,7 +93,7 @@ def _round(p, laws, q, rate, turn):
     return N, (by[2], by[3], by[0], by[1]), (b * rate, r * b * rim), slope
 
 
-@njit
+@kernel
 def round_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite forces and moments on both nodes."""
     mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(R[0])
@@ -126,7 +125,7 @@ def round_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_blocks(K, 3, 9, N * c[1], H)
 
 
-@njit
+@kernel
 def round_observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Force, moment, normal force, power."""
     mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(R[0])

@@ -3,8 +3,7 @@ r"""Held coordinate: :math:`n \cdot (x - o) - f(t) = 0` for an inertial directio
 The multiplier is the force on the node along n.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
@@ -14,7 +13,7 @@ RECORD = record(direction=3, origin=3, **TARGET)
 MULTIPLIER = 3
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force along the direction."""
     n = vec(p.direction, 0)
@@ -22,7 +21,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, n),))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of f(t) included."""
     n = vec(p.direction, 0)

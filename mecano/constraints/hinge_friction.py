@@ -8,8 +8,7 @@ With the normal force N of the two ends of the bearing, the axial force :math:`F
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import add_turning
 from mecano.constraints.carried import relative_rotation, turning_rate, twist_curvature, twist_gradient
 from mecano.constraints.friction import (
@@ -32,7 +31,7 @@ RECORD = record(mu=3, xi=3, radius=(), collar_radius=(), **FRICTION_RECORD)
 BORROWED = 6
 
 
-@njit
+@kernel
 def _moment(p, laws, q, rate):
     """M, its derivatives by the rate and by the five multipliers, N."""
     N, by = pads(q[BORROWED + 2], q[BORROWED + 3], q[BORROWED], q[BORROWED + 1], p.inverse_length)
@@ -46,7 +45,7 @@ def _moment(p, laws, q, rate):
     return M, M_rate, (r_c * by[2], r_c * by[3], r_c * by[0], r_c * by[1], p.collar_radius * c_collar * sign), N
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
@@ -60,7 +59,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_col(K, 3, BORROWED + i, k * by[i], gradient[1])
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment, normal force, power."""
     A = relative_rotation(mat(R[0]), mat(R[1]))

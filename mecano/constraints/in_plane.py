@@ -3,8 +3,7 @@ r"""In plane: :math:`\mu \cdot (x_1 - x_0) - f(t) = 0` for mu carried by the fir
 The multiplier is the force on the second node along mu; f(t) is a constant offset plus, where given, a law of time.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.target import TARGET, target
@@ -15,7 +14,7 @@ RECORD = record(mu=3, **TARGET)
 MULTIPLIER = 9
 
 
-@njit
+@kernel
 def hold_slide(sign, mu, wanted, k, penalty, q, R, f, K):
     """Add the constraint sign (mu . d - wanted) = 0, d from the first node to the second in axes of the first."""
     A = mat(R[0])
@@ -26,20 +25,20 @@ def hold_slide(sign, mu, wanted, k, penalty, q, R, f, K):
     add_slide_curvature(K, sign * g, q, A, mu)
 
 
-@njit
+@kernel
 def slide_levels(sign, mu, wanted, q, v, a, R, g):
     """Write the levels of that constraint; ``wanted`` with its two rates."""
     Phi, rate, second = slide_rates(q, v, a, mat(R[0]), mu)
     put_levels(g, 0, sign * (Phi - wanted[0]), sign * (rate - wanted[1]), sign * (second - wanted[2]))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
     hold_slide(1.0, vec(p.mu, 0), target(p, laws, t)[0], k, penalty, q, R, f, K)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of f(t) included."""
     slide_levels(1.0, vec(p.mu, 0), target(p, laws, t), q, v, a, R, g)

@@ -5,8 +5,8 @@ direction a x n.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Kind, Row, record
@@ -16,7 +16,7 @@ RECORD = record(axis=3, normal=3)
 MULTIPLIER = 3
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moment on the node."""
     axis, n = vec(p.axis, 0), tmul(mat(R[0]), vec(p.normal, 0))
@@ -24,7 +24,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 0, 0, g, matmul(skew(axis), skew(n)))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates."""
     axis, axis1, axis2 = carried(mat(R[0]), vec(v, 0), vec(a, 0), vec(p.axis, 0))

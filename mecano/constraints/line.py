@@ -7,14 +7,13 @@ together gives :math:`f_1 = -f_0 = N u`. With :math:`P = I - u u^T` and :math:`w
 .. math::  K = u\,(N_\ell u + N_{\dot\ell} w)^T + \frac{N}{\ell} P, \qquad C = N_{\dot\ell}\, u u^T
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, madd, mscale, norm, outer, scale, sub, vec
 
 SHORTEST = 1e-12  # [m]: below it the line has no direction
 
 
-@njit
+@kernel
 def line(q, v):
     """Length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
     d, velocity = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0))
@@ -24,7 +23,7 @@ def line(q, v):
     return length, dot(u, velocity), (inverse, u, velocity)
 
 
-@njit
+@kernel
 def add_line_force(f, K, C, rate, geometry, N, N_length, N_rate):
     """Add the force N [N] along the line, whose derivatives by length and rate are given; the rest from ``line``."""
     inverse, u, velocity = geometry

@@ -9,8 +9,8 @@ Geradin & Doan 1991).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go as release
 from mecano.constraints.augmented import put_levels
 from mecano.constraints.ground import normal_and_level
@@ -53,7 +53,7 @@ class Direction(NamedTuple):
     de: tuple
 
 
-@njit
+@kernel
 def on_a_plane(p, R):
     """Directions t and l (surface.py) of the axis of a body on a plane: they depend on its rotation only."""
     axis, n = mul(mat(R[0]), vec(p.axis, 0)), vec(p.normal, 0)
@@ -71,7 +71,7 @@ def leaning(rng):
     return {"axis": axis / np.linalg.norm(axis), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
 
 
-@njit
+@kernel
 def velocity(place, Rn, v):
     """u [m/s], its derivatives (by dx, by inertial dtheta), 3x3, and the inertial angular velocity."""
     omega = mul(Rn, vec(v, 3))
@@ -81,7 +81,7 @@ def velocity(place, Rn, v):
     return u, (matmul(w, place.d_arm[0]), by_turn), omega
 
 
-@njit
+@kernel
 def hold(k, penalty, place, directions, q, v, R, f, K, C):
     """Add the constraints along the Directions ``directions``: a part's ``force`` while in contact."""
     Rn = mat(R[0])
@@ -108,14 +108,14 @@ def hold(k, penalty, place, directions, q, v, R, f, K, C):
     add_position_tangent(K, Rn, place.arm, place.d_arm, pull, (pull_x, pull_t))
 
 
-@njit
+@kernel
 def let_go(n, k, q, f, K):
     """No reactions: a part's ``force`` in the air, ``n`` constraints."""
     for row in range(MULTIPLIERS, MULTIPLIERS + n):
         release(f, K, row, k, q[row])
 
 
-@njit
+@kernel
 def put_rates(place, directions, v, a, R, g):
     """Write the levels of the constraints: nothing, the velocity, its rate."""
     Rn = mat(R[0])

@@ -4,8 +4,7 @@ The multiplier is the moment on the second node about :math:`\xi \times \mu` (eq
 (12)-(17) of Cardona, Geradin & Doan 1991).
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import (
     add_blocks,
@@ -22,7 +21,7 @@ RECORD = record(mu=3, xi=3)
 MULTIPLIER = 6
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moments of the constraint."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
@@ -33,7 +32,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_blocks(K, 0, 3, g, product_curvature(A, mu, xi))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates of the product."""
     mu = carried(mat(R[0]), vec(v, 0), vec(a, 0), vec(p.mu, 0))

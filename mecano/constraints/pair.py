@@ -7,8 +7,8 @@ holds; where its deck gives a law for one of them (``compliance``), the law take
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import relative_rotation, turned
 from mecano.constraints.in_plane import IN_PLANE
 from mecano.constraints.joint_frame import triad
@@ -114,7 +114,7 @@ def _elastic(axis, place, law, context):
     return Part(SLIDE_LAW, BOTH, slide_law_record(mu[i], law, start[i], context), label=f"_{axis}")
 
 
-@njit
+@kernel
 def held(p, laws, q, i, coordinate, rate):
     """Reaction on b along the axis number i of ``AXES``, from its multiplier or its law; 0 if it is free."""
     if p.row[i] >= 0.0:
@@ -122,7 +122,7 @@ def held(p, laws, q, i, coordinate, rate):
     return -evaluate_force(laws, int(p.law[i]), coordinate, rate)[0]
 
 
-@njit
+@kernel
 def pair_force(p, laws, q, v, R):
     """Force of a on b [N] along mu_1, mu_2, mu_3, in a pair with the local unknowns x0, R0, x1, R1."""
     A, mu = mat(R[0]), mat(p.mu)
@@ -133,7 +133,7 @@ def pair_force(p, laws, q, v, R):
     return F_1, F_2, held(p, laws, q, 5, s_3 - p.start[2], v_3)
 
 
-@njit
+@kernel
 def pair_moment(p, laws, q, v, R):
     """Moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
     mu, xi, omega_0, omega_1 = mat(p.mu), mat(p.xi), vec(v, 3), vec(v, 9)
@@ -147,7 +147,7 @@ def pair_moment(p, laws, q, v, R):
     return M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate)
 
 
-@njit
+@kernel
 def put_reactions(p, laws, q, v, R, y, i):
     """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, from y[i] on."""
     put(y, i, pair_force(p, laws, q, v, R))

@@ -6,20 +6,19 @@ the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: how far the cross of
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import product_curvature, product_gradient
 from mecano.maths.vec import add, dot, madd, mscale, mul, outer, scale, sub
 
 
-@njit
+@kernel
 def pin_angle(A, mu, xi):
     """Angle [rad] in (-pi, pi]; A = R_0^T R_1, mu (3, 3) rows, xi (3,) material."""
     pin = mul(A, xi)
     return math.atan2(dot(mu[1], pin), dot(mu[0], pin))
 
 
-@njit
+@kernel
 def pin_gradient(A, mu, xi):
     """Gradients (b_0, b_1) of the angle by the material variations of both nodes."""
     pin = mul(A, xi)
@@ -30,7 +29,7 @@ def pin_gradient(A, mu, xi):
     return b_0, sub(scale(u * inverse, by_w[1]), scale(w * inverse, by_u[1]))
 
 
-@njit
+@kernel
 def pin_curvature(A, mu, xi):
     """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
     pin = mul(A, xi)
@@ -44,7 +43,7 @@ def pin_curvature(A, mu, xi):
     )
 
 
-@njit
+@kernel
 def _entry(u, w, inverse, b, by_u, by_w, H_u, H_w, i, j):
     """H_ij from the numerator u grad w - w grad u and the denominator u^2 + w^2."""
     crossed = madd(outer(by_w[i], by_u[j]), mscale(-1.0, outer(by_u[i], by_w[j])))

@@ -10,8 +10,7 @@ joint (inertial multipliers), the multiplier m of :math:`\mu_3 \cdot \xi = 0` an
 acts against the angle of the pin.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import add_turning
 from mecano.constraints.carried import product_gradient, relative_rotation, turning_rate
 from mecano.constraints.friction import (
@@ -32,7 +31,7 @@ RECORD = record(mu=(3, 3), xi=3, radius=(), **FRICTION_RECORD)
 BORROWED = 6
 
 
-@njit
+@kernel
 def _normal(p, q, R_0, A):
     """N, its derivatives by y_1, y_2, (m/l)(u, w), and u, w, y in the axes of the first node."""
     mu, pin, F = mat(p.mu), mul(A, vec(p.xi, 0)), tmul(R_0, vec(q, BORROWED + 1))
@@ -41,7 +40,7 @@ def _normal(p, q, R_0, A):
     return N, by, u, w, F
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi, R_0 = mat(p.mu), vec(p.xi, 0), mat(R[0])
@@ -65,7 +64,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_mat(K, 3 * i, BORROWED + 1, k * per_N, outer(gradient[i], by_F))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment, normal force, power."""
     A = relative_rotation(mat(R[0]), mat(R[1]))

@@ -1,7 +1,6 @@
 """Pin law: a moment from a law of the angle of a pin about an axis, followed over whole turns."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
 from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.pin_angle import pin_angle, pin_curvature, pin_gradient
@@ -12,7 +11,7 @@ from mecano.maths.vec import mat, vec
 RECORD = record(mu=(3, 3), xi=3, **LAW_RECORD)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = mat(p.mu), vec(p.xi, 0)
@@ -24,7 +23,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
 
 
-@njit
+@kernel
 def _followed(p, m, q, v, R):
     mu, xi = mat(p.mu), vec(p.xi, 0)
     A = relative_rotation(mat(R[0]), mat(R[1]))

@@ -6,8 +6,7 @@ brought to :math:`(-\pi, \pi]`, so that any number of turns needs no memory. The
 node about :math:`\mu_3`.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import (
     add_blocks,
@@ -28,7 +27,7 @@ RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 MULTIPLIER = 6
 
 
-@njit
+@kernel
 def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
     """Add the constraint sign (angle - wanted) = 0."""
     A = relative_rotation(mat(R[0]), mat(R[1]))
@@ -39,7 +38,7 @@ def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
     add_blocks(K, 0, 3, sign * g, twist_curvature(A, mu[2], xi[2]))
 
 
-@njit
+@kernel
 def turning_levels(mu, xi, first, second):
     """The angle of ``twist`` [rad] and its two rates; of each node (R, omega, alpha), the latter two material."""
     mu_3, xi_3 = carried(first[0], first[1], first[2], mu[2]), carried(second[0], second[1], second[2], xi[2])
@@ -51,7 +50,7 @@ def turning_levels(mu, xi, first, second):
     return twist(relative_rotation(first[0], second[0]), mu, xi), dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
 
 
-@njit
+@kernel
 def angle_levels(sign, mu, xi, wanted, v, a, R, g):
     """Write the levels of that constraint; ``wanted`` with its two rates."""
     nodes = (mat(R[0]), vec(v, 0), vec(a, 0)), (mat(R[1]), vec(v, 3), vec(a, 3))
@@ -59,13 +58,13 @@ def angle_levels(sign, mu, xi, wanted, v, a, R, g):
     put_levels(g, 0, sign * wrap(angle - wanted[0]), sign * (rate - wanted[1]), sign * (second - wanted[2]))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moments on both nodes."""
     hold_angle(1.0, mat(p.mu), mat(p.xi), target(p, laws, t)[0], k, penalty, q, R, f, K)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of f(t) included."""
     angle_levels(1.0, mat(p.mu), mat(p.xi), target(p, laws, t), v, a, R, g)

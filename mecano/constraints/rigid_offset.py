@@ -3,8 +3,7 @@ r"""Rigid offset: :math:`x_1 - x_0 - R_0 d = 0`, for d carried by the first node
 Three rows in inertial axes; the multipliers are the force on the second node.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Kind, Row, record
@@ -30,7 +29,7 @@ RECORD = record(d=3)
 MULTIPLIERS = 9
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
     d, A = vec(p.d, 0), mat(R[0])
@@ -45,7 +44,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 3, 3, -1.0, matmul(hat_d, madd(skew(g_body), mscale(penalty, hat_d))))
 
 
-@njit
+@kernel
 def _add_gradient(K, k, penalty, A, hat_d):
     """The blocks -k B^T, -k B and penalty B^T B but that of the rotation; B = (-I, A hat(d), I)."""
     turn, arm = matmul(A, hat_d), matmul(hat_d, transpose(A))
@@ -60,7 +59,7 @@ def _add_gradient(K, k, penalty, A, hat_d):
     add_mat(K, MULTIPLIERS, 3, -k, turn)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, inertial."""
     d = carried(mat(R[0]), vec(v, 3), vec(a, 3), vec(p.d, 0))

@@ -5,8 +5,7 @@ lateral direction l = n x t, all at the contact C of surface.py, at any inclinat
 the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mode "air" the disc is let go.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, touch
 from mecano.constraints.no_slip import AIR, NO_MATRIX, Direction, Place, hold, let_go, put_rates
 from mecano.constraints.rolling_radius import leaning_discs
@@ -18,7 +17,7 @@ RECORD = record(axis=3, radius=(), **GROUND_RECORD)
 ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s"))
 
 
-@njit
+@kernel
 def _geometry(p, laws, q, R):
     """Place of the contact, (t, l)."""
     axis = mul(mat(R[0]), vec(p.axis, 0))
@@ -30,7 +29,7 @@ def _geometry(p, laws, q, R):
     return Place(g.arm, (by_x.arm, by_t.arm)), (Direction(t, (t_x, t_t)), Direction(l, (l_x, l_t)))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Tangential forces at C and their moment."""
     if mode == AIR:
@@ -40,7 +39,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     hold(k, penalty, place, along, q, v, R, f, K, C)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Velocity of the contact and its rate."""
     if mode == AIR:

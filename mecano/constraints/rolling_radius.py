@@ -6,8 +6,8 @@ the disc and the normal force N = k lambda/q. In mode "air" the disc is let go.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go, put_levels
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.contract import Kind, Row, record
@@ -33,13 +33,13 @@ CONTACT, AIR = 0, 1
 MULTIPLIER = 6
 
 
-@njit
+@kernel
 def _press(g, by):
     """d(n/q), 3x3, by the variables of the Block ``by``."""
     return madd(mscale(1.0 / g.q, by.n), outer(scale(g.s / g.q**3, g.n), by.s))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force n/q at C, and its moment."""
     if mode == AIR:
@@ -62,7 +62,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), pull, (pull_x, pull_t))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, with the curvature of the ground."""
     if mode == AIR:

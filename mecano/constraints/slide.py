@@ -4,34 +4,33 @@ Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`.
 x1 at 6.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import carried, product_rates
 from mecano.maths.vec import add, add_mat, cross, dot, matmul, mul, scale, skew, sub, tmul, transpose, vec
 
 
-@njit
+@kernel
 def slide(q, v, A, mu):
     """s [m], its rate [m/s]."""
     d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
 
 
-@njit
+@kernel
 def slide_rates(q, v, a, R_0, mu):
     """s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
     d, d_rate, d_second = sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0))
     return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
 
 
-@njit
+@kernel
 def slide_gradient(q, A, mu):
     """Gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
     normal = mul(A, mu)
     return scale(-1.0, normal), cross(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))), normal
 
 
-@njit
+@kernel
 def slide_rate_gradient(q, v, A, mu):
     """Gradients of the rate of s at the local indices 0, 3, 6."""
     d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
@@ -40,7 +39,7 @@ def slide_rate_gradient(q, v, A, mu):
     return scale(-1.0, turn), add(cross(mu, e), cross(spin, d)), turn
 
 
-@njit
+@kernel
 def add_slide_curvature(K, g, q, A, mu):
     """Add g times the derivative of the gradients of s to K."""
     hat_mu = skew(mu)

@@ -3,8 +3,7 @@ r"""Slide law: a force from a law of the sliding of one node along an axis that 
 P > 0 pulls the second node back along the axis; the first node receives the opposite force at the place of the second.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind
 from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
 from mecano.contract import Part, record
@@ -15,7 +14,7 @@ from mecano.schema import LAW, NUMBER, Field
 RECORD = record(mu=3, **LAW_RECORD)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite forces on both nodes, and the moment on the first."""
     mu, A = vec(p.mu, 0), mat(R[0])
@@ -26,7 +25,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_slide_curvature(K, P, q, A, mu)
 
 
-@njit
+@kernel
 def _slid(p, m, q, v, R):
     return slide(q, v, mat(R[0]), vec(p.mu, 0))
 

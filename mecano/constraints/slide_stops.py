@@ -1,7 +1,6 @@
 """Latch and stops of the sliding of a node along an axis that another one carries."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.end_stops import LATCH_RECORD, STOP_RECORD, end_fields, end_parts, latch_kind, stop_kind
 from mecano.constraints.in_plane import MULTIPLIER, hold_slide, slide_levels
 from mecano.constraints.slide import slide
@@ -13,17 +12,17 @@ LAYOUT = ("x0", "R0", "x1")
 SLIDE_END_FIELDS = end_fields("displacement", "m")
 
 
-@njit
+@kernel
 def _slid(p, m, q, v, R):
     return slide(q, v, mat(R[0]), vec(p.mu, 0))[0]
 
 
-@njit
+@kernel
 def _hold(p, sign, wanted, k, penalty, q, R, f, K):
     hold_slide(sign, vec(p.mu, 0), wanted, k, penalty, q, R, f, K)
 
 
-@njit
+@kernel
 def _levels(p, sign, wanted, q, v, a, R, g):
     slide_levels(sign, vec(p.mu, 0), (wanted, 0.0, 0.0), q, v, a, R, g)
 

@@ -4,8 +4,7 @@ The law itself knows its stops, so the force does not depend on the mode; the ev
 where the force has a corner.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.contract import Event
 from mecano.laws.table import kinks
 
@@ -19,7 +18,7 @@ EVENTS = (
 )
 
 
-@njit
+@kernel
 def put_stop_events(g, low, high, extension):
     """g (4,) = values of ``EVENTS`` [m or rad]."""
     g[0] = low - extension

@@ -1,13 +1,12 @@
 """The value that a constraint is held at: a constant and, where there is a law, a function of time."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.table import evaluate_curve
 
 TARGET = {"offset": (), "law": "i"}
 
 
-@njit
+@kernel
 def target(p, laws, t):
     """Value, rate and second rate of offset + law(t) of a record with the fields of ``TARGET``; law 0 is zero."""
     y, y1, y2 = evaluate_curve(laws, p.law, t)

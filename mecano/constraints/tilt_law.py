@@ -4,8 +4,7 @@ For unit vectors that are perpendicular at the start, c is the sine of the angle
 the constraint ``orthogonal`` holds at zero. The moment on the second node is :math:`-P` about :math:`\xi \times \mu`.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
 from mecano.constraints.carried import product_curvature, product_gradient, relative_rotation, turning_rate
 from mecano.contract import record
@@ -15,7 +14,7 @@ from mecano.maths.vec import dot, mat, mul, vec
 RECORD = record(mu=3, xi=3, **LAW_RECORD)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
@@ -27,13 +26,13 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_turning(f, K, C, P, P_tilt, P_rate, gradient, H, omega_0, omega_1)
 
 
-@njit
+@kernel
 def tilted(mu, xi, A, omega_0, omega_1):
     """c and its rate [1/s]; A = R_0^T R_1, material angular velocities."""
     return dot(mu, mul(A, xi)), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
 
 
-@njit
+@kernel
 def _tilted(p, m, q, v, R):
     A = relative_rotation(mat(R[0]), mat(R[1]))
     return tilted(vec(p.mu, 0), vec(p.xi, 0), A, vec(v, 0), vec(v, 3))

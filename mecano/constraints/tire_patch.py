@@ -18,8 +18,7 @@ which nothing here depends), each 3x3 or 3; those by the velocities likewise.
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
 from mecano.maths.surface import Contact, disc_variation
 from mecano.maths.vec import (
@@ -83,13 +82,13 @@ class Variation(NamedTuple):
     w1: tuple
 
 
-@njit
+@kernel
 def columns(a, b):
     """The matrix (a, b, 0)."""
     return transpose((a, b, ZERO))
 
 
-@njit
+@kernel
 def patch(p, laws, q, v, R):
     """The Patch of a wheel of record ``p`` (GROUND_RECORD, axis, radius), local unknowns q and v."""
     Rn = mat(R[0])
@@ -103,7 +102,7 @@ def patch(p, laws, q, v, R):
     return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, -lift / g.q)
 
 
-@njit
+@kernel
 def by_positions(p, k, y1):
     """Variations of the Patch ``k`` by X, T and S; ``y1`` = dy/dt."""
     at_x, at_t = disc_variation(vec(p.direction, 0), k.a, k.g)
@@ -120,7 +119,7 @@ def by_positions(p, k, y1):
     return X, T, S
 
 
-@njit
+@kernel
 def _variation(k, y1, n, a, s, arm, rho, z_turned, y, psi):
     """The Variation from those of normal, axis, s, r c, rho, y and psi; ``z_turned`` is that of z by dR Omega."""
     g = k.g
@@ -135,7 +134,7 @@ def _variation(k, y1, n, a, s, arm, rho, z_turned, y, psi):
     return Variation(n, a, s, across, rho, y, psi, scale(-1.0, tmul(arm, g.c)), v_C, w1)
 
 
-@njit
+@kernel
 def by_velocities(k):
     """Variations of the Patch ``k`` by v, inertial omega, and (dy/dt, dpsi/dt)."""
     V = _by_velocity(k, EYE, NO_MATRIX)
@@ -144,13 +143,13 @@ def by_velocities(k):
     return V, W, _by_velocity(k, _with_psi(k, columns(scale(-1.0, k.a), ZERO)), aside)
 
 
-@njit
+@kernel
 def _with_psi(k, z):
     """Q z for a matrix z."""
     return madd(z, mscale(k.psi, matmul(skew(k.g.n), z)))
 
 
-@njit
+@kernel
 def _by_velocity(k, u, aside):
     lift = tmul(u, k.g.n)
     v_C = madd(madd(u, outer(scale(-1.0, k.g.n), lift)), aside)
@@ -158,7 +157,7 @@ def _by_velocity(k, u, aside):
     return Variation(no, no, ZERO, no, no, ZERO, ZERO, ZERO, v_C, scale(-1.0 / k.g.q, lift))
 
 
-@njit
+@kernel
 def add_patch_force(f, Rn, k, F, N):
     """Add the force of the patch: F in the ground, N against it [N]. Returns G."""
     G = sub(sub(F, scale(k.psi, cross(k.g.n, F))), scale(N, k.g.n))
@@ -169,14 +168,14 @@ def add_patch_force(f, Rn, k, F, N):
     return G
 
 
-@njit
+@kernel
 def patch_column(k, F):
     """What a force F (inertial, in the ground) does on x, theta (inertial) and (y, psi, 0)."""
     G = sub(F, scale(k.psi, cross(k.g.n, F)))
     return F, cross(k.rho, G), (-dot(k.a, G), -k.y * dot(k.across, F), 0.0)
 
 
-@njit
+@kernel
 def add_patch_tangent(A, j, Rn, frame, k, F, N, G, dF, dN, d, moment):
     """Add the derivatives of ``add_patch_force`` by three variables, to the columns of A from j on.
 

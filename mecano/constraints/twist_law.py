@@ -16,8 +16,7 @@ M > 0 turns the nodes back against a positive angle. Even where the axes are ali
 vanish.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
 from mecano.constraints.carried import (
     follow,
@@ -36,7 +35,7 @@ from mecano.schema import LAW, NUMBER, Field
 RECORD = record(mu=(3, 3), xi=(3, 3), **LAW_RECORD)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = mat(p.mu), mat(p.xi)
@@ -48,7 +47,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
 
 
-@njit
+@kernel
 def followed(p, m, q, v, R):
     """Angle [rad], by whole turns nearest to the memory, and its rate [rad/s]."""
     angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))

@@ -4,8 +4,7 @@ As rolling.py, but with the contact always at x - radius n: the small-inclinatio
 Geradin & Doan 1991 taken literally. On a plane only.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.no_slip import NO_MATRIX, Place, hold, leaning, on_a_plane, put_rates
 from mecano.constraints.rolling import ROWS
 from mecano.contract import Kind, record
@@ -14,18 +13,18 @@ from mecano.maths.vec import scale, vec
 RECORD = record(axis=3, radius=(), normal=3)
 
 
-@njit
+@kernel
 def _below_the_centre(p):
     return Place(scale(-p.radius, vec(p.normal, 0)), (NO_MATRIX, NO_MATRIX))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Tangential forces below the centre and their moment."""
     hold(k, penalty, _below_the_centre(p), on_a_plane(p, R), q, v, R, f, K, C)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Velocity of the point below the centre and its rate."""
     put_rates(_below_the_centre(p), on_a_plane(p, R), v, a, R, g)

@@ -13,10 +13,16 @@ At the full length it goes over to an elastic line without a shock (``stretch``)
 held and is elastic (``shock``) or held (``hold``) from then on. The winder dissipates :math:`T \dot\ell - \dot V`.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go, put_levels
-from mecano.constraints.elastic_line import LINE_RECORD, add_line_inertia, put_line, put_line_energy, strained
+from mecano.constraints.elastic_line import (
+    LINE_RECORD,
+    add_line_inertia,
+    put_line,
+    put_line_energy,
+    put_no_push,
+    strained,
+)
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_modes import FAR
 from mecano.contract import CONTACT, Event, Kind, Part, Row, record
@@ -48,13 +54,13 @@ MORE = 1.0 + 1e-6  # than the tension of the winder draws line out: where it has
 MULTIPLIER = 6
 
 
-@njit
+@kernel
 def _full(p, laws, t):
     """Full length and its two rates."""
     return evaluate_curve(laws, p.law, t)
 
 
-@njit
+@kernel
 def _paid_out(p, m, laws, t):
     """Natural length and its rate, and whether it is the full one; not while paying out."""
     full, rate, _ = _full(p, laws, t)
@@ -63,14 +69,14 @@ def _paid_out(p, m, laws, t):
     return max(m[0], p.start), 0.0, False
 
 
-@njit
+@kernel
 def _tension(p, laws, rate):
     """Tension of the winder, its derivative, and the strain of the line that it leaves behind."""
     T, T_rate, _ = evaluate_curve(laws, p.payout, rate)
     return T, T_rate, evaluate_curve(laws, p.payout, 0.0)[0] / p.EA
 
 
-@njit
+@kernel
 def elastic_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Tension but that of a held line, inertia and weight."""
     add_line_inertia(p, a, f, M)
@@ -86,7 +92,7 @@ def elastic_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
 
 
-@njit
+@kernel
 def catch_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
     if mode != HELD:
@@ -102,7 +108,7 @@ def catch_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_row(K, MULTIPLIER, i, -k, b)
 
 
-@njit
+@kernel
 def catch_levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates, those of the full length included."""
     g[:] = 0.0
@@ -114,7 +120,7 @@ def catch_levels(p, m, mode, t, laws, q, v, a, R, g):
         put_levels(g, 0, full + m[1] - length, full_rate - rate, full_second - pulled)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Length, natural length, strain, tension, stress, state; energies."""
     length, rate, _ = line(q, v)
@@ -140,10 +146,11 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
             e[2] = viscous * L * strain_rate
             e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
+    put_no_push(y)
     y[6] = 2.0 if mode == PAYING else 0.0 if mode == SLACK else 1.0
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Strains, tensions over EA, rates and lengths, each where it counts."""
     g[:] = -FAR
@@ -167,7 +174,7 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
         g[9] = -q[MULTIPLIER]
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """The length paid out, and what the line is longer than its full length."""
     length = line(q, v)[0]

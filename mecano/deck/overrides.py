@@ -28,9 +28,14 @@ def overridden(root, overrides, sections, problems):
     return root
 
 
+def shown(path):
+    """What stands in the place of a file in messages on an override."""
+    return f"--set {path if len(path) <= 60 else path[:57] + '...'}".strip()
+
+
 def _applied(root, text, names):
     path, equals, value = text.partition("=")
-    whole = Source(f"--set {path if len(path) <= 60 else path[:57] + '...'}".strip(), text)
+    whole = Source(shown(path), text)
     if FORBIDDEN.search(text):
         raise DeckError([Problem("control characters are not allowed", whole.mark(0, 0))])
     keys = path.split(".")

@@ -5,6 +5,8 @@ from collections import Counter
 import numpy as np
 
 from mecano.contract import SECTIONS
+from mecano.deck.hollows import check_hollows
+from mecano.deck.pointing import pointed_at
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
 from mecano.model.mesh import divides, place_members
@@ -45,7 +47,7 @@ def poses(nodes):
 
 def check_model(values, root, scope):
     """Note everything in the elements, joints, loads and nodes that cannot be."""
-    at, used, owners = poses(values["nodes"]), set(), {}
+    at, used, owners, told = poses(values["nodes"]), set(), {}, set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():
@@ -62,7 +64,8 @@ def check_model(values, root, scope):
             if name in left:
                 scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
             elif all(node in at for node in names if node != "ground"):
-                _check_element(kind, element, names, at, key, node, scope)
+                _check_element(kind, element, names, at, (key, node), root, scope, told)
+    check_hollows(values, at, root, scope)
     _check_axes(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
 
@@ -96,17 +99,21 @@ def _place_members(elements, at, kinds):
     return {member.name for member in left}
 
 
-def _check_element(kind, element, names, at, key, node, scope):
+def _check_element(kind, element, names, at, entry, root, scope, told):
+    """Note what the kind says is wrong; of a law or ground that several elements name, once (``told``)."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        scope.refuse(key, f"node {quoted(twice[0])} is named twice")
+        scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
         return
     held = next((name for name in names if name != "ground"), None)
     given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
     with np.errstate(all="ignore"):
         texts = kind.check(element, given)
     for text in texts:
-        scope.refuse(place_of(text, node, key), text)
+        place = pointed_at(text, kind, entry, root)
+        if (id(place), text) not in told:
+            told.add((id(place), text))
+            scope.refuse(place, text)
 
 
 def _check_unused(nodes, used, root, scope):

@@ -13,6 +13,7 @@ from mecano.deck.scalar import number
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 QUANTITY = re.compile(rf"({NUMBER})\s*([A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*|1/[^\s,\[\]]+)\s*")
+NAME = re.compile("[A-Za-zµμ°%]+")
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
@@ -29,6 +30,10 @@ ALONE = {
     "in": (0.0254, LENGTH), "ft": (0.3048, LENGTH), "mi": (1609.344, LENGTH), "kt": (1852 / 3600, (1, 0, -1, 0)),
     "mph": (0.44704, (1, 0, -1, 0)), "lbf": (4.4482216152605, FORCE), "kgf": (9.80665, FORCE),
     "psi": (6894.757293168361, PRESSURE), "atm": (101325.0, PRESSURE), "hp": (745.6998715822702, POWER),
+}  # fmt: skip
+SI = {
+    NONE: "1", LENGTH: "m", MASS: "kg", TIME: "s", ANGLE: "rad", FORCE: "N", PRESSURE: "Pa", ENERGY: "J", POWER: "W",
+    PER_TIME: "Hz", (0, 0, -1, 1): "rad/s", (1, 0, -1, 0): "m/s",
 }  # fmt: skip
 NAMES = {
     "a number without unit": "1", "a length": "m", "a mass": "kg", "a time": "s", "an angle": "rad", "a force": "N",
@@ -63,6 +68,12 @@ def converted(text, declared):
     """
     match = QUANTITY.fullmatch(text)
     return float(match[1]) * factor_of(match[2], declared)
+
+
+def si_unit(text):
+    """The SI unit of a quantity that has been read, as near to the written one as can be: of "40 km/h" it is m/s."""
+    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], QUANTITY.fullmatch(text)[2])
+    return "" if unit == "1" else unit
 
 
 def factor_of(unit, declared):

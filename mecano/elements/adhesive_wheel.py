@@ -12,8 +12,7 @@ energy, that do not slip, and the energy of this shock is lost. Sideways there i
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import NO_MATRIX, PSI, Y, by_positions, by_velocities, patch, patch_column
@@ -53,7 +52,7 @@ class Hold(NamedTuple):
     k: float
 
 
-@njit
+@kernel
 def _add_block(A, j, Rn, at, load, hold, G, c):
     """Add the derivatives by the variables of the Change ``c``."""
     dF, de = NO_MATRIX, _turning(at, c.d)
@@ -65,7 +64,7 @@ def _add_block(A, j, Rn, at, load, hold, G, c):
     add_load_tangent(A, j, Rn, at, load, hold.F, G, dF, normal_change(at, load, c.d), c)
 
 
-@njit
+@kernel
 def _add_multipliers(K, Rn, at, hold):
     """Columns of the two multipliers."""
     for i in range(2):
@@ -75,14 +74,14 @@ def _add_multipliers(K, Rn, at, hold):
         add_col(K, Y, MULTIPLIERS + i, -hold.k, own)
 
 
-@njit
+@kernel
 def _turning(k, d):
     """Derivatives of t and l by the variables of the Variation ``d``."""
     t, _ = directions(k.a, k.g)
     return directions_variation(k.a, k.g, t, Block(d.n, d.s, NO_MATRIX), d.a)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces of ground and tyre law, constraints, and their derivatives; see the contract."""
     if mode == AIR:
@@ -107,7 +106,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         _add_block(C, 3 * i, Rn, at, load, hold, G, motions[i])
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Velocity of the patch along t and l, and its rate."""
     g[:, :] = 0.0
@@ -129,7 +128,7 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
         g[i, 2] = dot(e_rate[i], at.v_C) + dot(along[i], v_rate)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
     k = patch(p, laws, q, v, R)

@@ -19,8 +19,8 @@ out.
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.elements.beam_elastic import add_elastic, end_loads, strain_rates, strains, stresses, stretched, unstretched
 from mecano.elements.beam_flexibility import elastic_constants, hat
@@ -41,7 +41,7 @@ RECORD = record(
 )  # fmt: skip
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Elastic forces, damping, inertia and weight; see contract.py for the arguments."""
     R1, R2 = mat(R[0]), mat(R[1])
@@ -50,7 +50,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_inertia(p, v, a, R1, R2, f, K, C, M)
 
 
-@njit
+@kernel
 def _at_ends(p, y, H, E, b, e_u, e_phi):
     """Force and the moments at both ends, in section axes of node 2 and, of the first moment, of node 1."""
     p_u, p_phi = stresses(p, e_u, e_phi)
@@ -58,7 +58,7 @@ def _at_ends(p, y, H, E, b, e_u, e_phi):
     return P, scale(-1.0, tmul(mat(p.S), m_1)), m_2
 
 
-@njit
+@kernel
 def _section_forces(p, phi, y, H, force, first, second):
     """Force and moment in the middle, force at both ends, in the section axes of the place."""
     axes = mat(p.axes)
@@ -73,14 +73,14 @@ def _section_forces(p, phi, y, H, force, first, second):
     )  # fmt: skip
 
 
-@njit
+@kernel
 def _local_strains(p, N, M):
     """Strains and curvatures of a section force and moment."""
     F_up = mat(p.F_up)
     return add(mul(mat(p.F_uu), N), mul(F_up, M)), add(tmul(F_up, N), mul(mat(p.F_pp), M))
 
 
-@njit
+@kernel
 def _stress(p, N, M):
     """Largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
     strain, curvature = _local_strains(p, N, M)
@@ -92,7 +92,7 @@ def _stress(p, N, M):
     return normal, shear, math.sqrt(normal * normal + 3.0 * shear * shear)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Section forces, strains, stress, energies."""
     R1, R2 = mat(R[0]), mat(R[1])

@@ -20,8 +20,7 @@ along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element. Wi
 12 EI/L^2 would tilt the sections.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import inlined, kernel
 from mecano.maths.rotation_vector import (
     first_derivative,
     inverse_coefficients,
@@ -53,7 +52,7 @@ from mecano.maths.vec import (
 )  # fmt: skip
 
 
-@njit(inline="always")
+@inlined
 def strains(p, q, W, R2):
     """phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
     phi = log(matmul(transpose(mat(p.S)), W))
@@ -63,13 +62,13 @@ def strains(p, q, W, R2):
     return phi, y, H, c, c1, c2, sub(mul(H, y), vec(p.u0, 0)), sub(phi, vec(p.phi0, 0))
 
 
-@njit
+@kernel
 def stretched(p, e_u, b):
     """The strain e_u with the elongation a (e_u . b) of the bent line, b = B e_u; a rate is stretched(p, rate, 2 b)."""
     return add(e_u, scale(dot(e_u, b), vec(p.along, 0)))
 
 
-@njit
+@kernel
 def stresses(p, e_u, e_phi):
     """K_e e: the generalized forces [N], [N m] of the stretched strains."""
     K_up = mat(p.K_up)
@@ -77,13 +76,13 @@ def stresses(p, e_u, e_phi):
     return p_u, add(tmul(K_up, e_u), mul(mat(p.K_pp), e_phi))
 
 
-@njit
+@kernel
 def unstretched(p, p_u, b):
     """The force conjugate to u from that conjugate to its stretched strain."""
     return add(p_u, scale(2.0 * dot(vec(p.along, 0), p_u), b))
 
 
-@njit
+@kernel
 def strain_rates(p, v, y, R2, H, E):
     """Rates of u and phi, and dy/dt."""
     omega_1, omega_2 = tmul(mat(p.S), vec(v, 3)), vec(v, 9)
@@ -92,7 +91,7 @@ def strain_rates(p, v, y, R2, H, E):
     return add(mul(H, y_rate), mul(E, phi_rate)), phi_rate, y_rate
 
 
-@njit(inline="always")
+@inlined
 def end_loads(p, y, H, E, p_u, p_phi):
     """P, Q and the material moments m_1, m_2 on the nodes."""
     P = tmul(H, p_u)
@@ -101,7 +100,7 @@ def end_loads(p, y, H, E, p_u, p_phi):
     return P, Q, scale(-1.0, mul(mat(p.S), mul(H, Q))), m_2
 
 
-@njit
+@kernel
 def add_elastic(p, q, v, W, R2, f, K, C):
     """Add residual and tangents of the elastic and viscous forces."""
     phi, y, H, c, c1, c2, e_u, e_phi = strains(p, q, W, R2)
@@ -125,7 +124,7 @@ def add_elastic(p, q, v, W, R2, f, K, C):
     _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K)
 
 
-@njit(inline="always")
+@inlined
 def _current_stiffness(p, b, tension):
     """Derivatives of p_u by u and phi: G^T K_uu G + 2 N B and G^T K_up with G = I + 2 a b^T."""
     K_uu, K_up, along = mat(p.K_uu), mat(p.K_up), vec(p.along, 0)
@@ -136,7 +135,7 @@ def _current_stiffness(p, b, tension):
     return K_uu, madd(K_up, outer(b, tmul(K_up, along)))
 
 
-@njit(inline="always")
+@inlined
 def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
     """Material and geometric stiffness; the blocks of different unknowns are symmetric, those of one rotation not."""
     S, HT = mat(p.S), transpose(H)
@@ -169,7 +168,7 @@ def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
     add_mat(K, 3, 3, 1.0, matmul(S, matmul(turned, SHT)))
 
 
-@njit
+@kernel
 def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2, K, C):
     """C = J^T (tau K_e) J and the part J^T (tau K_e) d(J v)/dq of K, with J = d(u, phi)/d(d, Theta_1, Theta_2)."""
     S, RT = mat(p.S), transpose(R2)
@@ -199,7 +198,7 @@ def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2,
     _add_block(p, U_d, U_1, U_2, F_1, F_2, D_2, matmul(slope, F_2), 2, K)
 
 
-@njit
+@kernel
 def _add_block(p, U_d, U_1, U_2, F_1, F_2, U, F, columns, out):
     """Add J^T (tau K_e) (U; F) to the columns of d (0), Theta_1 (1) or Theta_2 (2)."""
     K_up, tau = mat(p.K_up), p.damping

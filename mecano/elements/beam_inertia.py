@@ -15,8 +15,8 @@ waves of fourth order.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import inlined, kernel
 from mecano.maths.vec import (
     EYE,
     add,
@@ -45,7 +45,7 @@ N_LL, N_LT, N_TT = 1.0 / 12.0, 1.0 / 120.0, 1.0 / 240.0
 OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # of the rotary inertia
 
 
-@njit(inline="always")
+@inlined
 def add_inertia(p, v, a, R1, R2, f, K, C, M):
     """Add residual and tangents of inertia and weight."""
     m = p.mass
@@ -74,7 +74,7 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
     _add_rotary(mat(p.J1), mat(p.J2), mat(p.J12), v, a, f, C, M)
 
 
-@njit(inline="always")
+@inlined
 def _lever(A, b, omega, alpha):
     """Derivatives of the acceleration of A b by -alpha, -omega, -Theta (3 x 3), and the acceleration itself."""
     spin = cross(omega, b)
@@ -83,13 +83,13 @@ def _lever(A, b, omega, alpha):
     return cross_columns(A, b), matmul(A, n), cross_columns(A, g), mul(A, g)
 
 
-@njit
+@kernel
 def _turning(omega, b, spin):
     """hat(omega x b) + hat(omega) hat(b)."""
     return madd(skew(spin), madd(outer(b, omega), mscale(-dot(omega, b), EYE)))
 
 
-@njit(inline="always")
+@inlined
 def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
     """Forces on the node at slot i, and what their turning with the node adds to K."""
     add_vec(f, i, 1.0, line)
@@ -100,7 +100,7 @@ def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
     add_mat(K, i + 3, i + 3, 1.0, turned)
 
 
-@njit(inline="always")
+@inlined
 def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl, tt, K, C, M):
     """What the motion of the node at slot j asks of the node at slot i; ll ... tt: constants of lines and tangents."""
     lever, lever_c = transpose(own[0]), transpose(own_center[0])
@@ -114,7 +114,7 @@ def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl,
     _add_columns(eccentric, lever, lever_c, other[2], other_center[2], i, j, ll, lt, tl, tt, K)
 
 
-@njit(inline="always")
+@inlined
 def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
     """Derivatives by the rotation at slot j + 3, in which X (of the tangent) and X_c (of the mass centre) turn."""
     add_mat(out, i, j + 3, -lt, X)
@@ -126,7 +126,7 @@ def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
         add_mat(out, i + 3, j + 3, 1.0, matmul(lever_c, line))
 
 
-@njit(inline="always")
+@inlined
 def _add_rotary(J1, J2, J12, v, a, f, C, M):
     """Rotary inertia: 1/2 Omega_1 . J1 Omega_1 + Omega_1 . J12 Omega_2 + 1/2 Omega_2 . J2 Omega_2."""
     omega_1, omega_2, alpha_1, alpha_2 = vec(v, 3), vec(v, 9), vec(a, 3), vec(a, 9)
@@ -145,7 +145,7 @@ def _add_rotary(J1, J2, J12, v, a, f, C, M):
     add_mat(C, 9, 9, 1.0, madd(matmul(hat_2, J2), skew(scale(-1.0, L_2))))
 
 
-@njit
+@kernel
 def energies(p, q, v, R1, R2):
     """Kinetic energy and potential energy of the weight [J]."""
     m, gravity, omega_1, omega_2 = p.mass, vec(p.gravity, 0), vec(v, 3), vec(v, 9)

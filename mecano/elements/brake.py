@@ -18,8 +18,8 @@ stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.contract import Kind, Output, record
@@ -60,7 +60,7 @@ SMOOTH = 0.02  # s of the smaller of both
 REFERENCE = 0  # local unknowns: rotation of the reference node; then place and rotation of the wheel's
 
 
-@njit
+@kernel
 def _least(T, B):
     """The smaller of two torques >= 0, smooth, and its derivative by B."""
     if T <= 0.0 or B <= 0.0:
@@ -69,7 +69,7 @@ def _least(T, B):
     return 0.5 * (T + B - root), 0.5 * (1.0 - (B - T + 2.0 * SMOOTH * SMOOTH * T) / root)
 
 
-@njit
+@kernel
 def _torque(p, laws, t, q, v, R):
     """Torque [N m] at full rate, its Gradient by the motion of the wheel, and the Bound."""
     T, _, _ = evaluate_curve(laws, p.torque, t)
@@ -80,7 +80,7 @@ def _torque(p, laws, t, q, v, R):
     return least * bound.factor, by, bound
 
 
-@njit
+@kernel
 def _sign(rate, eps):
     """Smooth sign of the rate, and its derivative."""
     x = abs(rate) / eps
@@ -89,7 +89,7 @@ def _sign(rate, eps):
     return math.copysign(x * (2.0 - x), rate), 2.0 * (1.0 - x) / eps
 
 
-@njit
+@kernel
 def _rate(p, v, R):
     """Relative rate W, axis in the axes of the reference node, relative rotation."""
     A = matmul(transpose(mat(R[0])), mat(R[1]))
@@ -97,7 +97,7 @@ def _rate(p, v, R):
     return dot(vec(p.axis, 0), vec(v, SPIN)) - dot(b, vec(v, REFERENCE)), b, A
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Moments on both nodes and their derivatives."""
     axis, Omega, Rn = vec(p.axis, 0), vec(v, REFERENCE), mat(R[1])
@@ -121,13 +121,13 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, REFERENCE, SPIN, -tau, b_w)
 
 
-@njit
+@kernel
 def _sum(s, a, b):
     """s a + b"""
     return (s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2])
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Torque, bound, relative rate, power, slip ratio."""
     rate, _, _ = _rate(p, v, R)

@@ -12,8 +12,7 @@ The slip ratio is that of textbooks at speeds above v_0 and goes to zero with th
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
 from mecano.elements.tire_law import radial_force, speed_over_ground
 from mecano.laws.table import evaluate_curve
@@ -62,19 +61,19 @@ class Bound(NamedTuple):
 NO_GRADIENT = Gradient(ZERO, ZERO, ZERO, ZERO)
 
 
-@njit
+@kernel
 def scaled(s, by):
     """s times a Gradient."""
     return Gradient(scale(s, by.x), scale(s, by.t), scale(s, by.v), scale(s, by.w))
 
 
-@njit
+@kernel
 def summed(a, b):
     """The sum of two Gradients."""
     return Gradient(add(a.x, b.x), add(a.t, b.t), add(a.v, b.v), add(a.w, b.w))
 
 
-@njit
+@kernel
 def bound_of(p, laws, q, v, R):
     """The Bound of a brake of record ``p`` whose wheel's node has the rotation R[1]."""
     if p.watches == 0.0:
@@ -87,7 +86,7 @@ def bound_of(p, laws, q, v, R):
     return _by_tire(p, laws, q, v, mat(R[1]))
 
 
-@njit
+@kernel
 def _by_tire(p, laws, q, v, Rn):
     """The Bound of a brake that watches its wheel."""
     axis, velocity, omega = mul(Rn, vec(p.axis, 0)), vec(v, PLACE), mul(Rn, vec(v, SPIN))
@@ -113,7 +112,7 @@ def _by_tire(p, laws, q, v, Rn):
     return Bound(B, B_by, factor, scaled(factor_slip, slip_by), slip)
 
 
-@njit
+@kernel
 def _pressing(p, laws, g, by_x, by_t, r_by, velocity, omega):
     """Radial force [N] of the tyre in the Contact ``g``, and its Gradient."""
     at_rim, w = add(velocity, cross(omega, g.arm)), skew(omega)
@@ -130,7 +129,7 @@ def _pressing(p, laws, g, by_x, by_t, r_by, velocity, omega):
     return F, summed(scaled(-F_w, r_by), scaled(F_w1, w1_by))
 
 
-@njit
+@kernel
 def _slip_ratio(p, axis, g, by, r, r_by, velocity, spin):
     """The slip ratio and its Gradient; ``spin`` [rad/s] of the wheel about its axis."""
     t, _ = directions(axis, g)
@@ -145,7 +144,7 @@ def _slip_ratio(p, axis, g, by, r, r_by, velocity, spin):
     return slip, summed(scaled(by_forward, forward_by), scaled(-forward / size, rim_by))
 
 
-@njit
+@kernel
 def _released(p, slip):
     """Factor of the anti-skid and its derivative by the slip ratio."""
     if p.slip_width == 0.0:

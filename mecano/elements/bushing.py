@@ -19,8 +19,8 @@ the sines of tilt and of the twist.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
@@ -52,13 +52,13 @@ NONE = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 ROUNDING = 1e-9  # of the largest eigenvalue: below zero by no more than this counts as zero
 
 
-@njit
+@kernel
 def _blocks(S):
     """The four 3 x 3 blocks ((S_dd, S_dp), (S_pd, S_pp)) of a matrix (6, 6)."""
     return (mat(S[:3, :3]), mat(S[:3, 3:])), (mat(S[3:, :3]), mat(S[3:, 3:]))
 
 
-@njit
+@kernel
 def _strain(p, q, v, R):
     """d and psi, their rates, d_a = R_a^T (x_b - x_a), Q, omega."""
     A, mu, xi = mat(R[0]), mat(p.mu), mat(p.xi)
@@ -71,13 +71,13 @@ def _strain(p, q, v, R):
     return d, psi, d_rate, mul(tangent_inverse(psi), omega), d_a, Q, omega
 
 
-@njit
+@kernel
 def _product(S, d, psi):
     """S (d, psi) for a matrix in blocks."""
     return add(mul(S[0][0], d), mul(S[0][1], psi)), add(mul(S[1][0], d), mul(S[1][1], psi))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces and moments on both nodes."""
     A, mu, xi, S, D = mat(R[0]), mat(p.mu), mat(p.xi), _blocks(p.stiffness), _blocks(p.damping)
@@ -113,14 +113,14 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p)
 
 
-@njit
+@kernel
 def _times(S, X, Y):
     """S (X, Y) for matrices in blocks."""
     upper = madd(matmul(S[0][0], X), matmul(S[0][1], Y))
     return upper, madd(matmul(S[1][0], X), matmul(S[1][1], Y))
 
 
-@njit
+@kernel
 def _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p):
     """Derivative of the gradients of d and psi, times the forces."""
     hat_n, minus = skew(n_a), scale(-1.0, psi)
@@ -137,7 +137,7 @@ def _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p
         add_mat(K, 9, 3 * j, 1.0, matmul(on_b, B_p[j]))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Displacement, rotation, force and moment; energies."""
     d, psi, d_rate, psi_rate, _, _, _ = _strain(p, q, v, R)

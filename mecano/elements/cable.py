@@ -26,8 +26,8 @@ The mass, that of the natural length at t = 0, stays. It is consistent with the 
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints import wound_line
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
@@ -36,6 +36,7 @@ from mecano.constraints.elastic_line import (
     line_record,
     put_line,
     put_line_energy,
+    put_no_push,
     strained,
 )
 from mecano.constraints.joint_frame import at_one_place
@@ -51,14 +52,14 @@ TAUT = 0  # a bar is always in this mode
 CABLE_MODES = ("taut", "slack")
 
 
-@njit
+@kernel
 def _strain(p, laws, t, length, rate):
     """Strain, its rate, natural length and its rate."""
     L, L_rate, _ = evaluate_curve(laws, p.law, t)
     return *strained(length, rate, L, L_rate), L, L_rate
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Tension, inertia and weight."""
     add_line_inertia(p, a, f, M)
@@ -71,7 +72,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Length, strain, tension, stress; energies."""
     length, rate, _ = line(q, v)
@@ -86,14 +87,15 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
 
 
-@njit
+@kernel
 def observe_cable(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """The same, and whether it is taut."""
     observe(p, m, mode, t, laws, q, v, a, R, F, y, e)
+    put_no_push(y)
     y[6] = 1.0 if mode == TAUT else 0.0
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """How taut the cable is: the lesser of the elastic strain and the whole, which the tension follows."""
     length, rate, _ = line(q, v)

@@ -9,8 +9,8 @@ so that node b is turned about +axis and node a about -axis; the surroundings (t
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, skew, tmul, transpose, vec
@@ -19,7 +19,7 @@ from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
 RECORD = record(law="i", axis=3)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Opposite moments on both nodes."""
     size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)
@@ -31,7 +31,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 3, 3, -size, skew(s_b))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment, relative rate about the axis, power."""
     size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)

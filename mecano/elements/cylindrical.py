@@ -14,8 +14,7 @@ rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it a
 constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_motion import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
@@ -40,7 +39,7 @@ from mecano.schema import DIRECTION, Field
 HELD = ("about_2", "about_1", "along_1", "along_2")
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Rotation, sliding and reactions."""
     put_turning(p, m, v, R, y, 0)

@@ -8,8 +8,8 @@ couples the axes see ``bushing``.
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import NODES, not_across, not_at_one_place, not_flipped, not_parallel
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import (
@@ -29,14 +29,14 @@ from mecano.maths.vec import mat, mul, put, scale, tmul, vec
 from mecano.schema import DIRECTION, Field
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions."""
     put(y, 0, scale(-1.0, vec(F, 6)))
     put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
 
 
-@njit
+@kernel
 def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions, where every axis is held by a part of its own."""
     put(y, 0, mul(mat(R[0]), tmul(mat(p.mu), pair_force(p, laws, q, v, R))))

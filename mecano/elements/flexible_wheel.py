@@ -25,8 +25,7 @@ In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adh
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y, patch
 from mecano.elements.lateral_force import relax
 from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
@@ -47,7 +46,7 @@ class Slip(NamedTuple):
     b_u: float  # by the speed of the axle
 
 
-@njit
+@kernel
 def _slip(p, laws, k, load):
     """The Slip of the Patch ``k``."""
     speed = norm(k.v_C)
@@ -56,7 +55,7 @@ def _slip(p, laws, k, load):
     return Slip(scale(load.N * b, k.v_C), e, grip, b, b1, b_u)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces of ground and tyre law, and their derivatives; see the contract."""
     if mode == AIR:
@@ -72,7 +71,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         _add_block(C, 3 * i, Rn, at, load, slip, G, motions[i])
 
 
-@njit
+@kernel
 def _add_block(A, j, Rn, k, load, slip, G, c):
     """Add the derivatives by the variables of the Change ``c``."""
     dN = normal_change(k, load, c.d)
@@ -82,7 +81,7 @@ def _add_block(A, j, Rn, k, load, slip, G, c):
     add_load_tangent(A, j, Rn, k, load, slip.F, G, dF, dN, c)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
     k = patch(p, laws, q, v, R)

@@ -19,8 +19,8 @@ both gears give it. The separating force of inclined flanks does no work and is 
 from itertools import product
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import relative_rotation, turning_rate, twist_gradient
 from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
 from mecano.constraints.joint_frame import triad
@@ -33,13 +33,13 @@ GAP = 1e-4  # of the smaller radius: how far apart the circles may be in the dec
 TRIPLE = Type("nodes", f"a list of 3 {NODE.name} names", (3,))
 
 
-@njit
+@kernel
 def _rate(R, v, i, j, mu, xi):
     Q = relative_rotation(mat(R[0]), mat(R[i]))
     return turning_rate(twist_gradient(Q, vec(mu[2], 0), vec(xi[2], 0)), vec(v, 0), vec(v, j))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Angles, rates and the force of the teeth."""
     y[0], y[2] = gear_angles(p, m, R)
@@ -48,7 +48,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[4] = q[15]
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """Follow both angles over whole turns."""
     m_out[0], m_out[1] = gear_angles(p, m, R)

@@ -7,8 +7,8 @@ for any number of turns, an open one has no curvature at its ends and goes on st
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import add, scale, vec
 
 CURVE_RECORD = {
@@ -21,7 +21,7 @@ FLAT = 1e-6  # of the size of a curve: how far its points may be off a plane
 KEYS = ("center", "semi_axis_1", "semi_axis_2", "advance")
 
 
-@njit
+@kernel
 def curve_at(p, laws, s):
     """Place X (3,) [m] at s [m], its first and second derivative by s, in the axes of the curve."""
     if p.pieces > 0:
@@ -34,7 +34,7 @@ def curve_at(p, laws, s):
     return add(add(vec(p.center, 0), around), scale(u, h)), scale(rate, along), scale(-rate * rate, around)
 
 
-@njit
+@kernel
 def _spline_at(p, laws, s):
     if p.closed > 0.0:
         s -= p.length * math.floor(s / p.length)
@@ -55,7 +55,7 @@ def _spline_at(p, laws, s):
     return X, slope, add(scale(2.0, c_2), scale(6.0 * u, c_3))
 
 
-@njit
+@kernel
 def overrun(p, s):
     """How far s is beyond the ends of an open curve [m]; 0 on it."""
     if p.pieces == 0 or p.closed > 0.0:

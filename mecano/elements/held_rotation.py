@@ -3,8 +3,7 @@
 With ground as the first node the second one translates only; the moment of the joint is what holds it.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import two_parallel
 from mecano.contract import Kind, Output
@@ -12,7 +11,7 @@ from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import NODE_PAIR, Field
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reaction."""
     put(y, 0, scale(-1.0, mul(mat(R[1]), vec(F, 3))))

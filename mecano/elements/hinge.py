@@ -21,8 +21,8 @@ outputs of their own.
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.angle_stops import ANGLE_END_FIELDS, ANGLE_LATCH, ANGLE_STOP, angle_end_parts
 from mecano.constraints.axis_motion import REACTIONS, TURNING, follow_turning, put_turning
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
@@ -56,7 +56,7 @@ from mecano.schema import DIRECTION, Field
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Angle and reactions."""
     put_turning(p, m, v, R, y, 0)
@@ -64,7 +64,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 5, (-q[13], q[12], 0.0))
 
 
-@njit
+@kernel
 def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Angle and reactions, where every axis is held by a part of its own."""
     put_turning(p, m, v, R, y, 0)

@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y
 from mecano.elements.string_law import NO_PACE, pace
 from mecano.laws.table import evaluate_curve
@@ -26,7 +25,7 @@ class Lateral(NamedTuple):
     f_n: tuple  # by the turning rate of the wheel about n
 
 
-@njit
+@kernel
 def lateral_law(p, laws, q, v, N, u, turning):
     """The Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate."""
     kN, kN_1, _ = evaluate_curve(laws, p.stiffness_by_load, N)
@@ -50,25 +49,25 @@ def lateral_law(p, laws, q, v, N, u, turning):
     )  # fmt: skip
 
 
-@njit
+@kernel
 def _paced(k, g, a):
     """k diag(1, g, g) a"""
     return (k * a[0], k * g * a[1], k * g * a[2])
 
 
-@njit
+@kernel
 def _rows(k, g, A):
     """k diag(1, g, g) A"""
     return (scale(k, A[0]), scale(k * g, A[1]), scale(k * g, A[2]))
 
 
-@njit
+@kernel
 def _of_pace(g0, a, g1, b):
     """diag(0, g0, g0) a + diag(0, g1, g1) b"""
     return (0.0, g0 * a[1] + g1 * b[1], g0 * a[2] + g1 * b[2])
 
 
-@njit
+@kernel
 def law_rows(law, by_law, dN, d_speed, d_turning):
     """Derivatives, three (3,), of (F, M, X) and (3,) of the aligning moment of a Lateral by three variables.
 
@@ -84,12 +83,12 @@ def law_rows(law, by_law, dN, d_speed, d_turning):
     return rows, _row(turn, law.turn_N, dN, law.turn_u, d_speed, 0.0, d_turning)
 
 
-@njit
+@kernel
 def _row(a, N, dN, u, d_speed, n, d_turning):
     return add(a, add(scale(N, dN), add(scale(u, d_speed), scale(n, d_turning))))
 
 
-@njit
+@kernel
 def relax(p, q, v, f, K, C):
     """Add F = M = X = 0 of the air to the rows and columns of y, psi and bow."""
     A0, A1 = mat(p.A0), mat(p.A1_air)
@@ -101,14 +100,14 @@ def relax(p, q, v, f, K, C):
             C[Y + r, Y + c] += A1[r][c]
 
 
-@njit
+@kernel
 def lateral_energy(p, y, psi):
     """Energy of the symmetric part of A0 for y and psi [J]: what the law may be said to store."""
     A = p.A0
     return 0.5 * (A[0, 0] * y * y + (A[0, 1] + A[1, 0]) * y * psi + A[1, 1] * psi * psi)
 
 
-@njit
+@kernel
 def lateral_energy_rate(p, y, psi, y1, psi1):
     """Rate of ``lateral_energy`` [W]."""
     mixed = 0.5 * (p.A0[0, 1] + p.A0[1, 0])

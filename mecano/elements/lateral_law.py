@@ -129,15 +129,15 @@ def _with(A, own):
 def check_lateral(law):
     """Texts on what is wrong with a lateral law, None where the tyre law has none."""
     if law is None:
-        return ["the tire law has no 'lateral' law: how the patch gives way sideways"]
+        return ["'tire_law.lateral' is missing: how the patch gives way sideways"]
     if sum(bool(law[name]) for name in FORMS) != 1:
-        return ["the lateral law must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
+        return ["'tire_law.lateral' must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
     if law["string"] or law["straight_tangent"]:
         return []
     A0, A1 = matrices(law)
     texts = []
     if abs(np.linalg.det(A0)) <= SINGULAR * np.abs(A0).sum(axis=1).prod():
-        texts.append("the stiffness A0 of the lateral law is singular")
+        texts.append("'tire_law.lateral' has a singular stiffness A0")
     elif np.linalg.eigvals(np.linalg.solve(A0, A1)).real.min() < -1e-12 * np.abs(np.linalg.solve(A0, A1)).max():
-        texts.append("y and psi of the lateral law grow in the air: A0 and A1 do not fit together")
+        texts.append("'tire_law.lateral' lets y and psi grow in the air: A0 and A1 do not fit together")
     return texts

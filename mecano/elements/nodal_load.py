@@ -15,8 +15,8 @@ symmetric: these loads have no potential.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, put, scale, skew, tmul, vec
@@ -26,13 +26,13 @@ RECORD = record(law="i", direction=3)
 EQUATIONS = __doc__.partition("\n\n")[2]
 
 
-@njit
+@kernel
 def _load(p, laws, t):
     """Size and unit direction."""
     return evaluate_curve(laws, p.law, t)[0], vec(p.direction, 0)
 
 
-@njit
+@kernel
 def _report(size, inertial, direction, v, y, e):
     """Load, inertial, and its power: ``direction`` in the axes of the velocity v."""
     put(y, 0, scale(size, inertial))
@@ -40,21 +40,21 @@ def _report(size, inertial, direction, v, y, e):
     e[3] = y[3]
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The dead force; it has no tangent."""
     size, d = _load(p, laws, t)
     add_vec(f, 0, -size, d)
 
 
-@njit
+@kernel
 def observe_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Force and power."""
     size, d = _load(p, laws, t)
     _report(size, d, d, v, y, e)
 
 
-@njit
+@kernel
 def follower_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The force carried by the node."""
     size, d = _load(p, laws, t)
@@ -62,7 +62,7 @@ def follower_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 0, 3, size, matmul(mat(R[0]), skew(d)))
 
 
-@njit
+@kernel
 def observe_follower_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Force and power."""
     size, d = _load(p, laws, t)
@@ -70,7 +70,7 @@ def observe_follower_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
     _report(size, inertial, inertial, v, y, e)
 
 
-@njit
+@kernel
 def moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The dead moment."""
     size, d = _load(p, laws, t)
@@ -79,21 +79,21 @@ def moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 0, 0, -size, skew(material))
 
 
-@njit
+@kernel
 def observe_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment and power."""
     size, d = _load(p, laws, t)
     _report(size, d, tmul(mat(R[0]), d), v, y, e)
 
 
-@njit
+@kernel
 def follower_moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """The moment carried by the node; it has no tangent in material axes."""
     size, d = _load(p, laws, t)
     add_vec(f, 0, -size, d)
 
 
-@njit
+@kernel
 def observe_follower_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Moment and power."""
     size, d = _load(p, laws, t)

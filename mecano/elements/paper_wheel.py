@@ -11,8 +11,8 @@ exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of ine
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
 from mecano.constraints.ground import check_axle, ends, lean_of, slope_below
 from mecano.constraints.held_coordinate import HELD_COORDINATE
@@ -24,7 +24,7 @@ from mecano.maths.vec import ZERO, dot, mat, mul, scale, vec
 HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
     Rn, n = mat(R[0]), vec(p.normal, 0)

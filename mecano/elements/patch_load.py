@@ -5,8 +5,7 @@ The friction F in the ground and its derivatives are left to the kind of wheel: 
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import (
     NO_MATRIX,
     Variation,
@@ -62,7 +61,7 @@ class Change(NamedTuple):
     frame: tuple  # turns the variables, 3x3
 
 
-@njit
+@kernel
 def load_of(p, laws, k, q, v):
     """The Load of the Patch ``k``."""
     radial, F_w, F_w1 = radial_force(p, laws, p.radius - k.g.r, k.w1)
@@ -72,7 +71,7 @@ def load_of(p, laws, k, q, v):
     return Load(radial, F_w, F_w1, N, velocity, speed, ahead, law)
 
 
-@njit
+@kernel
 def add_load(f, Rn, k, load, F):
     """Add the forces of a Load and of the friction F (3,) [N] in the ground. Returns G of tire_patch.py."""
     G = add_patch_force(f, Rn, k, F, load.N)
@@ -81,7 +80,7 @@ def add_load(f, Rn, k, load, F):
     return G
 
 
-@njit
+@kernel
 def changes(p, k, load, G, Rn, y1):
     """Three Changes by x, inertial theta and (y, psi, bow), three by their rates; ``y1`` = dy/dt."""
     n, law, none = k.g.n, load.law, (NO_MATRIX, ZERO)
@@ -101,20 +100,20 @@ def changes(p, k, load, G, Rn, y1):
     return places, motions
 
 
-@njit
+@kernel
 def _of_place(k, load, d, swing, by_law, moment, frame):
     speed = scale(-dot(k.g.n, load.v), tmul(d.n, load.ahead))
     return Change(d, speed, add(tmul(d.n, k.omega), swing), by_law, moment, frame)
 
 
-@njit
+@kernel
 def normal_change(k, load, d):
     """Derivatives (3,) of N by the three variables of the Variation ``d``."""
     radial = add(scale(load.F_w, d.w), scale(load.F_w1, d.w1))
     return add(scale(1.0 / k.g.q, radial), scale(load.N * k.g.s / k.g.q**2, d.s))
 
 
-@njit
+@kernel
 def add_load_tangent(A, j, Rn, k, load, F, G, dF, dN, c):
     """Add the derivatives of ``add_load`` by the variables of the Change ``c``, to the columns of A from j on.
 

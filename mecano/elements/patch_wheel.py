@@ -1,7 +1,6 @@
 """What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import PSI, Y
 from mecano.contract import Kind, Output, record
@@ -53,7 +52,7 @@ STRING = {
 MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
 
 
-@njit
+@kernel
 def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, y, e):
     """Write OUTPUTS and energies of the Patch ``k``.
 
@@ -79,7 +78,7 @@ def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, 
     e[3] = max(-lost_aside, 0.0)
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Write w for the touch-down, -w for the lift-off [m]."""
     axis = mul(mat(R[0]), vec(p.axis, 0))

@@ -11,8 +11,7 @@ axes in the plane are chosen as for the hinge, and assembly refuses :math:`\xi_3
 Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_motion import MOMENT, TURNING, follow_turning, put_turning
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
@@ -26,7 +25,7 @@ from mecano.schema import DIRECTION, Field
 HELD = ("about_2", "about_1", "along_axis")
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Sliding, rotation and reactions."""
     for i in range(3):

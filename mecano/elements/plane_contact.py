@@ -9,8 +9,8 @@ coefficient of ``restitution``, and leaves it where N falls to zero. It is held 
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, let_go, put_levels
 from mecano.contract import CONTACT, Event, Kind, Output, Row, record
 from mecano.maths.vec import dot, sub, vec
@@ -21,12 +21,12 @@ AIR, CLOSED = 0, 1
 MULTIPLIER = 3
 
 
-@njit
+@kernel
 def _gap(p, q):
     return dot(vec(p.normal, 0), sub(vec(q, 0), vec(p.point, 0))) - p.radius
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force along the normal."""
     if mode == AIR:
@@ -36,7 +36,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_constraint(f, K, MULTIPLIER, k, penalty, _gap(p, q) - m[0], q[MULTIPLIER], blocks)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Gap beyond the one held, and its rates."""
     n = vec(p.normal, 0)
@@ -45,19 +45,19 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
         put_levels(g, 0, _gap(p, q) - m[0], dot(n, vec(v, 0)), dot(n, vec(a, 0)))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Gap, force, state."""
     y[0], y[1], y[2] = _gap(p, q), q[MULTIPLIER], float(mode)
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Depth below the plane [m], -N [N]."""
     g[0], g[1] = -_gap(p, q), -q[MULTIPLIER]
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """The gap of the last step before the contact."""
     m_out[0] = m[0] if mode == CLOSED else _gap(p, q)

@@ -1,7 +1,6 @@
 r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.maths.vec import EYE, add_mat, add_vec, dot, sub, vec
 from mecano.schema import NODE, NUMBER, Field, positive
@@ -9,14 +8,14 @@ from mecano.schema import NODE, NUMBER, Field, positive
 RECORD = record(mass=(), gravity=3)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Inertia and weight."""
     add_vec(f, 0, p.mass, sub(vec(a, 0), vec(p.gravity, 0)))
     add_mat(M, 0, 0, p.mass, EYE)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Kinetic and potential energy."""
     velocity = vec(v, 0)

@@ -27,8 +27,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
@@ -52,7 +52,7 @@ S, ROW = 9, 10  # local unknowns after both places and the rotation of a: s, the
 ROUNDING = 1e-9  # of the length of an open curve
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Forces on both nodes, the moment on the first, the force along the curve."""
     A = mat(R[0])
@@ -67,7 +67,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_scalar(f, K, S, ROW + i, k, penalty, g, -slope[i], -curvature[i], blocks)
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates along each axis."""
     X, slope, curvature = curve_at(p, laws, q[S])
@@ -77,7 +77,7 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
         put_levels(g, i, Phi - X[i], rate - slope[i] * v[S], second)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Place on the curve, force, pressure angle."""
     _, slope, _ = curve_at(p, laws, q[S])

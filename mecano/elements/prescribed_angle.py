@@ -8,8 +8,7 @@ with theta the angle of that joint, zero in the deck; f may go over many turns. 
 about the axis; its power :math:`k\lambda\, \dot f` is given by the surroundings.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, turned
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.joint_samples import two_places
@@ -22,7 +21,7 @@ from mecano.schema import CURVE, DIRECTION, Field
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Motion, moment and power."""
     angle, y[1] = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))

@@ -7,8 +7,8 @@ is given by the surroundings.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.target import TARGET, target
@@ -19,7 +19,7 @@ from mecano.schema import CURVE, DIRECTION, NODE, Field
 RECORD = record(direction=3, origin=3, **TARGET)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Motion, force and power."""
     n = vec(p.direction, 0)

@@ -16,8 +16,7 @@ Force and moment are those of what holds b; law and friction have outputs of the
 
 from dataclasses import replace
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_motion import REACTIONS, SLIDING, put_sliding
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
@@ -43,7 +42,7 @@ from mecano.schema import DIRECTION, NUMBER, Field, positive
 HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Sliding and reactions."""
     put_sliding(p, q, v, R, y, 0)
@@ -51,7 +50,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 5, scale(-1.0, mul(mat(p.mu), vec(F, 9))))
 
 
-@njit
+@kernel
 def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Sliding and reactions, where every axis is held by a part of its own."""
     put_sliding(p, q, v, R, y, 0)

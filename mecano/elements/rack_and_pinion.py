@@ -12,8 +12,8 @@ does no work and is left out.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, turned
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import triad
@@ -26,7 +26,7 @@ RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
 PERPENDICULAR = 1e-6  # cosine up to which axis and rack count as perpendicular
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Rolling and the force of the teeth; the sliding tells which turn it is."""
     angle, y[1] = turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))

@@ -11,8 +11,8 @@ by three constraints each.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_parallel
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part, record
@@ -40,7 +40,7 @@ from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, posi
 RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Inertia and weight of one body; see contract.py for the arguments."""
     c, J, A = vec(p.c, 0), mat(p.J), mat(R[0])
@@ -66,7 +66,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_mat(K, 3, 3, p.mass, matmul(hat_c, skew(u_body)))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Centre of mass, its velocity, energies."""
     c, A, omega = vec(p.c, 0), mat(R[0]), vec(v, 3)

@@ -6,8 +6,8 @@ The follower shares the rotation of the master (Boolean identification); with d,
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import two_parallel
 from mecano.constraints.rigid_offset import RIGID_OFFSET
@@ -16,7 +16,7 @@ from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import NODE_PAIR, Field
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions on the follower."""
     put(y, 0, vec(q, 12))

@@ -1,8 +1,8 @@
 r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends turn freely."""
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.distance import DISTANCE
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.contract import Kind, Output, Part
@@ -10,7 +10,7 @@ from mecano.maths.vec import norm, sub, vec
 from mecano.schema import NUMBER, Field, positive
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Tension and length."""
     y[0] = -q[6]

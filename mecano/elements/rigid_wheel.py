@@ -23,8 +23,7 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
@@ -60,7 +59,7 @@ OPTIONS = (
 )
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
     Rn = mat(R[0])
@@ -73,14 +72,14 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_outputs(y, q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
 
 
-@njit
+@kernel
 def _place(p, laws, q, R):
     """Distance [m] of the contact along the profile."""
     x = vec(q, 0)
     return along_profile(p, add(x, touch(p, laws, x, mul(mat(R[0]), vec(p.axis, 0))).arm))
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Depth of the rim below the ground [m], -F_r [N], and how far the contact is beyond the bends around it [m]."""
     g[:] = -1.0
@@ -97,7 +96,7 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
         g[2] -= BEHIND * p.radius
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """How many bends of the profile the contact has passed."""
     passed = int(m[0])

@@ -14,8 +14,7 @@ Options: ``turning_law`` gives a moment about the axis from the angle and its ra
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_motion import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
 from mecano.constraints.carried import follow
 from mecano.constraints.geared_slide import GEARED_SLIDE
@@ -32,7 +31,7 @@ HELD = ("about_2", "about_1", "along_1", "along_2")
 RECORD = record(travel=(), **AXES_FIELDS)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Rotation, sliding and reactions; the sliding tells which turn it is."""
     angle, y[1] = angle_in_turn(p, v, R)

@@ -9,8 +9,8 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
@@ -22,7 +22,7 @@ from mecano.schema import DIRECTION, GROUND, NODE, Field
 LATERAL = 6  # multiplier of the part, behind the own unknowns
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reaction and speed."""
     axis = mul(mat(R[0]), vec(p.axis, 0))

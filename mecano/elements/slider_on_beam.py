@@ -19,8 +19,8 @@ up to F L^3/(192 EI) in its middle: both fall with the size of the elements.
 from functools import cache
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Event, Kind, Output, Row, record
@@ -49,13 +49,13 @@ PAST = 1e-6  # of an element: how far past a node the next one takes over, which
 ROUNDING = 1e-9  # m
 
 
-@njit
+@kernel
 def _element(p, m):
     """The element on which the slider is."""
     return p.first + int(round(m[0]))
 
 
-@njit
+@kernel
 def _shape(p, laws, i, s):
     """((H (4,)), their first and second derivatives by s) of the element i, those of tangents times its length."""
     start, L = laws[p.table + i], laws[p.table + i + 1] - laws[p.table + i]
@@ -67,19 +67,19 @@ def _shape(p, laws, i, s):
     return H, H_1, (bend, (6.0 * u - 4.0) / L, -bend, (6.0 * u - 2.0) / L)
 
 
-@njit
+@kernel
 def _tangent(p, laws, j):
     """Direction of the beam at its node j, carried by the node."""
     return vec(laws, p.table + p.n_nodes + 3 * j)
 
 
-@njit
+@kernel
 def _sum(H, y):
     """H_0 y_0 + ... + H_3 y_3"""
     return add(add(scale(H[0], y[0]), scale(H[1], y[1])), add(scale(H[2], y[2]), scale(H[3], y[3])))
 
 
-@njit
+@kernel
 def _of_beam(H, j, e, turn_0, turn_1):
     """Gradients of -e . X at the nodes of an element whose unknowns begin at j, as blocks of add_constraint."""
     return (
@@ -87,7 +87,7 @@ def _of_beam(H, j, e, turn_0, turn_1):
     )  # fmt: skip
 
 
-@njit
+@kernel
 def _ends(p, laws, i, q, v, a, R):
     """Places and directions at both nodes of the element i, their rates and second rates, inertial."""
     j, l = 3 + 6 * i, 9 + 6 * i
@@ -99,7 +99,7 @@ def _ends(p, laws, i, q, v, a, R):
     )  # fmt: skip
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Force on the slider, its opposite on two nodes of the beam, the force along it."""
     i, at = _element(p, m), 3 + 6 * p.n_nodes
@@ -122,7 +122,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         add_mat(K, l + 3, l + 3, -g * H[3], matmul(skew(t_1), skew(tmul(B, e))))
 
 
-@njit
+@kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
     """Value and rates along the inertial axes."""
     i, at = _element(p, m), 3 + 6 * p.n_nodes
@@ -137,7 +137,7 @@ def levels(p, m, mode, t, laws, q, v, a, R, g):
         put_levels(g, r, q[r] - X[r], v[r] - X_1[r], a[r] - X_2[r])
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Place on the beam, speed along it, force."""
     i, at = _element(p, m), 3 + 6 * p.n_nodes
@@ -149,7 +149,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[7] = max(-q[at], q[at] - p.length, 0.0)
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """How far the slider is past the nodes of its element [m], where another one follows."""
     i, s = _element(p, m), q[3 + 6 * p.n_nodes]
@@ -159,7 +159,7 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     g[0] = max(back, s - end if i + 2 < p.n_nodes else -1.0) - past
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """The element on which the slider is, counted from the one at the start."""
     i, s = _element(p, m), q[3 + 6 * p.n_nodes]

@@ -6,8 +6,8 @@ With ``friction`` the force is that of three multipliers, and nothing is shared.
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.friction import check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
@@ -17,13 +17,13 @@ from mecano.contract import Kind, Output, Part, nothing
 from mecano.maths.vec import put, scale, vec
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reaction."""
     put(y, 0, scale(-1.0, vec(F, 3)))
 
 
-@njit
+@kernel
 def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reaction."""
     put(y, 0, vec(q, 6))

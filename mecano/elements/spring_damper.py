@@ -8,8 +8,8 @@ N > 0 pulls the nodes together.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
@@ -20,7 +20,7 @@ from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
 RECORD = record(law="i", natural_length=(), low=(), high=())
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Equal and opposite forces along the line."""
     length, rate, geometry = line(q, v)
@@ -28,7 +28,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_line_force(f, K, C, rate, geometry, N, N_e, N_rate)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Length, extension, rate, force, stroke; energies."""
     length, rate, _ = line(q, v)
@@ -44,7 +44,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     e[2] = (N - elastic) * rate
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Stops of the law."""
     put_stop_events(g, p.low, p.high, line(q, v)[0] - p.natural_length)

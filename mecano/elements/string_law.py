@@ -42,8 +42,8 @@ edge would lead.
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.schema import NUMBER, Field, mapping, positive
 
 FIELDS = (
@@ -88,7 +88,7 @@ def _tangent(sigma, a, c, kap):
     return {"A0": A0, "A1": np.zeros((3, 3)), "turning": [0.0, kap * a, 0.0], "moment": moment, "pace": OF_TANGENT}
 
 
-@njit
+@kernel
 def pace(p, u):
     """g_0, its derivative by the speed u [m/s], g_1 and its derivative."""
     if p.pace == OF_STRING:

@@ -19,8 +19,10 @@ matters (docs/superelements.md).
 from functools import cache
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import give_back, take_zeros
+from mecano.compiled.nowhere import wanted
 from mecano.contract import Kind, Output, record
 from mecano.elements.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.superelement_force import (
@@ -43,7 +45,6 @@ from mecano.elements.superelement_frame import (
     velocities,
 )  # fmt: skip
 from mecano.elements.superelement_tangent import TANGENT_ROWS, add_tangents
-from mecano.maths.nowhere import wanted
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import add, dot, mat, mul, put, tmul, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
@@ -62,11 +63,11 @@ MODE_OUTPUTS = (
 )
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Elastic forces, damping, weight and inertia; see contract.py for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
-    work, turns = np.zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), np.zeros((p.n_nodes, 2, 3, 3))
+    work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
     R_f, _, D_inverse = configuration(p, laws, q, R, work, turns)
     spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
     velocities(p, laws, v, a, R_f, spin, work, turns)
@@ -77,13 +78,15 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_forces(p, laws, R_f, spin, mean, nu, work, turns, f)
     if wanted(K):
         add_tangents(p, laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
+    give_back(work)
+    give_back(turns)
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
-    work, turns = np.zeros((ROWS, n)), np.zeros((p.n_nodes, 2, 3, 3))
+    work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
     R_f, centre, D_inverse = configuration(p, laws, q, R, work, turns)
     spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
     velocities(p, laws, v, a, R_f, spin, work, turns)
@@ -97,7 +100,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     for i in range(4):
         y[5 + i] = w[i]
     mean = mean_force(p, load, work[FORCE])
-    total = np.zeros(n)
     add_forces(p, laws, R_f, spin, mean, nu, work, turns, total)
     for i in range(p.n_nodes):
         j = 9 + 12 * i
@@ -111,15 +113,18 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
     e[2] = dissipated
+    give_back(work)
+    give_back(turns)
+    give_back(total)
 
 
-@njit
+@kernel
 def _energies(p, laws, work):
     """Elastic energy, kinetic energy, dissipated power; spoils the row INERTIA."""
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
     elastic, kinetic, dissipated = 0.0, 0.0, 0.0
-    scratch = np.zeros((2, n))
+    scratch = take_zeros((2, n))
     add_product(laws, stiffness, work[U], scratch[0])
     if p.damped > 0:
         add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
@@ -127,6 +132,7 @@ def _energies(p, laws, work):
         elastic += 0.5 * work[U, i] * scratch[0, i]
         dissipated += work[U_RATE, i] * scratch[1, i]
         kinetic += 0.5 * work[V, i] * work[MOMENTUM, i]
+    give_back(scratch)
     return elastic, kinetic, dissipated
 
 

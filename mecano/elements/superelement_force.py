@@ -18,8 +18,7 @@ are those of Lagrange's equations of T and V without any neglect: with :math:`p 
             + \tfrac{L^2}{n} (\mathrm{tr} E_i - E_i) \nu , \qquad f_\eta = p_\eta + h_\eta
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.elements.superelement_frame import (
     FORCE,
     INERTIA,
@@ -35,7 +34,7 @@ from mecano.elements.superelement_frame import (
 from mecano.maths.vec import ZERO, add, add_vec, cross, mat, mul, scale, sub, tmul, vec
 
 
-@njit
+@kernel
 def add_product(laws, start, x, out):
     """out += A x for the symmetric matrix (n, n) at ``start`` of the table; zeros in x cost nothing."""
     n = x.shape[0]
@@ -46,7 +45,7 @@ def add_product(laws, start, x, out):
                 out[i] += s * laws[row + i]
 
 
-@njit
+@kernel
 def first_moment(p, laws, u):
     """B^T u, (3,)."""
     total, start = ZERO, p.table + 12 * p.n_nodes
@@ -55,7 +54,7 @@ def first_moment(p, laws, u):
     return total
 
 
-@njit
+@kernel
 def products(p, laws, load, work, first, last):
     """Forces on the coordinates, momenta and forces of inertia from the rows ``first`` ... of ``work`` (3 rows)."""
     n = work.shape[1]
@@ -74,19 +73,19 @@ def products(p, laws, load, work, first, last):
         add_product(laws, stiffness + 2 * n * n, work[first[1]], force)
 
 
-@njit
+@kernel
 def of_motion(p, laws, load, work):
     """Rows FORCE, MOMENTUM, INERTIA."""
     products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
 
 
-@njit
+@kernel
 def material_moment(turns, work, i):
     """T_i^-T p_r, the moment of the elastic forces on node i in the axes A_i."""
     return tmul(mat(turns[i, 1]), vec(work[FORCE], 6 * i + 3))
 
 
-@njit
+@kernel
 def rotary(spin, work, i):
     """Moment of inertia forces on node i, in the axes of the frame."""
     momentum = vec(work[MOMENTUM], 6 * i + 3)
@@ -94,7 +93,7 @@ def rotary(spin, work, i):
     return add(vec(work[INERTIA], 6 * i + 3), turned)
 
 
-@njit
+@kernel
 def frame_moment(p, laws, load, moment, work, turns):
     """The moment mu that works along rotations of the frame; ``moment`` is S_0 + B^T u."""
     total = cross(moment, load)
@@ -107,7 +106,7 @@ def frame_moment(p, laws, load, moment, work, turns):
     return scale(-1.0, total)
 
 
-@njit
+@kernel
 def mean_force(p, load, force):
     """The part of the forces that the mean of the nodes takes, (3,)."""
     total = scale(p.mass, load)
@@ -116,7 +115,7 @@ def mean_force(p, load, force):
     return scale(1.0 / p.n_nodes, total)
 
 
-@njit
+@kernel
 def node_force(p, laws, spin, mean, nu, work, i):
     """Force on node i in the axes of the frame."""
     turned = add(vec(work[INERTIA], 6 * i), cross(spin, vec(work[MOMENTUM], 6 * i)))
@@ -124,7 +123,7 @@ def node_force(p, laws, spin, mean, nu, work, i):
     return add(add(own, turned), scale(1.0 / p.n_nodes, cross(nu, place(p, laws, i))))
 
 
-@njit
+@kernel
 def node_moment(p, spin, nu, work, turns, i):
     """Moment on node i in the axes A_i."""
     E = mat(turns[i, 0])
@@ -132,7 +131,7 @@ def node_moment(p, spin, nu, work, turns, i):
     return add(own, scale(p.square / p.n_nodes, tmul(tail(E), nu)))
 
 
-@njit
+@kernel
 def add_forces(p, laws, R_f, spin, mean, nu, work, turns, f):
     """All forces into ``f`` (n,)."""
     for i in range(p.n_nodes):

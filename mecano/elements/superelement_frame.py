@@ -16,8 +16,7 @@ so the same line gives its angular velocity. It turns with the nodes, whatever t
 path. Elastic coordinates are :math:`d_i = y_i - X_i`, :math:`\theta_i = \log E_i` and the amplitudes of the modes.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
@@ -48,7 +47,7 @@ DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA = range(8, 15)
 ROWS = 15
 
 
-@njit
+@kernel
 def tail(E):
     """Tr E - E^T, the moment of a turning node about the frame."""
     t = E[0][0] + E[1][1] + E[2][2]
@@ -59,20 +58,20 @@ def tail(E):
     )
 
 
-@njit
+@kernel
 def place(p, laws, i):
     """X_i, (3,)."""
     return vec(laws, p.table + 12 * i)
 
 
-@njit
+@kernel
 def axes(p, laws, i):
     """Rotation from the axes of the superelement to those of node i at the start: A_i = R_i axes."""
     j = p.table + 12 * i + 3
     return (vec(laws, j), vec(laws, j + 3), vec(laws, j + 6))
 
 
-@njit
+@kernel
 def mean(q, n):
     """Mean of the translations of n nodes in local unknowns."""
     total = ZERO
@@ -81,7 +80,7 @@ def mean(q, n):
     return scale(1.0 / n, total)
 
 
-@njit
+@kernel
 def frame(p, laws, q, R):
     """Rotation of the frame and the mean of the boundary nodes."""
     n = p.n_nodes
@@ -92,7 +91,7 @@ def frame(p, laws, q, R):
     return nearest_rotation(mscale(1.0 / n, B)), centre
 
 
-@njit
+@kernel
 def configuration(p, laws, q, R, work, turns):
     """Frame, mean and D^-1; elastic coordinates into ``work`` (ROWS, n), E_i and T^-1(theta_i) into ``turns``."""
     n = p.n_nodes
@@ -113,26 +112,26 @@ def configuration(p, laws, q, R, work, turns):
     return R_f, centre, inverse(stiffened(mscale(1.0 / n, H)))
 
 
-@njit
+@kernel
 def put_matrix(out, A):
     """out[:, :] = A"""
     for i in range(3):
         put(out[i], 0, A[i])
 
 
-@njit
+@kernel
 def stiffened(H):
     """D = tr H - H."""
     return madd(mscale(H[0][0] + H[1][1] + H[2][2], EYE), mscale(-1.0, H))
 
 
-@njit
+@kernel
 def own_spin(p, laws, v, i):
     """Material angular velocity (or variation) of A_i from that of node i in local unknowns."""
     return tmul(axes(p, laws, i), vec(v, 6 * i + 3))
 
 
-@njit
+@kernel
 def turning(p, laws, v, R_f, D_inverse, turns):
     """Angular velocity of the frame (or its variation), in its own axes, for velocities (or variations) ``v``."""
     total = ZERO
@@ -142,7 +141,7 @@ def turning(p, laws, v, R_f, D_inverse, turns):
     return scale(1.0 / p.n_nodes, mul(D_inverse, total))
 
 
-@njit
+@kernel
 def to_frame(p, laws, v, R_f, turns, out):
     """Velocities or accelerations of the nodes in the axes of the frame, (n,)."""
     for i in range(p.n_nodes):
@@ -152,7 +151,7 @@ def to_frame(p, laws, v, R_f, turns, out):
         out[j] = v[j]
 
 
-@njit
+@kernel
 def velocities(p, laws, v, a, R_f, spin, work, turns):
     """Velocities, accelerations, rates of the velocities and of the elastic coordinates, into ``work``."""
     n = p.n_nodes

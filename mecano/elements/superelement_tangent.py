@@ -4,8 +4,7 @@ A variation of the nodes varies the frame by rho, the rotations seen from it by 
 and with them all that superelement_force.py adds up. Columns of amplitudes cost one row of a matrix each.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.elements.superelement_force import first_moment, material_moment, mean_force, products, rotary
 from mecano.elements.superelement_frame import (
     DFORCE,
@@ -54,7 +53,7 @@ PSI, COLUMN = ROWS, ROWS + 1
 TANGENT_ROWS = ROWS + 2
 
 
-@njit
+@kernel
 def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, work, turns, K, C, M):
     """K, C and M; ``work`` (TANGENT_ROWS, n) and the rest as the forces left them."""
     n, nodes = work.shape[1], 6 * p.n_nodes
@@ -77,7 +76,7 @@ def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, wo
                     M[i, column] += work[COLUMN, i]
 
 
-@njit
+@kernel
 def amplitude(level, column, work):
     """Variation of an amplitude, its rate or its second rate."""
     if level == 0:
@@ -89,7 +88,7 @@ def amplitude(level, column, work):
         work[DV_RATE, column] = 1.0
 
 
-@njit
+@kernel
 def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
     """Variation of a node's position or rotation, velocity or acceleration; the changes rho, of Omega and of D."""
     k = column // 6
@@ -112,7 +111,7 @@ def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
     return turn, spin_change, D_change
 
 
-@njit
+@kernel
 def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
     """Variation by the velocities r and phi of node k."""
     put(work[DV], 6 * k, r)
@@ -126,7 +125,7 @@ def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
     velocity_rates(p, spin, spin_change, work)
 
 
-@njit
+@kernel
 def velocity_rates(p, spin, spin_change, work):
     """Subtract the variation of Omega x v from that of the rates of the velocities."""
     for i in range(2 * p.n_nodes):
@@ -134,7 +133,7 @@ def velocity_rates(p, spin, spin_change, work):
         add_vec(work[DV_RATE], 3 * i, -1.0, turned)
 
 
-@njit
+@kernel
 def position(p, laws, k, r, phi, rho, work, turns):
     """Variation of the coordinates, velocities and accelerations by r and phi of node k; the change of D."""
     H, centre = mscale(0.0, EYE), scale(1.0 / p.n_nodes, r)
@@ -156,7 +155,7 @@ def position(p, laws, k, r, phi, rho, work, turns):
     return stiffened(mscale(1.0 / p.n_nodes, H))
 
 
-@njit
+@kernel
 def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
     """Change of the angular velocity of the frame with the positions."""
     total = ZERO
@@ -168,7 +167,7 @@ def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
     return mul(D_inverse, sub(scale(1.0 / p.n_nodes, total), mul(D_change, spin)))
 
 
-@njit
+@kernel
 def rates(p, laws, rho, spin, spin_change, work, turns):
     """Change of the rates of the coordinates and of the velocities with the positions."""
     velocity_rates(p, spin, spin_change, work)
@@ -185,7 +184,7 @@ def rates(p, laws, rho, spin, spin_change, work, turns):
         put(work[DU_RATE], 6 * i + 3, add(slope, mul(mat(turns[i, 1]), change)))
 
 
-@njit
+@kernel
 def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns):
     """The column: change of all forces, from those of coordinates, velocities and their rates."""
     spin, load, moment, force_mean, nu = state
@@ -207,7 +206,7 @@ def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns
         work[COLUMN, j] = work[DFORCE, j] + work[DINERTIA, j]
 
 
-@njit
+@kernel
 def moment_change_of(work, turns, i):
     """Change of T_i^-T p_r."""
     theta = vec(work[U], 6 * i + 3)
@@ -216,7 +215,7 @@ def moment_change_of(work, turns, i):
     return add(mul(slope, vec(work[DU], 6 * i + 3)), tmul(mat(turns[i, 1]), vec(work[DFORCE], 6 * i + 3)))
 
 
-@njit
+@kernel
 def turning_moment(p, laws, work, turns, i):
     """Change of what node i gives to the moment about the frame, with the sign of superelement_force.frame_moment."""
     y = add(place(p, laws, i), vec(work[U], 6 * i))
@@ -229,7 +228,7 @@ def turning_moment(p, laws, work, turns, i):
     return total
 
 
-@njit
+@kernel
 def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i):
     """Force on node i in the axes of the frame and its change."""
     X, share = place(p, laws, i), 1.0 / p.n_nodes
@@ -240,7 +239,7 @@ def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_chan
     return add(z, scale(share, cross(nu, X))), add(dz, scale(share, cross(nu_change, X)))
 
 
-@njit
+@kernel
 def moment_of(p, spin, spin_change, nu, nu_change, work, turns, i):
     """Change of the moment on node i, in the axes A_i."""
     E, psi, j = mat(turns[i, 0]), vec(work[PSI], 6 * i), 6 * i + 3

@@ -16,8 +16,8 @@ exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1,
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.elements.lateral_law import LATERAL_TYPE
 from mecano.laws.friction import friction_factor
 from mecano.laws.probe import curve_at
@@ -72,13 +72,13 @@ def check_tire_law(law):
     at_zero, slope, _ = curve_at(law["radial"], 0.0)
     size = abs(curve_at(law["radial"], 0.1 * law["radius"])[0])
     if abs(at_zero) > 1e-6 * size:
-        texts.append(f"the radial force must be zero at zero deformation; it is {at_zero:g} N")
+        texts.append(f"'tire_law.radial' must be zero at zero deformation; it is {at_zero:g} N")
     if slope < 0.0:
-        texts.append("the radial force must not fall from zero deformation on")
+        texts.append("'tire_law.radial' must not fall from zero deformation on")
     else:
         texts += _softening(law)
     if curve_at(law["friction"], 0.0)[0] < 0.0:
-        texts.append("the coefficient of friction must not be negative")
+        texts.append("'tire_law.friction' must not be negative")
     return texts
 
 
@@ -89,24 +89,24 @@ def _softening(law):
         force = curve_at(law["radial"], w)[0]
         if force < 0.0:
             hint = "" if valid else " or 'valid_deformation' says how far the law holds"
-            return [f"the radial force falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
+            return [f"'tire_law.radial' falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
     return []
 
 
-@njit
+@kernel
 def elastic_force(p, laws, w):
     """F(w) [N] and dF/dw of the deformation w [m]; below zero its tangent at zero."""
     F, dF, _ = evaluate_curve(laws, p.radial, max(w, 0.0))
     return F + dF * min(w, 0.0), dF
 
 
-@njit
+@kernel
 def elastic_energy(p, laws, w):
     """Energy [J] stored at the deformation w [m] >= 0."""
     return potential(laws, p.radial, w) - potential(laws, p.radial, 0.0)
 
 
-@njit
+@kernel
 def radial_force(p, laws, w, w1):
     """F_r [N], dF_r/dw and dF_r/dw1 of the deformation w [m] and its rate w1 [m/s]."""
     F, dF = elastic_force(p, laws, w)
@@ -116,7 +116,7 @@ def radial_force(p, laws, w, w1):
     return F * factor, dF * factor, F * p.radial_damping
 
 
-@njit
+@kernel
 def speed_over_ground(n, v):
     """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
     along = sub(v, scale(dot(n, v), n))
@@ -124,7 +124,7 @@ def speed_over_ground(n, v):
     return u, scale(1.0 / u, along) if u > 0.0 else ZERO
 
 
-@njit
+@kernel
 def gripping(p, laws, speed, u):
     """``friction_factor`` for the speed u [m/s] of the axle, and the derivative of b by it."""
     sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)

@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, slope_below
 from mecano.contract import Event, Output
@@ -38,7 +37,7 @@ class Grip(NamedTuple):
     w1: float  # dw/dt [m/s]
 
 
-@njit
+@kernel
 def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
     """Write OUTPUTS, and to ``e`` the energies of radial force and friction; True if the ground pushes.
 

@@ -8,8 +8,7 @@ ends together:
 .. math::  M = M(\theta - \theta_0, \dot\theta)
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.axis_law import report
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.stop_modes import EVENTS, MODES
@@ -18,7 +17,7 @@ from mecano.contract import Kind, Output
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Angle, rate, moment; energies."""
     angle, rate = followed(p, m, q, v, R)

@@ -16,8 +16,8 @@ outputs of their own.
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
@@ -48,7 +48,7 @@ ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py, the fir
 PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
 
 
-@njit
+@kernel
 def _angles(p, v, R):
     """Angle and rate of the cross about the pin of a, and of b about its own pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
@@ -60,7 +60,7 @@ def _angles(p, v, R):
     return pin_angle(A, mu, xi[2]), first_rate, -pin_angle(back, xi, mu[2]), -second_rate
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Both angles and the reactions."""
     _put_angles(p, m, v, R, y)
@@ -68,14 +68,14 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[7] = q[12]
 
 
-@njit
+@kernel
 def _put_angles(p, m, v, R, y):
     first, y[1], second, y[3] = _angles(p, v, R)
     y[0] = follow(m[0], first)
     y[2] = follow(m[1], second)
 
 
-@njit
+@kernel
 def observe_rubbing(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Both angles and the reactions, where three multipliers hold the position."""
     _put_angles(p, m, v, R, y)
@@ -83,7 +83,7 @@ def observe_rubbing(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[7] = q[12]
 
 
-@njit
+@kernel
 def observe_elastic(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Both angles and the reactions, where laws hold some axes."""
     _put_angles(p, m, v, R, y)
@@ -93,7 +93,7 @@ def observe_elastic(p, m, mode, t, laws, q, v, a, R, F, y, e):
     y[7] = held(p, laws, q, 0, tilt, rate)
 
 
-@njit
+@kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
     """Follow both angles over whole turns."""
     first, _, second, _ = _angles(p, v, R)

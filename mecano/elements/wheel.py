@@ -29,8 +29,7 @@ wheel body's: its rotation spins with the wheel.
 
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.contract import Kind, record
 from mecano.elements.tire_law import TIRE_RECORD, gripping, radial_force, speed_over_ground
@@ -91,7 +90,7 @@ class Slip(NamedTuple):
     ahead: tuple  # its direction over the ground
 
 
-@njit
+@kernel
 def _slip(p, laws, g, u, v):
     """The Slip of a wheel of record ``p`` in the Contact ``g``, whose point at C moves with ``u``, its axle with v."""
     along = dot(g.n, u)
@@ -107,7 +106,7 @@ def _slip(p, laws, g, u, v):
     return Slip(f, u, v_C, e, w1, F, F_w, F_w1, N, grip, b, b1, b_u, v, ahead)
 
 
-@njit
+@kernel
 def _by_velocity(g, k):
     """df/du, 3x3, of the Slip ``k``: the contact is fixed."""
     dN = scale(-k.F_w1 / g.q**2, g.n)
@@ -115,7 +114,7 @@ def _by_velocity(g, k):
     return madd(outer(sub(scale(k.b, k.v_C), g.n), dN), mscale(k.N, dv))
 
 
-@njit
+@kernel
 def _by_contact(g, k, dw, by):
     """df, 3x3, of the Slip ``k`` by three variables of which w has the derivatives ``dw`` (3,): u is fixed."""
     lift = tmul(by.n, k.u)  # d(n.u)
@@ -129,7 +128,7 @@ def _by_contact(g, k, dw, by):
     return madd(outer(sub(scale(k.b, k.v_C), g.n), dN), mscale(k.N, madd(dv, mscale(-1.0, by.n))))
 
 
-@njit
+@kernel
 def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     """Add force and material moment of the ground, and their derivatives; see the contract."""
     if mode == AIR:
@@ -153,7 +152,7 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), slip.f, (f_x, f_t))
 
 
-@njit
+@kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
     Rn = mat(R[0])
@@ -167,7 +166,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put_tire(p, laws, mode == CONTACT, g, axis, arm, dot(omega, axis), grip, q, y, e)
 
 
-@njit
+@kernel
 def event_values(p, m, mode, t, laws, q, v, a, R, g):
     """Write w for the touch-down, -w for the lift-off [m]."""
     contact = touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0)))

@@ -6,8 +6,7 @@ chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A 
 :math:`A_o` a function of the stroke.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
 from mecano.laws.tabulated import (
@@ -24,28 +23,28 @@ from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 
-@njit
+@kernel
 def damper_polynomial(a, i, s, v):
     """The polynomial, of the rate."""
     y, d, _ = polynomial(a, i, v)
     return y, 0.0, d
 
 
-@njit
+@kernel
 def damper_table(a, i, s, v):
     """The table, of the rate."""
     y, d, _ = table(a, i, v)
     return y, 0.0, d
 
 
-@njit
+@kernel
 def oil_damper(a, i, s, v):
     """Numbers: compression, rebound."""
     c = a[i] if v < 0.0 else a[i + 1]
     return c * v * abs(v), 0.0, 2.0 * c * abs(v)
 
 
-@njit
+@kernel
 def metering_pin(a, i, s, v):
     """Numbers: rho A^3/(2 Cd^2), then the table of the orifice area over the stroke -s."""
     area, slope, _ = table(a, i + 1, -s)

@@ -4,14 +4,13 @@ r"""Dry friction, regularized after Oden & Martins (1985).
 :math:`s < \epsilon`, 1 beyond: C1 everywhere (Cardona, Geradin & Doan 1991, eq. 34).
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 
-@njit
+@kernel
 def dry_friction(a, i, s, v):
     """Numbers: force, regularization."""
     if v >= a[i + 1]:

@@ -4,12 +4,11 @@ A normal force N and a sliding velocity of size u give the friction :math:`\mu(u
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for :math:`u < \epsilon`, 1 beyond: C1 in the velocity vector.
 """
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.table import evaluate_curve
 
 
-@njit
+@kernel
 def friction_factor(laws, law, eps, u):
     """mu phi [-], b = mu phi/u [s/m] and u db/du of the sliding speed u >= 0 [m/s]; finite at u = 0."""
     mu, d_mu, _ = evaluate_curve(laws, law, u)

@@ -8,15 +8,14 @@ smooth (C1).
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, positive
 
 LEAST = 0.01  # fraction of the gas column below which the force is continued along its tangent
 
 
-@njit
+@kernel
 def gas_force(F0, L, n, s):
     """Force and its derivative."""
     column = max(1.0 + s / L, LEAST)
@@ -25,14 +24,14 @@ def gas_force(F0, L, n, s):
     return F + slope * (s - L * (column - 1.0)), slope
 
 
-@njit
+@kernel
 def gas_spring(a, i, s, v):
     """Numbers: force F0, length L, exponent n."""
     F, slope = gas_force(a[i], a[i + 1], a[i + 2], s)
     return F, slope, 0.0
 
 
-@njit
+@kernel
 def gas_energy(a, i, s):
     """Potential, zero at s = 0; the form with expm1 holds for n = 1 and near it."""
     F0, L, n = a[i], a[i + 1], a[i + 2]

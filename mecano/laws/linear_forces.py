@@ -1,37 +1,36 @@
 """Linear force terms: spring, damper, preload."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.polynomial import constant_integral
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative
 
 
-@njit
+@kernel
 def spring(a, i, s, v):
     """Stiffness times extension."""
     return a[i] * s, a[i], 0.0
 
 
-@njit
+@kernel
 def spring_energy(a, i, s):
     """Half stiffness times extension squared."""
     return 0.5 * a[i] * s * s
 
 
-@njit
+@kernel
 def damper(a, i, s, v):
     """Coefficient times rate."""
     return a[i] * v, 0.0, a[i]
 
 
-@njit
+@kernel
 def no_energy(a, i, s):
     """What gives no force at rest stores no energy."""
     return 0.0
 
 
-@njit
+@kernel
 def preload(a, i, s, v):
     """The same force everywhere."""
     return a[i], 0.0, 0.0

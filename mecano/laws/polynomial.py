@@ -1,9 +1,12 @@
 """Polynomial curves: constant, linear, polynomial."""
 
-from numba import njit
+import numpy as np
 
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import ARGUMENT, SLOPE, VALUE, Term, numbers_of
 from mecano.schema import NUMBER, NUMBERS, Field
+
+SHOWN = 257  # arguments that show the shape of a polynomial
 
 
 def at_least_one(coefficients):
@@ -11,31 +14,31 @@ def at_least_one(coefficients):
     return None if len(coefficients) else "must hold at least one coefficient"
 
 
-@njit
+@kernel
 def constant(a, i, s):
     """Value and zero derivatives."""
     return a[i], 0.0, 0.0
 
 
-@njit
+@kernel
 def constant_integral(a, i, s):
     """Value times s."""
     return a[i] * s
 
 
-@njit
+@kernel
 def linear(a, i, s):
     """Straight line."""
     return a[i] * s + a[i + 1], a[i], 0.0
 
 
-@njit
+@kernel
 def linear_integral(a, i, s):
     """Parabola through zero."""
     return s * (0.5 * a[i] * s + a[i + 1])
 
 
-@njit
+@kernel
 def polynomial(a, i, s):
     """Horner's scheme; a[i] is the number of coefficients."""
     y = d = h = 0.0
@@ -46,7 +49,7 @@ def polynomial(a, i, s):
     return y, d, h
 
 
-@njit
+@kernel
 def polynomial_integral(a, i, s):
     """Antiderivative that is zero at s = 0."""
     n = int(a[i])
@@ -59,6 +62,13 @@ def polynomial_integral(a, i, s):
 def pack_polynomial(values):
     """Count and coefficients."""
     return [len(values["coefficients"]), *values["coefficients"]]
+
+
+def shape_of_polynomial(values, low, high):
+    """Equally spaced, and where the slope is zero."""
+    roots = np.polynomial.Polynomial(values["coefficients"]).deriv().roots()
+    level = roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots)]
+    return [*np.linspace(low, high, SHOWN), *level[(low < level) & (level < high)]]
 
 
 COEFFICIENTS = Field(
@@ -98,4 +108,5 @@ POLYNOMIAL = Term(
     pack=pack_polynomial,
     evaluate=polynomial,
     integral=polynomial_integral,
+    shape=shape_of_polynomial,
 )

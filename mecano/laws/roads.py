@@ -3,13 +3,13 @@
 import math
 
 import numpy as np
-from numba import njit
 
-from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.compiled.kernel import kernel
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 
 
-@njit
+@kernel
 def bump(a, i, s):
     """Numbers: start, length, height."""
     w, k = s - a[i], 2.0 * math.pi / a[i + 1]
@@ -19,14 +19,14 @@ def bump(a, i, s):
     return half * (1.0 - math.cos(k * w)), half * k * math.sin(k * w), half * k * k * math.cos(k * w)
 
 
-@njit
+@kernel
 def bump_integral(a, i, s):
     """Antiderivative, zero before the bump."""
     w, k = min(max(s - a[i], 0.0), a[i + 1]), 2.0 * math.pi / a[i + 1]
     return 0.5 * a[i + 2] * (w - math.sin(k * w) / k)
 
 
-@njit
+@kernel
 def waves(a, i, s):
     """Numbers: how many; of each its amplitude, angular frequency, phase."""
     y, d, h = 0.0, 0.0, 0.0
@@ -37,7 +37,7 @@ def waves(a, i, s):
     return y, d, h
 
 
-@njit
+@kernel
 def waves_integral(a, i, s):
     """Antiderivative, zero at s = 0."""
     total = 0.0
@@ -67,6 +67,18 @@ def some(number):
     return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
 
 
+def shape_of_bump(values, low, high):
+    """Equal parts of the bump, from just behind its beginning to just before its end."""
+    start, end = values["start"], values["start"] + values["length"]
+    return np.linspace(np.nextafter(start, end), np.nextafter(end, start), OF_A_WAVE + 1)
+
+
+def shape_of_random(values, low, high):
+    """Equal parts of the shortest wave."""
+    part = 1.0 / (OF_A_WAVE * values["highest"])
+    return low + part * np.arange(min(math.ceil((high - low) / part) + 1, MOST_SHOWN))
+
+
 BUMP_FIELDS = (
     Field("start", NUMBER, ARGUMENT, "where the bump begins"),
     Field("length", NUMBER, ARGUMENT, "its length", check=positive),
@@ -80,6 +92,7 @@ BUMP = Term(
     pack=numbers_of(BUMP_FIELDS),
     evaluate=bump,
     integral=bump_integral,
+    shape=shape_of_bump,
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
 )
 
@@ -106,5 +119,6 @@ RANDOM = Term(
     pack=pack_random,
     evaluate=waves,
     integral=waves_integral,
+    shape=shape_of_random,
     check=check_random,
 )  # fmt: skip

@@ -7,13 +7,12 @@ damping, one where it would become adhesive.
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 
-@njit
+@kernel
 def stop(a, i, s, v):
     """Numbers: stiffness, lower, upper, damping."""
     k, lower, upper, chi = a[i], a[i + 1], a[i + 2], a[i + 3]
@@ -28,7 +27,7 @@ def stop(a, i, s, v):
     return k * d * factor, k * factor, k * chi * abs(d)
 
 
-@njit
+@kernel
 def stop_energy(a, i, s):
     """Half stiffness times penetration squared."""
     d = min(s - a[i + 1], 0.0) + max(s - a[i + 2], 0.0)

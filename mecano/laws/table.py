@@ -8,8 +8,8 @@ import math
 from numbers import Real
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.laws import TERMS
 
 # Curves first: one comparison then tells a curve from a force.
@@ -79,7 +79,7 @@ def chosen_by_code(functions, arguments, otherwise):
     names = {f"term_{code}": function for code, function in functions.items()}
     names["otherwise"] = otherwise
     exec("\n".join([*lines, "    return otherwise"]), names)
-    return njit(names["choose"])
+    return kernel(names["choose"])
 
 
 NANS = (math.nan, math.nan, math.nan)
@@ -93,7 +93,7 @@ force_term = chosen_by_code(
 integral_term = chosen_by_code({CODES[name]: term.integral for name, term in TERMS.items()}, "a, i, s", math.nan)
 
 
-@njit
+@kernel
 def evaluate_curve(laws, start, s):
     """(y, dy/ds, d2y/ds2) of the law at ``start``; nan when one of its terms is a force term."""
     y, d, h = 0.0, 0.0, 0.0
@@ -105,7 +105,7 @@ def evaluate_curve(laws, start, s):
     return y, d, h
 
 
-@njit
+@kernel
 def evaluate_force(laws, start, s, v):
     """(F, dF/ds, dF/dv) of the law at ``start``: extension s [m or rad], its rate v; F [N or N m] > 0 pulls.
 
@@ -125,7 +125,7 @@ def evaluate_force(laws, start, s, v):
     return F, F_s, F_v
 
 
-@njit
+@kernel
 def potential(laws, start, s):
     """U [J] with dU/ds = F(s, 0), up to a constant: continuous, and 0 where its terms have their origin."""
     U = 0.0

@@ -8,15 +8,16 @@ along its end tangent.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.kernel import kernel
 from mecano.laws.term import ARGUMENT, VALUE, Term
 from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 
+PARTS = 4  # of the way from point to point that show the shape of a table
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 
 
-@njit
+@kernel
 def interval(a, first, n, s):
     """Index j of the interval x_j <= s < x_{j+1} (the last one closed); x_0 = a[first]."""
     low, high = 0, n - 1
@@ -29,7 +30,7 @@ def interval(a, first, n, s):
     return low
 
 
-@njit
+@kernel
 def piece(a, i, s):
     """Of the interval around s: its length h, u from 0 to 1 in it, y0, (c1, c2, c3), its number.
 
@@ -45,7 +46,7 @@ def piece(a, i, s):
     return h, (s - a[x + j]) / h, a[y + j], (d0, 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord), j
 
 
-@njit
+@kernel
 def end(a, i, s):
     """(is s outside, x, y, slope beyond, integral) of the end of the table next to s."""
     n = int(a[i + 2])
@@ -56,7 +57,7 @@ def end(a, i, s):
     return outside, a[x + j], a[x + n + j], slope, a[x + 3 * n + j]
 
 
-@njit
+@kernel
 def table(a, i, s):
     """Value and derivatives of the Hermite cubic, or of its continuation."""
     outside, x_end, y_end, slope, _ = end(a, i, s)
@@ -67,7 +68,7 @@ def table(a, i, s):
     return y, c1 + u * (2.0 * c2 + 3.0 * u * c3), (2.0 * c2 + 6.0 * u * c3) / h
 
 
-@njit
+@kernel
 def table_integral(a, i, s):
     """Antiderivative, zero at the first point."""
     outside, x_end, y_end, slope, area = end(a, i, s)
@@ -146,6 +147,13 @@ def table_breakpoints(values):
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
+def shape_of_table(values, low, high):
+    """Both sides of every point, where the second derivative jumps, and some between: it is linear there."""
+    x = np.array(values["points"], float)[:, 0]
+    between = (x[:-1, None] + np.diff(x)[:, None] * np.arange(1, PARTS) / PARTS).ravel()
+    return np.concatenate([np.nextafter(x, -np.inf), x, between])
+
+
 POINTS_FIELD = Field(
     "points", POINTS, f"{ARGUMENT}, {VALUE}", "points [x, y], x strictly increasing", None, two_increasing
 )
@@ -170,6 +178,7 @@ TABLE = Term(
     pack=pack_table,
     evaluate=table,
     integral=table_integral,
+    shape=shape_of_table,
     check=some_points,
     breakpoints=table_breakpoints,
 )

@@ -8,9 +8,12 @@ ARGUMENT = "unit of the argument"
 VALUE = "unit of the value"
 SLOPE = "unit of the value / unit of the argument"
 
+OF_A_WAVE = 32  # parts of a wave or an edge that show its shape: second derivatives within 0.5 %
+MOST_SHOWN = 100_000  # arguments that show the shape of something endless, from the lowest on
 
-def nothing(values):
-    """No complaints, no corners."""
+
+def nothing(*_):
+    """No complaints, no corners, no bends."""
     return []
 
 
@@ -41,6 +44,9 @@ class Term:
     """{field: value} -> [(extension, stiffness)]: corners of a force; a stiffness < 0 marks a lower stop"""
     breakpoints: Callable = nothing
     """{field: value} -> [argument]: jumps and corners of a curve"""
+    shape: Callable = nothing
+    """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
+    little: from ``low`` to ``high`` of what is endless (a sine), all of what is not (a table, an edge)"""
 
 
 def numbers_of(fields):

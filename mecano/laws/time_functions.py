@@ -2,13 +2,14 @@
 
 import math
 
-from numba import njit
+import numpy as np
 
-from mecano.laws.term import ARGUMENT, VALUE, Term, numbers_of
+from mecano.compiled.kernel import kernel
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative
 
 
-@njit
+@kernel
 def sine(a, i, s):
     """Numbers: amplitude, frequency, phase, offset."""
     w = 2.0 * math.pi * a[i + 1]
@@ -16,7 +17,7 @@ def sine(a, i, s):
     return y + a[i + 3], w * d, -w * w * y
 
 
-@njit
+@kernel
 def sine_integral(a, i, s):
     """Antiderivative, zero at s = 0."""
     half = math.pi * a[i + 1] * s
@@ -24,7 +25,7 @@ def sine_integral(a, i, s):
     return (a[i] * mean + a[i + 3]) * s
 
 
-@njit
+@kernel
 def ramp(a, i, s):
     """Numbers: start, end, from, to."""
     if s <= a[i]:
@@ -35,7 +36,7 @@ def ramp(a, i, s):
     return a[i + 2] + slope * (s - a[i]), slope, 0.0
 
 
-@njit
+@kernel
 def ramp_integral(a, i, s):
     """Antiderivative, zero at the start of the ramp."""
     w, length, rise = s - a[i], a[i + 1] - a[i], a[i + 3] - a[i + 2]
@@ -46,7 +47,7 @@ def ramp_integral(a, i, s):
     return a[i + 2] * w + rise * (w - 0.5 * length)
 
 
-@njit
+@kernel
 def step(a, i, s):
     """Numbers: time, rise, from, to; the edge is u^3 (10 - 15 u + 6 u^2)."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
@@ -60,7 +61,7 @@ def step(a, i, s):
     return y, d, jump / (rise * rise) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
-@njit
+@kernel
 def step_integral(a, i, s):
     """Antiderivative, zero at the start of the edge."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
@@ -72,7 +73,7 @@ def step_integral(a, i, s):
     return a[i + 2] * w + jump * rise * u * u * u * u * (2.5 - u * (3.0 - u))
 
 
-@njit
+@kernel
 def exponential(a, i, s):
     """Numbers: start, limit, rate, origin."""
     w = s - a[i + 3]
@@ -82,7 +83,7 @@ def exponential(a, i, s):
     return a[i + 1] + y, -a[i + 2] * y, a[i + 2] * a[i + 2] * y
 
 
-@njit
+@kernel
 def exponential_integral(a, i, s):
     """Antiderivative, zero at the origin."""
     w, x = s - a[i + 3], -a[i + 2] * (s - a[i + 3])
@@ -90,6 +91,26 @@ def exponential_integral(a, i, s):
         return a[i] * w
     mean = math.expm1(x) / x if x != 0.0 else 1.0
     return w * (a[i + 1] + (a[i] - a[i + 1]) * mean)
+
+
+def shape_of_sine(values, low, high):
+    """Equal parts of a wave, its highest and lowest points among them; a whole wave at least."""
+    frequency = values["frequency"]
+    if not frequency:
+        return []
+    part, zero = 1.0 / (OF_A_WAVE * abs(frequency)), -values["phase"] / (2.0 * math.pi * frequency)
+    first, count = math.ceil((low - zero) / part), max(OF_A_WAVE, math.ceil((high - low) / part))
+    return zero + part * (first + np.arange(min(count, MOST_SHOWN)))
+
+
+def shape_of_step(values, low, high):
+    """Equal parts of the edge."""
+    return values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1)
+
+
+def shape_of_exponential(values, low, high):
+    """Equal parts of a decay to some thousandths."""
+    return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
 
 
 def end_after_start(values):
@@ -111,6 +132,7 @@ SINE = Term(
     pack=numbers_of(SINE_FIELDS),
     evaluate=sine,
     integral=sine_integral,
+    shape=shape_of_sine,
 )
 
 RAMP_FIELDS = (
@@ -145,6 +167,7 @@ STEP = Term(
     pack=numbers_of(STEP_FIELDS),
     evaluate=step,
     integral=step_integral,
+    shape=shape_of_step,
     # A smooth edge has no corner, but a step of time must not leap over it.
     breakpoints=lambda values: sorted({values["time"], values["time"] + values["rise"]}),
 )
@@ -163,5 +186,6 @@ EXPONENTIAL = Term(
     pack=numbers_of(EXPONENTIAL_FIELDS),
     evaluate=exponential,
     integral=exponential_integral,
+    shape=shape_of_exponential,
     breakpoints=lambda values: [values["origin"]],
 )

@@ -1,14 +1,13 @@
 """The rotation nearest to a matrix, on tuples."""
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import cross, dot, madd, mscale, scale, sub, transpose
 
 MOST_ITERATIONS = 50
 ROUND_OFF = 1e-30  # of the squared change of an iterate whose entries are about 1
 
 
-@njit
+@kernel
 def inverse(A):
     """A^-1 for a 3x3 matrix."""
     a, b, c = cross(A[1], A[2]), cross(A[2], A[0]), cross(A[0], A[1])
@@ -16,7 +15,7 @@ def inverse(A):
     return transpose((scale(s, a), scale(s, b), scale(s, c)))
 
 
-@njit
+@kernel
 def nearest_rotation(B):
     """R of the polar decomposition B = R H, H symmetric and positive, for det B > 0.
 

@@ -12,8 +12,7 @@ With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\T
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub
 
 SERIES = 1.0  # squared angle [rad2] below which eleven terms of the series are exact to round-off
@@ -23,7 +22,7 @@ A8, A9 = 3617.0 / 10670622842880000.0, 43867.0 / 5109094217170944000.0
 A10, A11 = 174611.0 / 802857662698291200000.0, 77683.0 / 14101100039391805440000.0
 
 
-@njit
+@kernel
 def inverse_coefficients(t2):
     """c, c1 and c2 for t2 = theta^2; theta < 2 pi."""
     if t2 < SERIES:
@@ -44,13 +43,13 @@ def inverse_coefficients(t2):
     return g * s, (g1 - 2.0 * g * s) * s, (g2 - 4.0 * g1 * s + 8.0 * g * s * s) * s
 
 
-@njit
+@kernel
 def inverse_tangent(phi, c):
     """H, 3x3."""
     return madd(add_half(phi), mscale(c, square_hat(phi)))
 
 
-@njit
+@kernel
 def add_half(phi):
     """I + hat(phi)/2."""
     return (
@@ -60,7 +59,7 @@ def add_half(phi):
     )
 
 
-@njit
+@kernel
 def square_hat(phi):
     """hat(phi)^2 = phi phi^T - theta^2 I."""
     xx, yy, zz = phi[0] * phi[0], phi[1] * phi[1], phi[2] * phi[2]
@@ -68,7 +67,7 @@ def square_hat(phi):
     return ((-yy - zz, xy, xz), (xy, -xx - zz, yz), (xz, yz, -xx - yy))
 
 
-@njit
+@kernel
 def first_derivative(phi, z, half, c, c1):
     """d(H z)/dphi with half = -1/2, d(H^T z)/dphi with half = 1/2; 3x3, its column j by phi_j."""
     zz = scale(dot(phi, z), phi)
@@ -87,7 +86,7 @@ def first_derivative(phi, z, half, c, c1):
     )  # fmt: skip
 
 
-@njit
+@kernel
 def second_form(phi, p, y, c, c1, c2):
     """Second derivative of p . H y by phi, 3x3 symmetric."""
     py, fy, fp = dot(p, y), dot(phi, y), dot(phi, p)
@@ -106,7 +105,7 @@ def second_form(phi, p, y, c, c1, c2):
     return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
 
 
-@njit
+@kernel
 def inverse_tangent_rate(phi, rate, c, c1):
     """dH/dt for dphi/dt = rate, 3x3."""
     F, W = skew(phi), skew(rate)
@@ -114,7 +113,7 @@ def inverse_tangent_rate(phi, rate, c, c1):
     return madd(mscale(0.5, W), madd(mscale(c, both), mscale(c1 * dot(phi, rate), square_hat(phi))))
 
 
-@njit
+@kernel
 def second_derivative(phi, rate, y, c, c1, c2):
     """d/dphi [d(H y)/dphi rate], 3x3, for fixed rate and y."""
     f, fy, ry = dot(phi, rate), dot(phi, y), dot(rate, y)

@@ -7,14 +7,13 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 
 import math
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import EYE, cross, dot, madd, matmul, mscale, outer, scale, skew
 
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
 
 
-@njit
+@kernel
 def coefficients(t2):
     """sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
     if t2 < SERIES * SERIES:
@@ -28,7 +27,7 @@ def coefficients(t2):
     return s, 0.5 * half * half, (1.0 - s) / t2
 
 
-@njit(cache=True)  # for Python, too
+@kernel
 def exp(psi):
     """Rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
     s, c, _ = coefficients(dot(psi, psi))
@@ -36,7 +35,7 @@ def exp(psi):
     return madd(EYE, madd(mscale(s, H), mscale(c, matmul(H, H))))
 
 
-@njit
+@kernel
 def quaternion(R):
     """Unit quaternion (w, x, y, z), w >= 0, of R; from the largest of its four squares, accurate at every angle."""
     t = R[0][0] + R[1][1] + R[2][2]
@@ -61,7 +60,7 @@ def quaternion(R):
     return (w, x, y, z)
 
 
-@njit(cache=True)  # for Python, too
+@kernel
 def log(R):
     """Rotation vector [rad] of R, of length in [0, pi]."""
     w, x, y, z = quaternion(R)
@@ -70,7 +69,7 @@ def log(R):
     return (f * x, f * y, f * z)
 
 
-@njit
+@kernel
 def tangent(psi):
     """T(psi), 3x3: material dTheta = T dpsi; T = I - c hat(psi) + b hat(psi)^2."""
     _, c, b = coefficients(dot(psi, psi))
@@ -78,7 +77,7 @@ def tangent(psi):
     return madd(EYE, madd(mscale(-c, H), mscale(b, matmul(H, H))))
 
 
-@njit(cache=True)  # for Python, too
+@kernel
 def tangent_inverse(psi):
     """T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
     t2 = dot(psi, psi)
@@ -91,7 +90,7 @@ def tangent_inverse(psi):
     return madd(EYE, madd(mscale(0.5, H), mscale(d, matmul(H, H))))
 
 
-@njit
+@kernel
 def tangent_derivative(psi, u):
     """d/dpsi [T(psi) u], 3x3: its column j is the derivative by psi_j."""
     t2 = dot(psi, psi)

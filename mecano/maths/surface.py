@@ -22,8 +22,7 @@ as long as the profile's radius of curvature, where it is hollow, is larger than
 import math
 from typing import NamedTuple
 
-from numba import njit
-
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub, tmul
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
@@ -50,7 +49,7 @@ class Block(NamedTuple):
     arm: tuple
 
 
-@njit
+@kernel
 def profile_normal(n0, d, H1, H2):
     """Unit normal n and dn/dsigma [1/m] of the profile of slope H1 and second derivative H2 [1/m]."""
     length2 = 1.0 + H1 * H1
@@ -59,7 +58,7 @@ def profile_normal(n0, d, H1, H2):
     return n, scale(-H2 / (length2 * length), add(d, scale(H1, n0)))
 
 
-@njit
+@kernel
 def foot_residual(n0, d, a, z, delta, H, H1, H2):
     """d.(r c) - delta, which is zero at the contact, and its derivative by delta.
 
@@ -75,7 +74,7 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
     return value, slope
 
 
-@njit
+@kernel
 def disc_contact(n, dn, height, a):
     """The Contact of a disc of unit axis ``a`` whose centre is ``height`` = (x - P).n [m] over the ground."""
     s = dot(n, a)
@@ -86,7 +85,7 @@ def disc_contact(n, dn, height, a):
     return Contact(n, dn, c, s, q, r, scale(r, c))
 
 
-@njit
+@kernel
 def disc_variation(d, a, g):
     """Derivatives of the Contact ``g`` of a disc of axis ``a``: (Block by dx, Block by the inertial dtheta).
 
@@ -113,14 +112,14 @@ def disc_variation(d, a, g):
     return by_x, by_t
 
 
-@njit
+@kernel
 def directions(a, g):
     """Driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g`` of a disc of axis ``a``."""
     t = scale(1.0 / g.q, cross(a, g.n))
     return t, cross(g.n, t)
 
 
-@njit
+@kernel
 def directions_variation(a, g, t, by, da):
     """Derivatives (dt, dl), 3x3, of the two directions by the variables of the Block ``by``, of which a has da, 3x3."""
     turn = madd(mscale(-1.0, matmul(skew(g.n), da)), matmul(skew(a), by.n))
@@ -128,7 +127,7 @@ def directions_variation(a, g, t, by, da):
     return dt, madd(mscale(-1.0, matmul(skew(t), by.n)), matmul(skew(g.n), dt))
 
 
-@njit
+@kernel
 def _times_skew(A, a):
     """A hat(a): row i is A_i x a."""
     return (cross(A[0], a), cross(A[1], a), cross(A[2], a))

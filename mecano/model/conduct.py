@@ -4,14 +4,15 @@
 record SYSTEM.
 """
 
-from functools import partial
+from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Vector, entry
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import call, floats, integers
+from mecano.model.loops import BATCH, SYSTEM
 
-from numba import njit, typeof
-
-from mecano.model.pointers import call, floats, integers
+Batches, System = Records(BATCH), Records(SYSTEM)
 
 
-@njit
+@kernel
 def aim(system, t, z, v, a, R, modes, memory):
     """Let the loops work on this state."""
     s = system[0]
@@ -20,14 +21,14 @@ def aim(system, t, z, v, a, R, modes, memory):
     s.modes, s.memory = modes.ctypes.data, memory.ctypes.data
 
 
-@njit
+@kernel
 def run(loops, batches, system):
     """Call all loops."""
     for i in range(loops.shape[0]):
         call(loops[i], batches[i : i + 1].ctypes.data, system.ctypes.data)
 
 
-@njit
+@kernel
 def collect(system):
     """Sum the forces of all slots that are one unknown, and their sizes, those of the forces of inertia included."""
     s = system[0]
@@ -42,7 +43,7 @@ def collect(system):
         scale_out[d] += size[i] + mass[i] * abs(a[d])
 
 
-@njit
+@kernel
 def residual(loops, batches, system, k, penalty):
     """Residual, and its sizes with the masses of the last tangent, at the state aimed at."""
     s = system[0]
@@ -53,16 +54,24 @@ def residual(loops, batches, system, k, penalty):
     collect(system)
 
 
-@njit(cache=True)
-def assemble_residual(loops, batches, system, t, z, v, a, R, modes, memory, k, penalty):
+@entry
+def assemble_residual(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    k: float, penalty: float,
+):  # fmt: skip
     """Residual and its sizes."""
     aim(system, t, z, v, a, R, modes, memory)
     system[0].lag = 1.0
     residual(loops, batches, system, k, penalty)
 
 
-@njit(cache=True)
-def assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, cK, cC, cM):
+@entry
+def assemble(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    T: Matrices, k: float, penalty: float, cK: float, cC: float, cM: float,
+):  # fmt: skip
     """Residual, its sizes, and the tangent."""
     aim(system, t, z, v, a, R, modes, memory)
     s = system[0]
@@ -73,8 +82,12 @@ def assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty
     residual(loops, batches, system, k, penalty)
 
 
-@njit(cache=True)
-def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, cK, cC, data):
+@entry
+def add(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    T: Matrices, k: float, penalty: float, cK: float, cC: float, data: Vector,
+):  # fmt: skip
     """The tangent cK K + cC C of some batches, added to ``data``; spoils the forces on the slots."""
     aim(system, t, z, v, a, R, modes, memory)
     s = system[0]
@@ -85,8 +98,12 @@ def add(loops, batches, system, t, z, v, a, R, modes, memory, T, k, penalty, cK,
     s.data = own
 
 
-@njit(cache=True)
-def count_again(loops, batches, system, t, z, v, a, R, modes, memory, T, cK, cC, cM, times, force, size):
+@entry
+def count_again(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    T: Matrices, cK: float, cC: float, cM: float, times: float, force: Vector, size: Vector,
+):  # fmt: skip
     """Add forces and tangent of some batches so many times to what is there; force, size (n_slots,) are for work."""
     aim(system, t, z, v, a, R, modes, memory)
     s = system[0]
@@ -97,21 +114,30 @@ def count_again(loops, batches, system, t, z, v, a, R, modes, memory, T, cK, cC,
     s.force, s.size, s.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
     run(loops, batches, system)
     s.force, s.size, s.mass = own_force, own_size, own_mass
-    floats(own_force, s.n_slots)[:] += times * force
-    floats(own_size, s.n_slots)[:] += abs(times) * size
+    force_out, size_out = floats(own_force, s.n_slots), floats(own_size, s.n_slots)
+    for i in range(s.n_slots):
+        force_out[i] += times * force[i]
+        size_out[i] += abs(times) * size[i]
     collect(system)
 
 
-@njit(cache=True)
-def levels(loops, batches, system, t, z, v, a, R, modes, memory, g_out):
+@entry
+def levels(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    g_out: Matrix,
+):  # fmt: skip
     """Value, rate and second rate of all constraints, (n_l, 3)."""
     aim(system, t, z, v, a, R, modes, memory)
     system[0].levels = g_out.ctypes.data
     run(loops, batches, system)
 
 
-@njit(cache=True)
-def observe(loops, batches, system, t, z, v, a, R, modes, memory):
+@entry
+def observe(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+):  # fmt: skip
     """Outputs and energies, from the forces on the slots that the last assembly left."""
     aim(system, t, z, v, a, R, modes, memory)
     transmitted(system)
@@ -119,22 +145,29 @@ def observe(loops, batches, system, t, z, v, a, R, modes, memory):
     run(loops, batches, system)
 
 
-@njit(cache=True)
-def event_values(loops, batches, system, t, z, v, a, R, modes, memory):
+@entry
+def event_values(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+):  # fmt: skip
     """The values of all events."""
     aim(system, t, z, v, a, R, modes, memory)
     run(loops, batches, system)
 
 
-@njit(cache=True)
-def commit(loops, batches, system, t, z, v, a, R, modes, memory, memory_out):
+@entry
+def commit(
+    loops: Indices, batches: Batches, system: System,
+    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
+    memory_out: Vector,
+):  # fmt: skip
     """The memories after an accepted step."""
     aim(system, t, z, v, a, R, modes, memory)
     system[0].memory_out = memory_out.ctypes.data
     run(loops, batches, system)
 
 
-@njit
+@kernel
 def transmitted(system):
     """Forces that the rest exerts on each slot; then, for each joint, sums over its side of the model."""
     s = system[0]
@@ -150,14 +183,3 @@ def transmitted(system):
             slot = members[j]
             total += force[~slot] if slot < 0 else -force[slot]
         out[s.n_slots + i] = total
-
-
-def direct(function, first, others):
-    """``function`` with its first arguments given, and called without numba's dispatch.
-
-    ``others`` are examples of the arguments that are left; those of every call must have their types, dimensions and
-    order in memory. The dispatch looks at every array again, which takes longer than the work of many a loop.
-    """
-    if hasattr(function, "compile"):
-        function = function.compile(tuple(typeof(argument) for argument in (*first, *others)))
-    return partial(function, *first)

@@ -3,8 +3,7 @@
 One loop for each kind and purpose, a C function of two addresses: those of the record of the batch (BATCH) and of the
 system (SYSTEM), in which everything else is found. conduct.py calls them, one after the other.
 
-A loop made by a closure over the element is never found in numba's cache again; a copy of the loop's code with the
-element among its globals and a name of its own is (see docs/architecture.md).
+A loop is a copy of the code of a template, with the function of the element among its globals.
 """
 
 import math
@@ -12,10 +11,11 @@ import types
 from functools import cache
 
 import numpy as np
-from numba import carray, cfunc, njit
 
-from mecano.maths.nowhere import NOWHERE
-from mecano.model.pointers import LOOP, floats, integers, pointer
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import floats, integers, items
+from mecano.compiled.nowhere import NOWHERE
+from mecano.compiled.store import address, has
 
 
 def _fields(floats="", words=""):
@@ -45,33 +45,33 @@ def record(dtype, **values):
     return out
 
 
-@njit
+@kernel
 def batch_at(address):
     """The record of a batch."""
-    return carray(pointer(address), 1, BATCH)[0]
+    return items(address, 1, BATCH)[0]
 
 
-@njit
+@kernel
 def system_at(address):
     """The record of the system."""
-    return carray(pointer(address), 1, SYSTEM)[0]
+    return items(address, 1, SYSTEM)[0]
 
 
-@njit
+@kernel
 def given(b, s):
     """Memories (n, n_memory) and modes (n,) of a batch; the table of laws."""
     memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
     return memory, integers(s.modes + 8 * b.first_mode, b.n), floats(s.laws, s.n_laws)
 
 
-@njit
+@kernel
 def work(b):
     """Work arrays for the local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3)."""
     n = max(b.n_local, b.n_watched)
     return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
 
 
-@njit
+@kernel
 def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
     """Local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
     z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
@@ -90,7 +90,7 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
 def tangent(batch, system):
     """Forces, their sizes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
-    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots, columns = (
         integers(b.dofs, (b.n, n)),
@@ -137,7 +137,7 @@ def tangent(batch, system):
 def residual(batch, system):
     """Forces and their sizes."""
     b, s = batch_at(batch), system_at(system)
-    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
@@ -161,7 +161,7 @@ def residual(batch, system):
 def levels(batch, system):
     """Values, rates and second rates of the constraints."""
     b, s = batch_at(batch), system_at(system)
-    n, p = b.n_local, carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
     multipliers = integers(b.multipliers, (b.n, b.n_multipliers))
@@ -178,7 +178,7 @@ def levels(batch, system):
 def observe(batch, system):
     """Outputs and energies of the elements; sums of the energies."""
     b, s = batch_at(batch), system_at(system)
-    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    p = items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
     slots, force, F = (
@@ -202,7 +202,7 @@ def observe(batch, system):
 def event_values(batch, system):
     """One number for each event of each element; -inf where it is not watched."""
     b, s = batch_at(batch), system_at(system)
-    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    p = items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
     before, g_out = integers(b.before, b.n_events), floats(b.event_values, (b.n, b.n_events))
@@ -218,7 +218,7 @@ def event_values(batch, system):
 def commit(batch, system):
     """The memories after an accepted step."""
     b, s = batch_at(batch), system_at(system)
-    p = carray(pointer(b.p), b.n, parameters)  # noqa: F821
+    p = items(b.p, b.n, parameters)  # noqa: F821
     memory, mode, laws = given(b, s)
     dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
     m_out = floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))
@@ -236,7 +236,7 @@ PURPOSES = {
 
 
 def loop_of(kind, template):
-    """The compiled loop ``template`` for a kind, cached on disk, or None when the kind has no such function."""
+    """Address of the compiled loop ``template`` for a kind, or None when the kind has no such function."""
     function = getattr(kind, PURPOSES[template])
     return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)
 
@@ -244,11 +244,12 @@ def loop_of(kind, template):
 @cache
 def _compiled(template, function, parameters, of_rates, kind_name):
     """The loop; kinds that differ in the number of their unknowns only (Kind.variant) have one loop."""
+    values = {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates}
     name = f"{template.__name__}_{kind_name}"
-    bound = types.FunctionType(
-        template.__code__,
-        {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates},
-        name,
-    )
-    bound.__qualname__ = name
-    return cfunc(LOOP, cache=True)(bound)
+    bound = types.FunctionType(template.__code__, values, name)
+    return address(name, lambda compiler: compiler.loop_code(bound))
+
+
+def compiled_before(kinds):
+    """True when compiled code of all ``kinds``, by name, or of variants of them, is on disk for these sources."""
+    return all(has(f"observe_{kind}") or has(f"observe_{kind}_held") for kind in kinds)

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Matrices, Vector, entry
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
 
@@ -94,8 +94,8 @@ class Sampler:
         return row
 
 
-@njit(cache=True)
-def _node_rows(x, r, rotation, z, v, R, row_out):
+@entry
+def _node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, R: Matrices, row_out: Vector):
     """Position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
     for i in range(x.shape[0]):
         A = mat(R[rotation[i]])

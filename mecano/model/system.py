@@ -1,6 +1,6 @@
 """The model in equations: residual, tangent, constraint levels, outputs, energies, all by batches of one kind."""
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -8,7 +8,6 @@ from mecano.contract import Context
 from mecano.maths.distinct import distinct
 from mecano.model import conduct, loops
 from mecano.model.batch import batches
-from mecano.model.conduct import direct
 from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
 from mecano.model.mesh import divided
@@ -104,20 +103,19 @@ class System:
         """Addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
         found = [loop_of(b.kind, template) if chosen(b.kind) else None for b in self.batches]
         own = np.array([loop is not None for loop in found], bool)
-        return np.array([loop.address for loop in found if loop], np.int64), self._batch_records[own]
+        return np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own]
 
-    def _conductor(self, conduct, template, *others, chosen=lambda kind: True):
-        """The compiled ``conduct`` for all loops of one purpose; ``others``: examples of its last arguments."""
-        s = self.initial_state()
-        return direct(conduct, (*self.loops(template, chosen), self.record), (*_motion(s), *others))
+    def _conductor(self, conduct, template, chosen=lambda kind: True):
+        """The compiled ``conduct`` for the loops of one purpose of the kinds ``chosen``."""
+        return partial(conduct, *self.loops(template, chosen), self.record)
 
     @cached_property
     def _assemble(self):
-        return self._conductor(conduct.assemble, loops.tangent, self._no_turn, 1.0, 1.0, 1.0, 1.0, 1.0)
+        return self._conductor(conduct.assemble, loops.tangent)
 
     @cached_property
     def _assemble_residual(self):
-        return self._conductor(conduct.assemble_residual, loops.residual, 1.0, 1.0)
+        return self._conductor(conduct.assemble_residual, loops.residual)
 
     @cached_property
     def _add_constraints(self):
@@ -128,18 +126,17 @@ class System:
         return self._adding(lambda kind: kind.of_rates)
 
     def _adding(self, chosen):
-        return self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=chosen)
+        return self._conductor(conduct.add, loops.tangent, chosen)
 
     @cached_property
     def _count_again(self):
         loads = lambda kind: kind.section == "loads"  # noqa: E731
-        others = self._no_turn, 1.0, 1.0, 1.0, 1.0, self.force, self.force
-        return self._conductor(conduct.count_again, loops.tangent, *others, chosen=loads)
+        return self._conductor(conduct.count_again, loops.tangent, loads)
 
     @cached_property
     def _add_borrowed(self):
         borrowing = lambda kind: kind.borrowed  # noqa: E731
-        add = self._conductor(conduct.add, loops.tangent, self._no_turn, *(1.0,) * 4, self.data, chosen=borrowing)
+        add = self._conductor(conduct.add, loops.tangent, borrowing)
         batches = [b for b in self.batches if b.kind.borrowed]
         self._borrowed_entries = [b.entries.copy() for b in batches]
         for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
@@ -149,7 +146,7 @@ class System:
 
     @cached_property
     def _levels(self):
-        return self._conductor(conduct.levels, loops.levels, np.zeros((self.n_l, 3)))
+        return self._conductor(conduct.levels, loops.levels)
 
     @cached_property
     def _observe(self):
@@ -161,7 +158,7 @@ class System:
 
     @cached_property
     def _commit(self):
-        return self._conductor(conduct.commit, loops.commit, np.zeros(0))
+        return self._conductor(conduct.commit, loops.commit)
 
     def initial_state(self, t=0.0):
         """State at rest in the configuration of the deck; every element in its first mode."""

@@ -21,6 +21,7 @@ from mecano.post.style import (
 
 EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
 LINE_ROOM = 0.01  # the same of their lines
+MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
 LABEL_RISE = 0.036  # inches for each letter of such a label
 MOST_NAMED = 8  # events
 MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
@@ -178,14 +179,21 @@ def _marks(panel, events, look):
 
 
 def _draw_events(ax, marks, factor, look):
-    """Thin lines at the times over ``factor``; of many, some of those that are close, so that they stay lines."""
+    """Thin lines at the times over ``factor``; of many, some of those that are close, so that they stay lines.
+
+    Of very many only short ones at the axis, which would otherwise grey the panel.
+    """
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
         own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
-        room = LINE_ROOM * (high - low) * factor if len(own) > MOST_NAMED else 0.0
-        for mark, _ in _thinned(own, room):
-            colour = COLOURS[run % len(COLOURS)] if look.runs else PALE
-            ax.axvline(mark.time / factor, color=colour, linewidth=0.7, alpha=0.4 if look.runs else 1.0, zorder=1)
+        lines = _thinned(own, LINE_ROOM * (high - low) * factor if len(own) > MOST_NAMED else 0.0)
+        rug = len(lines) > MOST_LINES
+        if rug:
+            lines = _thinned(own, RUG_ROOM * (high - low) * factor)
+        colour = COLOURS[run % len(COLOURS)] if look.runs else GREY if rug else PALE
+        for mark, _ in lines:
+            ax.axvline(mark.time / factor, ymax=RUG if rug else 1.0, color=colour, linewidth=0.7,
+                       alpha=0.4 if look.runs else 1.0, zorder=1)  # fmt: skip
 
 
 def room_above(panel, events, look, labelled):

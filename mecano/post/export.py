@@ -26,8 +26,8 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
     path : str or Path
         The results file.
     output : str or Path
-        Ends with .csv or .vtkhdf; when absent, columns go to the name of the results file with .csv, cells into the
-        results file itself.
+        Ends with .csv or .vtkhdf, which is added where it has no ending; when absent, columns go to the name of the
+        results file with .csv, cells into the results file itself.
     series : sequence of str
         What becomes columns, as in ``mecano post --plot``: outputs, components, patterns. All series when empty.
     vtk : bool
@@ -42,7 +42,7 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
     ResultsError
         The file cannot be read, has no saved times, or what would be written exists or cannot be written.
     """
-    target = Path(output) if output else None
+    target = _target(output, vtk)
     _check(target, series, vtk)
     [run] = open_runs([path])
     with run.results:
@@ -54,6 +54,14 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
         _refuse(run, target, force)
         with appearing(target) as hidden:
             (_write_cells if target.suffix == OF_CELLS else _write_all_columns)(hidden, run, series)
+    return target
+
+
+def _target(output, vtk):
+    """The Path to be written, with an ending; None where none is given."""
+    target = Path(output) if output else None
+    if target and not target.suffix:
+        return target.with_name(target.name + (OF_CELLS if vtk else OF_COLUMNS))
     return target
 
 

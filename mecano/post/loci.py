@@ -6,6 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from mecano.errors import ResultsError
 from mecano.post.figure import save
@@ -14,8 +15,13 @@ from mecano.results.sweep_file import read_sweep
 
 SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
 UNSTABLE = "#d55e00"
-FAR = 2.5  # times the range of what oscillates or is least stable: what decays faster is cut off
-LONGEST = 110  # characters of a motion in the legend
+FAR = 2.5  # times the range of what is near the limit of stability: what decays faster is cut off
+DEEPEST = 10.0
+LITTLE = 0.3  # damping ratio
+SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not told apart
+LONGEST = (110, 70)  # characters of a motion in a legend of one column, of two
+MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
+MOST_TOLD = 6  # modes beyond the limits
 
 
 def draw_sweep(path, output=None, kind="png"):
@@ -53,7 +59,7 @@ def _loci(file):
     ):  # fmt: skip
         for b, row in enumerate(values):
             marker = "." if np.isfinite(row).sum() < 3 else ""
-            ax.plot(x, row, color=_colour(b), linestyle=_dashes(b), marker=marker, label=_label(file, b))
+            ax.plot(x, row, color=_colour(b), linestyle=_dashes(b), marker=marker)
         ax.set(xlabel=name, ylabel=label)
         _mark(ax, file)
     for ax in (grid[0, 1], grid[1, 1]):
@@ -61,47 +67,73 @@ def _loci(file):
     if not np.any(np.isfinite(frequency)):
         for ax in grid[1]:
             ax.text(0.5, 0.5, "no mode oscillates", transform=ax.transAxes, ha="center", color=GREY)
-    _limited(grid[0, 1], grid[0, 1].set_ylim, *_range(modes))
-    handles, labels = grid[0, 1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower left", ncols=1 if len(labels) < 5 else 2)
+    _limited(grid[0, 1], grid[0, 1].set_ylim, *real_range(modes))
+    handles = _handles(file)
+    figure.legend(handles=handles, loc="outside lower left", ncols=1 if len(handles) <= IN_A_COLUMN else 2)
     return figure
+
+
+def _handles(file):
+    """The legend: what moves most in each mode, of many modes in those that are least stable."""
+    real = file.modes["real_part"]
+    order = np.argsort(-np.nanmax(real, axis=1), kind="stable")
+    longest = LONGEST[len(real) > IN_A_COLUMN]
+    handles = []
+    for b in np.sort(order[:MOST_NAMED]):
+        text = f"{b + 1}: {file.motions[b]}"
+        text = text if len(text) <= longest else text[: longest - 3] + "..."
+        handles.append(Line2D([], [], color=_colour(b), linestyle=_dashes(b), label=text))
+    if len(order) > MOST_NAMED:
+        handles.append(Line2D([], [], linestyle="none", label=f"and {len(order) - MOST_NAMED} that are more stable"))
+    return handles
 
 
 def _plane(ax, file):
     """Eigenvalues in the complex plane, from the open to the filled dot as the parameter grows."""
     real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
-    low, high, beyond = _range(file.modes)
+    low, high, beyond = real_range(file.modes)
     for b in range(len(real)):
         known = np.flatnonzero(np.isfinite(real[b]))
         ax.plot(real[b], imaginary[b], color=_colour(b), linestyle=_dashes(b), marker=".", markersize=3, linewidth=1.0)
         for i, fill in ((known[0], "white"), (known[-1], _colour(b))):
             ax.plot(real[b, i], imaginary[b, i], "o", color=_colour(b), markerfacecolor=fill, markersize=5)
-    _limited(ax, ax.set_xlim, low, high, beyond)
-    if high > 0.0:
-        ax.axvspan(0.0, high, color=UNSTABLE, alpha=0.07, linewidth=0)
-    ax.axvline(0.0, color=INK, linewidth=0.8)
     first, last = file.parameter[[0, -1]]
     ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
     ax.set_title(f"root loci: {file.names[0]} from {first:g} (open dots) to {last:g}", loc="left")
+    _limited(ax, ax.set_xlim, low, high, beyond)
+    if highest := imaginary[(real > low) & (real < high)].max(initial=0.0):
+        ax.set_ylim(-0.05 * highest, 1.1 * highest)
+    if high > 0.0:
+        ax.axvspan(0.0, high, color=UNSTABLE, alpha=0.07, linewidth=0)
+    ax.axvline(0.0, color=INK, linewidth=0.8)
 
 
 def _mark(ax, file):
     """Critical values as vertical lines with their numbers."""
-    for value in file.critical["parameter"]:
+    places = file.critical["parameter"]
+    for value, vague in zip(places, file.critical.get("of_instant", np.zeros(len(places))), strict=True):
         ax.axvline(value, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
-        ax.annotate(f"{value:.5g}", (value, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1),
-                    textcoords="offset points", ha="center", va="bottom", fontsize=7.5, color=GREY)  # fmt: skip
+        text = f"about {value:.3g}" if vague else f"{value:.5g}"
+        ax.annotate(text, (value, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1), textcoords="offset points",
+                    ha="center", va="bottom", fontsize=7.5, color=GREY)  # fmt: skip
 
 
-def _range(modes):
-    """Limits for real parts, and the modes that lie, at least in part, beyond: those that decay much faster."""
-    real = modes["real_part"]
+def real_range(modes):
+    """Limits for real parts, and the modes that lie, at least in part, beyond: those that decay much faster.
+
+    What grows, the least stable mode at each value, and what oscillates with little damping somewhere is inside, as
+    long as it is not DEEPEST times as far from the limit of stability as the fastest growth or the least decay.
+    """
+    real, ratio = modes["real_part"], modes["damping_ratio"]
     if not np.any(np.isfinite(real)):
         return -1.0, 1.0, ()
-    with np.errstate(all="ignore"):
-        least = np.nanmax(real, axis=0, initial=-np.inf, where=np.isfinite(real))
-    near = np.concatenate([real[modes["imaginary_part"] > 0.0], least[np.isfinite(least)], [0.0]])
-    low, high = min(near.min(), -0.5 * near.max()), near.max()
+    oscillates = modes["imaginary_part"] > 0.0
+    least = np.max(real, axis=0, initial=-np.inf, where=np.isfinite(real))
+    lightly = np.any(oscillates & (ratio < LITTLE), axis=1, keepdims=True)  # damped, at some value
+    near = np.concatenate([real[oscillates & lightly], least[np.isfinite(least)], [0.0]])
+    size = np.abs(modes["imaginary_part"][oscillates]).min(initial=np.inf) * SLIGHT if oscillates.any() else 0.0
+    size = max(size, near.max(), -np.max(least, where=np.isfinite(least), initial=-np.inf))
+    low, high = min(max(near.min(), -DEEPEST * size), -0.5 * near.max()), near.max()
     if np.nanmin(real) > FAR * low:
         low = np.nanmin(real)
     margin = 0.05 * (high - low) or 1.0
@@ -113,8 +145,8 @@ def _limited(ax, limits, low, high, beyond):
     """Set the limits of an axis, and say what lies beyond."""
     limits(low, high)
     if beyond:
-        which = ", ".join(str(b + 1) for b in beyond)
-        note_below(ax, f"mode {which}: also beyond the left" if limits == ax.set_xlim else f"mode {which}: also below")
+        which = f"{len(beyond)} modes" if len(beyond) > MOST_TOLD else f"mode {', '.join(str(b + 1) for b in beyond)}"
+        note_below(ax, f"{which}: also beyond the left" if limits == ax.set_xlim else f"{which}: also below")
 
 
 def _colour(b):
@@ -123,11 +155,6 @@ def _colour(b):
 
 def _dashes(b):
     return DASHES[b // len(COLOURS) % len(DASHES)]
-
-
-def _label(file, b):
-    text = file.motions[b]
-    return f"{b + 1}: {text if len(text) <= LONGEST else text[: LONGEST - 3] + '...'}"
 
 
 def _map(file):

@@ -8,11 +8,12 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
     <superelement>.<node>.position, displacement    of a node inside a superelement
     <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
     <wheel>.drag_force      force of the ground on it, > 0 against its motion
-    solver.<column>         solver history, a value for each accepted step
+    solver.<column>         solver history, a value for each accepted step; also with * or ?
     time
 """
 
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -108,7 +109,7 @@ def _found(results, name):
     if name == "time":
         return [Quantity("time", results.axis.unit, results.axis.doc, SAVED, results.time, results.time)]
     if name.startswith(("solver.", "solver/")):
-        return [_of_solver(results, name[len("solver.") :])]
+        return _of_solver(results, name[len("solver.") :])
     if "*" in name or "?" in name:
         paths = results.names(name)
         if not paths:
@@ -176,9 +177,10 @@ def _derived(results, stem, name):
     return Quantity(path, derived.unit, derived.doc, SAVED, results.time, values)
 
 
-def _of_solver(results, column):
+def _of_solver(results, pattern):
     known = results.step_columns
-    if column not in known:
-        raise UsageError(f"no column '{column}' in the solver history; {suggestion(column, known)}")
-    trace = results.find(f"solver.{column}")
-    return Quantity(trace.path, trace.unit, trace.doc, STEPS, trace.time, trace.values)
+    columns = [column for column in known if fnmatchcase(column, pattern)]
+    if not columns:
+        raise UsageError(f"no column '{pattern}' in the solver history; {suggestion(pattern, known)}")
+    traces = [results.find(f"solver.{column}") for column in columns]
+    return [Quantity(trace.path, trace.unit, trace.doc, STEPS, trace.time, trace.values) for trace in traces]

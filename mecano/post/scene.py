@@ -70,9 +70,12 @@ def scene_of(run, most):
     middle = 0.5 * (cloud.min(axis=1) + cloud.max(axis=1))
     size = max(float(np.abs(s.points - middle[:, None]).max()) for s in drawn) or 1.0
     coloured = [_colours(run, shape, rows) for shape in drawn]
+    ranges = list(_ranges(coloured))
+    told = {what for what, *_ in ranges}
+    coloured = [{what: values for what, values in colours.items() if what in told} for colours in coloured]
     gravity, axis = run.deck.get("gravity"), (run.results.axis.path, run.results.axis.unit)
     up = 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity)))
-    grounds, ranges = list(_grounds(run, drawn)), list(_ranges(coloured))
+    grounds = list(_grounds(run, drawn))
     return Scene(rows, run.results.time[rows], axis, drawn, coloured, ranges, middle, size, up, grounds)
 
 
@@ -90,10 +93,10 @@ def _colours(run, shape, rows):
 
 
 def _ranges(coloured):
-    """Name, unit, lowest and highest value of everything that something can be coloured by."""
+    """Name, unit, lowest and highest value of all that something can be coloured by and that is not zero throughout."""
     for what, unit, _ in COLOURED:
         arrays = [colours[what] for colours in coloured if what in colours]
-        if arrays:
+        if any(array.any() for array in arrays):
             yield [what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)]
 
 

@@ -44,7 +44,7 @@ def _figure(table, parameters, outputs):
             other = parameters[(j + 1) % len(parameters)] if len(parameters) > 1 else None
             _panel(grid[i, j], output, parameter, other, joined=len(parameters) <= MOST_JOINED, named=i == 0)
             if i == len(outputs) - 1:
-                grid[i, j].set_xlabel(_short(parameter.name))
+                grid[i, j].set_xlabel(with_unit(_short(parameter.name), parameter.unit))
         factor, unit = shown_unit(output.unit, output.values)
         grid[i, 0].set_ylabel(with_unit(output.name.replace("_", " "), unit))
     return figure
@@ -66,8 +66,9 @@ def _panel(ax, output, parameter, other, joined, named):
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
     if told_apart and named:
-        ax.legend(title=_short(other.name), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7,
-                  title_fontsize=7, handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",
+        title = with_unit(_short(other.name), other.unit)
+        ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7, title_fontsize=7,
+                  handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",
                   labelcolor=GREY)  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """How pictures look: colours, lines, units with prefixes, ranges of axes."""
 
+from textwrap import wrap
+
 import numpy as np
 
 from mecano.post.sheet import CONSTANT
@@ -8,7 +10,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6
 DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
-BESIDE = 32  # characters of small print that have room beside the label of an axis
+BESIDE = 24  # characters of small print that have room beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
 SETTINGS = {
     "font.size": 9,
@@ -66,12 +68,18 @@ def _scaled(largest, factor, unit):
 
 
 def with_unit(label, unit):
-    """A label with its unit in brackets, if it has one; on two lines when it is long."""
+    """A label with its unit in brackets, if it has one; on several lines when it is long."""
     text = f"{label} [{unit}]" if unit else label
     if len(text) <= LONGEST_LABEL:
         return text
     owner, colon, what = text.partition(": ")
-    return f"{owner}:\n{what}" if colon else "\n[".join(text.rsplit(" [", 1))
+    if colon:
+        return f"{owner}:\n{what}"
+    lines = wrap(label, LONGEST_LABEL, break_long_words=False)
+    if not unit:
+        return "\n".join(lines)
+    fits = len(f"{lines[-1]} [{unit}]") <= LONGEST_LABEL
+    return "\n".join(lines) + f"{' ' if fits else chr(10)}[{unit}]"
 
 
 def legend_columns(handles, inches):

@@ -140,18 +140,15 @@ class Disk:
         self._descriptor = -1  # the system may give the old number to another file
 
 
-def new_file(disk, cache_bytes, cache_slots):
-    """Create an empty HDF5 file: a superblock that readers accept while the file is open, newer formats for the rest.
+def new_file(stream):
+    """Create an empty HDF5 file: a superblock that readers accept while it is open, newer formats for the rest."""
+    h5py.File(stream, "w", libver=("earliest", "v110"), fs_strategy="page", fs_page_size=PAGE).close()
+    return open_file(stream)
 
-    Parameters
-    ----------
-    disk : Disk
-        Where it is written.
-    cache_bytes, cache_slots : int
-        Size of the chunk cache of each dataset, so that an incomplete chunk is never read back.
-    """
-    h5py.File(disk, "w", libver=("earliest", "v110"), fs_strategy="page", fs_page_size=PAGE).close()
-    return h5py.File(disk, "r+", libver=("v110", "v110"), rdcc_nbytes=cache_bytes, rdcc_nslots=cache_slots)
+
+def open_file(stream, cache_bytes=2**20, cache_slots=521):
+    """Open such a file to write on; the chunk cache of each dataset has so many bytes and places."""
+    return h5py.File(stream, "r+", libver=("v110", "v110"), rdcc_nbytes=cache_bytes, rdcc_nslots=cache_slots)
 
 
 @contextmanager

@@ -1,7 +1,8 @@
 """Largest and smallest value of every number of the row over all accepted steps, with their times."""
 
 import numpy as np
-from numba import njit
+
+from mecano.compiled.entry import Vector, entry
 
 
 class Extremes:
@@ -16,8 +17,10 @@ class Extremes:
         _update(t, row, self.high, self.high_time, self.low, self.low_time)
 
 
-@njit(cache=True)
-def _update(t, row, high_out, high_time_out, low_out, low_time_out):
+@entry
+def _update(
+    t: float, row: Vector, high_out: Vector, high_time_out: Vector, low_out: Vector, low_time_out: Vector
+) -> None:
     for i in range(row.shape[0]):
         if row[i] > high_out[i]:
             high_out[i] = row[i]

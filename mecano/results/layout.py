@@ -13,7 +13,7 @@ docs/results-file.md describes the whole file.
 import itertools
 import json
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 
@@ -48,6 +48,11 @@ class Series:
     def width(self):
         """How many numbers one value has."""
         return prod(self.shape)
+
+    @property
+    def plain(self):
+        """The declaration as plain data."""
+        return {"path": self.path, "unit": self.unit, "doc": self.doc, "shape": self.shape}
 
     @property
     def scalars(self):
@@ -146,8 +151,8 @@ class Layout:
 
     def to_json(self):
         """Declare the series as text, as stored in the file."""
-        series, steps = ([asdict(one) for one in some] for some in (self.series, self.steps))
-        return json.dumps({"series": series, "steps": steps, "axis": asdict(self.axis)})
+        series, steps = ([one.plain for one in some] for some in (self.series, self.steps))
+        return json.dumps({"series": series, "steps": steps, "axis": self.axis.plain})
 
     @classmethod
     def from_json(cls, text):

@@ -31,6 +31,7 @@ CRITICAL = (
     ("frequency", "Hz", "damped frequency of the mode there"),
     ("mode", "", "number of the mode, from 1"),
     ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
+    ("of_instant", "", "1 where the states there are not steady: the modes, and the value, are those of an instant"),
 )
 
 
@@ -65,7 +66,7 @@ def contents(sweep):
         "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
     }  # fmt: skip
     rows = [
-        (c.place, at, c.value.imag / (2.0 * np.pi), c.branch + 1, float(c.destabilizes))
+        (c.place, at, c.value.imag / (2.0 * np.pi), c.branch + 1, float(c.destabilizes), float(locus.of_instant(c)))
         for at, locus in zip(other, loci, strict=True)
         for c in locus.critical
     ]
@@ -106,7 +107,7 @@ def read_sweep(path):
         with h5py.File(path, "r", locking=False) as file:
             if file.attrs.get("format") != FORMAT:
                 raise ResultsError(f"{path} is no file of a sweep")
-            groups = {key: {name: file[key][name][:] for name, _, _ in columns} if key in file else {}
+            groups = {key: _columns(file.get(key, {}), columns)
                       for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
             motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
             run = file["run"].attrs
@@ -115,6 +116,11 @@ def read_sweep(path):
                              groups["critical"])  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
+
+
+def _columns(group, columns):
+    """{name: values} of a group; a file that is older than a column does not have it."""
+    return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
 def write_table(path, plain):

@@ -1,25 +1,23 @@
-"""Growing tables in a results file: numbers in one dataset with a named view of each series, and lists of texts.
+"""Growing tables in a results file: numbers in one dataset, of which each series is a view, and lists of texts.
 
 Hundreds of datasets that grow together cost milliseconds at every flush. So all numbers of a saved time are one row of
-one dataset of chunks, and each series is a virtual dataset, a view of its columns: HDF5 shows it under its own path,
-with its own shape and attributes, and it costs nothing while the run goes on.
+one dataset of chunks (views.py).
 """
 
 import zlib
-from math import prod
+from functools import lru_cache
 
 import h5py
 import numpy as np
-from h5py import h5a, h5d, h5p, h5s, h5t
+from h5py import h5a, h5s, h5t
 
 from mecano.results.layout import AXES, EVENT_NUMBERS, EVENT_TEXTS
 
 CHUNK_NUMBERS = 8192  # 64 KB
 BLOCK_NUMBERS = 2**17  # 1 MB
-MOST_VIEWS = 3000
-"""Up to so many series have a named view (0.3 ms each to make); beyond, only the storage holds them."""
 _TEXT_DTYPE = h5py.string_dtype()
 _TEXT = h5t.py_create(_TEXT_DTYPE, logical=True)
+_ONE = h5s.create(h5s.SCALAR)
 _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
@@ -32,8 +30,17 @@ def chunk_shape(width):
 def describe(item, **texts):
     """Write text attributes, as item.attrs[key] = text does, in half its time."""
     for key, text in texts.items():
-        attribute = h5a.create(item.id, key.encode(), _TEXT, h5s.create(h5s.SCALAR))
-        attribute.write(np.array(text, dtype=_TEXT_DTYPE))
+        put_text(item.id, key.encode(), text)
+
+
+def put_text(identifier, key, text):
+    """Write a text attribute of the group or dataset of an identifier of HDF5."""
+    h5a.create(identifier, key, _TEXT, _ONE).write(_stored(text))
+
+
+@lru_cache
+def _stored(text):
+    return np.array(text, dtype=_TEXT_DTYPE)
 
 
 def name_axes(dataset, *scales):
@@ -41,10 +48,20 @@ def name_axes(dataset, *scales):
 
     The scales do not list their datasets in return (H5DSattach_scale rewrites that whole list for every dataset).
     """
-    references = np.empty(len(scales), dtype=object)
+    put_axes(dataset.id, references(scales))
+
+
+def references(scales):
+    """What ``put_axes`` writes of dimension scales."""
+    found = np.empty(len(scales), dtype=object)
     for i, scale in enumerate(scales):
-        references[i] = np.array([scale.ref], dtype=h5py.ref_dtype)
-    h5a.create(dataset.id, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(references.shape)).write(references)
+        found[i] = np.array([scale.ref], dtype=h5py.ref_dtype)
+    return found
+
+
+def put_axes(identifier, scales):
+    """``name_axes`` for the dataset of an identifier of HDF5; ``scales`` as ``references`` has them."""
+    h5a.create(identifier, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(scales.shape)).write(scales)
 
 
 class Axes:
@@ -75,24 +92,19 @@ class Axes:
         return self._scales[name]
 
 
+def create_numbers(file, path, width):
+    """A dataset for a NumberTable with so many numbers in a row, the time included."""
+    return file.create_dataset(
+        path, shape=(0, width), maxshape=(None, width), chunks=chunk_shape(width), dtype="<f8", fillvalue=np.nan
+    )
+
+
 class NumberTable:
-    """Rows of float64, the time first, buffered and written in blocks to one dataset.
+    """Rows of float64, the time first, buffered and written in blocks to a dataset of ``create_numbers``."""
 
-    Parameters
-    ----------
-    file : h5py.File
-    path : str
-        Of the dataset.
-    width : int
-        Numbers in a row, the time included.
-    """
-
-    def __init__(self, file, path, width):
-        chunks = chunk_shape(width)
-        self.dataset = file.create_dataset(
-            path, shape=(0, width), maxshape=(None, width), chunks=chunks, dtype="<f8", fillvalue=np.nan
-        )
-        self.buffer = np.empty((chunks[0], width))
+    def __init__(self, dataset):
+        self.dataset = dataset
+        self.buffer = np.empty((dataset.chunks[0], dataset.shape[1]))
         self.filled = 0
         self.written = 0
         self.sum = 0  # CRC-32 of all rows written
@@ -125,76 +137,33 @@ class NumberTable:
         self.sum = zlib.crc32(rows, self.sum)
         self.written += count
 
-    def view(self, group, name, column, shape):
-        """Make a virtual dataset that shows some columns as values of the given shape, and return it."""
-        total, part = self.buffer.shape[1], prod(shape)
-        many = h5s.UNLIMITED
-        source = h5s.create_simple((0, total), (many, total))
-        source.select_hyperslab((0, column), (many, 1), stride=(1, part), block=(1, part))
-        target = h5s.create_simple((0, *shape), (many, *shape))
-        ones = (1,) * len(shape)
-        target.select_hyperslab((0,) * (1 + len(shape)), (many, *ones), stride=(1, *shape), block=(1, *shape))
-        properties = h5p.create(h5p.DATASET_CREATE)
-        properties.set_fill_value(np.array([np.nan]))
-        properties.set_virtual(target, b".", self.dataset.name.encode(), source)
-        return h5py.Dataset(h5d.create(group.id, name.encode(), h5t.IEEE_F64LE, target, properties))
 
-    def time_view(self, group, name, unit, doc):
-        """Make the view of the times, a dimension scale for all other views."""
-        times = self.view(group, name, 0, ())
-        describe(times, units=unit, long_name=doc)
-        times.make_scale(name)
-        return times
-
-
-def make_views(file, axes, layout, outputs, steps):
-    """Name the series of a Layout in an h5py file: a view of each in the NumberTables ``outputs`` and ``steps``."""
-    times = outputs.time_view(file, "time", layout.axis.unit, layout.axis.doc)
-    name_axes(outputs.dataset, times, axes.scale(1 + layout.size))
-    groups = {}
-    for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
-        parent, _, name = series.path.rpartition("/")
-        if parent not in groups:
-            groups[parent] = file.require_group(parent or "/")
-        view = outputs.view(groups[parent], name, 1 + layout.slices[series.path].start, series.shape)
-        describe(view, units=series.unit, long_name=series.doc)
-        name_axes(view, times, *axes.of(series.shape))
-    solver = file.create_group("solver")
-    ends = steps.time_view(file, "step_time", layout.axis.unit, "end of the accepted step")
-    name_axes(steps.dataset, ends, axes.scale(1 + len(layout.steps)))
-    for column, series in enumerate(layout.steps, start=1):
-        view = steps.view(solver, series.path, column, ())
-        describe(view, units=series.unit, long_name=series.doc)
-        name_axes(view, ends)
+def create_events(file, text_length):
+    """The group ``events``: a dataset per field, with the time as their dimension scale, texts of so many bytes."""
+    group = file.create_group("events")
+    kind = h5py.string_dtype("utf-8", text_length)
+    times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
+    describe(times, units="s", long_name="time of the event")
+    times.make_scale("event_time")
+    for name, doc in EVENT_TEXTS.items():
+        texts = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(64,), dtype=kind)
+        describe(texts, long_name=doc)
+        name_axes(texts, times)
+    for name, (unit, doc) in EVENT_NUMBERS.items():
+        numbers = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
+        describe(numbers, units=unit, long_name=doc)
+        name_axes(numbers, times)
 
 
 class EventTable:
-    """The list of events: a dataset per field in the group ``events``, with the time as their dimension scale.
+    """The list of events in a group that ``create_events`` has made; longer texts are cut."""
 
-    Texts have a fixed length in bytes; longer ones are cut.
-    """
-
-    def __init__(self, file, text_length):
-        group = file.create_group("events")
-        self._length = text_length
+    def __init__(self, group):
+        self._datasets = [group[name] for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS)]
+        self._length = self._datasets[1].dtype.itemsize
         self._pending = []
         self.written = 0
         self.sum = 0  # CRC-32 of all events written
-        kind = h5py.string_dtype("utf-8", text_length)
-        times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
-        describe(times, units="s", long_name="time of the event")
-        times.make_scale("event_time")
-        self._datasets = [times]
-        for name, doc in EVENT_TEXTS.items():
-            texts = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(64,), dtype=kind)
-            describe(texts, long_name=doc)
-            name_axes(texts, times)
-            self._datasets.append(texts)
-        for name, (unit, doc) in EVENT_NUMBERS.items():
-            numbers = group.create_dataset(name, shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
-            describe(numbers, units=unit, long_name=doc)
-            name_axes(numbers, times)
-            self._datasets.append(numbers)
 
     def add(self, time, texts, numbers):
         """Keep an event: its time, and what ``EVENT_TEXTS`` and ``EVENT_NUMBERS`` name."""

@@ -11,22 +11,21 @@ import os
 import time as clocks
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.blank import CHANGING, RUNNING, TEXT_LENGTHS, blank
 from mecano.results.checkpoints import Slots
-from mecano.results.disk import SIGNATURE, Disk, new_file, undisturbed
+from mecano.results.disk import SIGNATURE, Disk, open_file, undisturbed
 from mecano.results.extremes import Extremes
-from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
+from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
-from mecano.results.table import Axes, EventTable, NumberTable, chunk_shape, describe, make_views, name_axes
+from mecano.results.table import EventTable, NumberTable, chunk_shape
 
-STATUSES = ("running", "complete", "stopped", "failed")
+STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
 """How the reason begins when the disk took no more."""
-_TEXT_LENGTHS = {"status": 16, "reason": 8000}
 _CLOSING = 2e-9
 """s for a byte of a file that is closed: 0.7e-9 for its sums, measured, the rest for what the disk has not got yet."""
 
@@ -97,10 +96,14 @@ class Writer:
         self._slot = 0
         self._last_time = self._safe_time = None
         with undisturbed():
-            self._file = _new_file(disk, layout)
-            self._build(layout, source)
-            self._file.flush()
-            self._offsets = {name: self._file[name].id.get_offset() for name in self._patched}
+            disk.write(blank(layout))
+            file = self._file = _opened(disk, layout)
+            self._outputs, self._steps = NumberTable(file["storage/output"]), NumberTable(file["storage/solver"])
+            self._events, self._slots = EventTable(file["events"]), Slots(file, disk)
+            self._tell(source)
+            file.flush()
+            changing = (*CHANGING, *(f"extremes/{name}" for name in EXTREMES if layout.size))
+            self._offsets = {name: file[name].id.get_offset() for name in changing}
 
     def _publish(self, hidden, force, begin):
         """Give the finished file its name, never over another one unless told."""
@@ -115,47 +118,11 @@ class Writer:
                     self._file.close()
             raise
 
-    def _build(self, layout, source):
-        file, axes = self._file, Axes(self._file)
-        self._outputs = NumberTable(file, "storage/output", 1 + layout.size)
-        self._steps = NumberTable(file, "storage/solver", 1 + len(layout.steps))
-        self._events = EventTable(file, max(64, layout.longest_name))
-        file["storage/layout"] = layout.to_json()
-        make_views(file, axes, layout, self._outputs, self._steps)
+    def _tell(self, source):
+        """Write where the results come from."""
         for name, text in source.texts().items():
-            file[f"deck/{name}"] = text
-        self._build_run(axes, {"title": source.title, "deck_path": source.deck_path, **provenance()})
-        self._build_extremes(axes, layout)
-        self._slots = Slots(file, self._disk)
-        file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
-
-    def _build_run(self, axes, attributes):
-        run = self._file.create_group("run")
-        run.attrs.update(attributes)
-        for name, length in _TEXT_LENGTHS.items():
-            run.create_dataset(name, data=b"", dtype=h5py.string_dtype("utf-8", length))
-        run["status"][()] = STATUSES[0]
-        counters = run.create_dataset("acknowledged", data=np.zeros(8, dtype="<i8"))
-        describe(counters, long_name="saved times, steps, events, slot of the extremes; the others are reserved")
-        name_axes(counters, axes.scale(8))
-        clock = run.create_dataset("clock", data=np.zeros(2))
-        describe(clock, units="s", long_name="wall-clock time since the start, processor time of the process")
-        name_axes(clock, axes.scale(2))
-        self._patched = ["run/status", "run/reason", "run/acknowledged", "run/clock"]
-
-    def _build_extremes(self, axes, layout):
-        if not layout.size:
-            return
-        group = self._file.create_group("extremes")
-        names = [name.encode() for name in layout.scalars]
-        kind = h5py.string_dtype("utf-8", max(map(len, names)))
-        outputs = group.create_dataset("output", data=np.array(names, dtype=kind))
-        outputs.make_scale("output")
-        for name, doc in EXTREMES.items():
-            dataset = group.create_dataset(name, data=np.full((2, layout.size), np.nan))
-            describe(dataset, long_name=f"{doc} over all accepted steps; run/acknowledged[3] says which row holds")
-            name_axes(dataset, axes.scale(2), outputs)
-            self._patched.append(dataset.name.lstrip("/"))
+            self._file[f"deck/{name}"] = text
+        self._file["run"].attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance()})
 
     def append(self, time, values):
         """Save the values (layout.size,) at a time [s]."""
@@ -273,7 +240,7 @@ class Writer:
 
     def _text(self, name, text):
         """The place in the file of a text, and its bytes there."""
-        length = _TEXT_LENGTHS[name]
+        length = TEXT_LENGTHS[name]
         cut = text.encode()[:length].decode(errors="ignore").encode()
         return self._offsets[f"run/{name}"], cut.ljust(length, b"\0")
 
@@ -353,10 +320,11 @@ def refuse_existing(path, force):
             raise ResultsError(f"{path} exists already and is no results file; give another name")
 
 
-def _new_file(disk, layout):
+def _opened(disk, layout):
+    """The file with room in memory for the chunks of a block, so that an incomplete one is never read back."""
     rows, width = chunk_shape(1 + layout.size)
     chunks = -(-(1 + layout.size) // width)
-    return new_file(disk, cache_bytes=max(3 * 8 * rows * width * chunks, 2**20), cache_slots=max(4 * chunks + 1, 521))
+    return open_file(disk, max(3 * 8 * rows * width * chunks, 2**20), max(4 * chunks + 1, 521))
 
 
 def _clear(path):

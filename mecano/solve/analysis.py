@@ -5,10 +5,10 @@ left null space of B couples the constraints that repeat one another, its null s
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from mecano.model.numbering import ROTATION, motion_name
 
@@ -26,32 +26,60 @@ class Group:
     names: tuple
 
 
+class Entries(NamedTuple):
+    """A sparse matrix by its entries, each of which stands there once."""
+
+    rows: np.ndarray
+    cols: np.ndarray
+    values: np.ndarray
+    shape: tuple
+
+    def dense(self, rows):
+        """Some of the rows (m,) as a matrix (m, n)."""
+        place = np.full(self.shape[0], -1)
+        place[rows] = np.arange(len(rows))
+        at = np.flatnonzero(place[self.rows] >= 0)
+        out = np.zeros((len(rows), self.shape[1]))
+        out[place[self.rows[at]], self.cols[at]] = self.values[at]
+        return out
+
+
 @dataclass(frozen=True)
 class Analysis:
     """Mobility of a model at one configuration.
 
-    ``complete`` is False where too many constraints in closed loops leave the rank unknown; ``mechanisms`` is None
-    where that, or too many unknowns, keeps them from being named.
+    ``complete`` is False where too many constraints in closed loops leave the rank unknown.
     """
 
-    unknowns: int
-    constraints: int
     rank: int
     redundant: tuple  # Group
-    mechanisms: tuple | None  # Group
-    dependent: sp.csr_matrix  # projector on the reactions that take part in a redundancy, see ``_directions``
-    let_go: sp.csr_matrix  # (n_l, n_l): its rows times the reactions vanish, instead of constraints; see ``_repeated``
+    dependent: object  # projector on the reactions in a redundancy, see ``_directions``; None where there is none
+    let_go: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``; None where none are
+    gradient: Entries
+    names: list  # of the equations of the unknowns
     complete: bool = True
 
     @property
     def mobility(self):
         """Number of independent motions that the constraints leave."""
-        return self.unknowns - self.rank
+        return self.gradient.shape[1] - self.rank
+
+    @cached_property
+    def mechanisms(self):
+        """Groups of unknowns that can move together; None where they are too many, or the rank is unknown, to tell.
+
+        Found when it is asked for: a run does not, and the decomposition of all constraints takes time.
+        """
+        B = self.gradient
+        if not self.complete or B.shape[1] > DENSE_ROWS:
+            return None
+        projector = _null_projector(B.dense(np.arange(B.shape[0])), self.rank)
+        return _groups(projector, [motion_name(name) for name in self.names])
 
     @property
     def released(self):
         """Constraints (n,) that are let go."""
-        return np.flatnonzero(np.diff(self.let_go.indptr))
+        return np.zeros(0, np.int64) if self.let_go is None else np.flatnonzero(np.diff(self.let_go.indptr))
 
 
 def analyse(system, s, length):
@@ -59,27 +87,21 @@ def analyse(system, s, length):
     B, size, holds = gradient(system, s, length)
     of = system.numbering
     loops, n_l = _in_loops(B, of.group), int(holds.sum())
-    loops = loops[holds[loops]]
+    loops, names = loops[holds[loops]], of.name[: of.n_q]
     if len(loops) > DENSE_ROWS:
-        every, none = sp.diags(holds.astype(float), format="csr"), sp.csr_matrix((system.n_l, system.n_l))
-        return Analysis(system.n_q, n_l, n_l, (), None, every, none, False)
-    null = _left_null(B[loops].toarray())
-    projector, deficiency = null @ null.T, null.shape[1]
-    names = of.name[system.n_q : system.n]
-    redundant = _groups(projector, [names[i] for i in loops])
-    rank = n_l - deficiency
-    mechanisms = None
-    if system.n_q <= DENSE_ROWS:
-        motions = [motion_name(name) for name in of.name[: of.n_q]]
-        mechanisms = _groups(_null_projector(B.toarray(), rank), motions)
+        import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
+        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, False)
+    null = _left_null(B.dense(loops))
+    redundant, rank = _groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
-    dependent = _directions(system, null @ null.T, loops, size)
-    let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l)
-    return Analysis(system.n_q, n_l, rank, redundant, mechanisms, dependent, let_go)
+    let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
+    dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
+    return Analysis(rank, redundant, dependent, let_go, B, names)
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q), sparse; columns of rotations over the length scale, rows of length 1; sizes; what holds.
+    """B = dPhi/dq (n_l, n_q): columns of rotations over the length scale, rows of length 1; sizes; what holds.
 
     A constraint that is let go in the present modes has a diagonal entry, and no gradient.
     """
@@ -87,14 +109,14 @@ def gradient(system, s, length):
     bare.z[system.n_q : system.n] = 0.0
     data = np.zeros(system.nnz + 1)
     system.add_constraints(bare, 1.0, 0.0, data)
-    full = sp.csr_matrix((-data[:-1], (system.rows, system.cols)), shape=(system.n, system.n))
-    B = full[system.n_q :, : system.n_q]
-    B = B @ sp.diags(np.where(system.numbering.kind[: system.n_q] == ROTATION, 1.0 / length, 1.0))
-    size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+    at = np.flatnonzero((system.rows >= system.n_q) & (system.cols < system.n_q))
+    rows, cols = system.rows[at] - system.n_q, system.cols[at]
+    values = -data[at] / np.where(system.numbering.kind[cols] == ROTATION, length, 1.0)
+    size = np.sqrt(np.bincount(rows, values**2, system.n_l))
     size = np.where(size > 0, size, 1.0)
-    B = sp.csr_matrix(sp.diags(1.0 / size) @ B)
-    B.data[np.abs(B.data) < 1e-14] = 0.0
-    B.eliminate_zeros()
+    values /= size[rows]
+    kept = np.abs(values) >= 1e-14
+    B = Entries(rows[kept], cols[kept], values[kept], (system.n_l, system.n_q))
     return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
@@ -103,33 +125,37 @@ def _in_loops(B, group):
 
     What hangs on a chain peels off from its end; only closed loops stay.
     """
-    columns = sp.csc_matrix(B)
-    members = _members(group, np.flatnonzero(np.diff(columns.indptr)))
     alive = np.ones(B.shape[0], bool)
-    touched = [np.unique(columns[:, m].indices) for m in members]
+    blocks = [_block(B, entries) for entries in _by_node(B, group)]
     nodes_of = [[] for _ in range(B.shape[0])]
-    for node, rows in enumerate(touched):
+    for node, (rows, _) in enumerate(blocks):
         for row in rows:
             nodes_of[row].append(node)
-    todo = set(range(len(members)))
+    todo = set(range(len(blocks)))
     while todo:
-        node = todo.pop()
-        rows = touched[node][alive[touched[node]]]
-        if not 0 < len(rows) <= len(members[node]):
-            continue
-        block = B[rows][:, members[node]].toarray()
-        if np.linalg.svd(block, compute_uv=False)[-1] > 1e-6:
+        rows, block = blocks[todo.pop()]
+        left = alive[rows]
+        rows, block = rows[left], block[left]
+        if 0 < len(rows) <= block.shape[1] and np.linalg.svd(block, compute_uv=False)[-1] > 1e-6:
             alive[rows] = False
             todo.update(other for row in rows for other in nodes_of[row])
     return np.flatnonzero(alive)
 
 
-def _members(group, tied):
-    """Unknowns (n,) of each group that has one of the unknowns ``tied`` (m,)."""
-    order = np.argsort(group, kind="stable")
-    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
-    touched = np.isin(group[order][starts], group[tied])
-    return [some for some, one in zip(np.split(order, starts[1:]), touched, strict=True) if one]
+def _by_node(B, group):
+    """The entries of each node that constraints tie, as arrays of their numbers."""
+    node = group[B.cols]
+    order = np.argsort(node, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(node[order])) + 1)
+
+
+def _block(B, entries):
+    """Rows (m,) that some entries belong to, and the matrix (m, n) of these rows and of the columns of the entries."""
+    rows, i = np.unique(B.rows[entries], return_inverse=True)
+    cols, j = np.unique(B.cols[entries], return_inverse=True)
+    block = np.zeros((len(rows), len(cols)))
+    block[i, j] = B.values[entries]
+    return rows, block
 
 
 def _left_null(B):
@@ -148,7 +174,7 @@ def _repeated(null, of_rates):
     positions could balance the same rows (r, m); and the null space (m, d - r) of the others.
     """
     rows, balanced = [], np.zeros((len(null), 0))
-    while of_rates.any():
+    while null.shape[1] and of_rates.any():
         _, sigma, Vt = np.linalg.svd(null[~of_rates], full_matrices=False)
         mixed = null @ Vt[sigma > RANK_TOLERANCE].T
         mixed[~of_rates] = 0.0
@@ -164,6 +190,8 @@ def _repeated(null, of_rates):
 
 def _spread(block, rows, cols, n):
     """The dense ``block`` in a sparse matrix (n, n), without what is rounding."""
+    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
     block = np.where(np.abs(block) < SHARE, 0.0, block)
     i, j = np.nonzero(block)
     return sp.csr_matrix((block[i, j], (rows[i], cols[j])), shape=(n, n))
@@ -197,6 +225,8 @@ def _directions(system, projector, loops, size):
         rows += np.repeat(members, len(members)).tolist()
         cols += members * len(members)
         values += (direction @ direction.T).ravel().tolist()
+    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
     found = sp.csr_matrix((values, (rows, cols)), shape=(system.n_l, system.n_l))
     found.data[np.abs(found.data) < SHARE] = 0.0
     found.eliminate_zeros()
@@ -208,8 +238,10 @@ def _groups(projector, names):
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
         return ()
+    from scipy.sparse.csgraph import connected_components  # no ordinary run needs it (docs/architecture.md, Start)
+
     block = np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE
-    n, label = connected_components(sp.csr_matrix(block), directed=False)
+    n, label = connected_components(block, directed=False)
     found = []
     for g in range(n):
         members = taking_part[label == g]

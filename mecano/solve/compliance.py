@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
-from numba import njit
 
+from mecano.compiled.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
@@ -29,7 +28,7 @@ class Compliance:
     reactions that change with the multipliers of constraints let go.
     """
 
-    matrix: sp.csr_matrix  # (n_l, n_l) c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
+    matrix: object  # csr_matrix (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent; its last one for what has none
     of_rates: np.ndarray  # (matrix.nnz,) bool
     let_go: np.ndarray  # (matrix.nnz,) bool: P
@@ -57,7 +56,7 @@ class Compliance:
     @property
     def rows(self):
         """c and P by rows, as ``soften`` takes them: where each begins, columns, values."""
-        return self.matrix.indptr, self.matrix.indices, self.values
+        return self.matrix.indptr.astype(np.int64), self.matrix.indices.astype(np.int64), self.values
 
     def set_step(self, lag, stiffness):
         """Set the values for steps of mean ``stiffness`` [N/m] in which rates count ``lag`` [s] times."""
@@ -84,11 +83,6 @@ class Compliance:
         out[rows] = -reached - LET_GO * (share + reached)
         return out
 
-    def slips(self, multipliers):
-        """Displacements (n_l,) in a step [m, rad] that the rows of constraints let go would have to be without."""
-        matrix = sp.csr_matrix((self.values, self.matrix.indices, self.matrix.indptr), shape=self.matrix.shape)
-        return matrix @ multipliers
-
     def to_plain(self):
         """Dict of arrays that ``from_plain`` turns into the same compliances."""
         c = self.matrix
@@ -98,16 +92,18 @@ class Compliance:
     @classmethod
     def from_plain(cls, plain):
         """The compliances of ``to_plain``."""
+        import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
         n = len(plain["indptr"]) - 1
         matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
         return cls(matrix, plain["places"], plain["of_rates"], plain["let_go"], plain["values"].copy())
 
 
-NO_ROWS = np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0)
+NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
 
 
-@njit(cache=True)
-def soften(k, starts, columns, values, multipliers, rows_out):
+@entry
+def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipliers: Vector, rows_out: Vector):
     """Add -k c Lambda to the rows of the constraints (n_l,); c by rows."""
     for i in range(starts.shape[0] - 1):
         for j in range(starts[i], starts[i + 1]):
@@ -117,11 +113,14 @@ def soften(k, starts, columns, values, multipliers, rows_out):
 def compliance(system, s, length, analysis):
     """Compliance of a model with the ``analysis`` (analysis.py) of its constraints, or None when none is redundant.
 
-    Reactions in the directions that ``analysis.dependent`` holds meet a compliance under which the forces at work in
-    ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or rad; all others are exact.
+    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds meet a compliance under which
+    the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or
+    rad; all others are exact.
     """
-    if not analysis.dependent.nnz and not analysis.let_go.nnz:
+    if analysis.dependent is None and analysis.let_go is None:
         return None
+    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     of = system.numbering
     sizes = np.where(of.kind == ROTATION, system.size / length, system.size)
@@ -130,12 +129,14 @@ def compliance(system, s, length, analysis):
     force = max(sizes.max(), 9.81 * masses.max(initial=0.0), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
-    matrix = sp.csr_matrix(root @ analysis.dependent @ root + analysis.let_go)
+    none = sp.csr_matrix((system.n_l, system.n_l))
+    dependent, let_go = (none if part is None else part for part in (analysis.dependent, analysis.let_go))
+    matrix = sp.csr_matrix(root @ dependent @ root + let_go)
     matrix.sort_indices()
     entries = matrix.tocoo()
-    let_go = np.isin(entries.row, analysis.released)
+    released = np.isin(entries.row, analysis.released)
     places = _places(system, entries.row.astype(np.int64), entries.col)
-    return Compliance(matrix, places, of.of_rates[entries.row], let_go, matrix.data.copy())
+    return Compliance(matrix, places, of.of_rates[entries.row], released, matrix.data.copy())
 
 
 def _places(system, rows, cols):

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from mecano.compiled.entry import Vector, entry
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
@@ -93,8 +94,8 @@ class Watch:
         return s
 
 
-@njit(cache=True)
-def _some_happened(g0, g1):
+@entry
+def _some_happened(g0: Vector, g1: Vector) -> bool:
     """True when an event has happened between values g0 and g1 (n_events,), or had already before."""
     for i in range(g0.shape[0]):
         if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):

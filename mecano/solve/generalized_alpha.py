@@ -12,11 +12,11 @@ with residual and constraints satisfied at the end of the step. HHT and Newmark 
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.model.conduct import direct
 from mecano.model.loops import residual
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.model.state import History
@@ -127,19 +127,14 @@ class GeneralizedAlpha:
     def _bind(self):
         """The compiled functions of a step with the arguments that never change."""
         system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
-        s, a, x = system.initial_state(), self._no_shift, self._increment
-        moving, motion = (of.kind, of.rotation_dof, of.n_q, of.n), (s.z, s.v, s.a, s.R)
-        self._predict = direct(predict, (c.am, c.af, c.beta, c.gamma, *moving), (1.0, a, a, x, x, a, s.R, *motion))
-        self._tangents = direct(tangents, (of.rotation_dof, of.n_q), (s.z, s.R))
-        self._finish = direct(finish, (c.am, c.af, length, self._lasting, of.n_q, of.n), (a, x, 0, *(a,) * 5, x, x))
-        judged = (system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
-        self._norms = direct(norms, judged, (1.0,) * 4)
+        moving = of.kind, of.rotation_dof, of.n_q, of.n
+        self._predict = partial(predict, c.am, c.af, c.beta, c.gamma, *moving)
+        self._tangents = partial(tangents, of.rotation_dof, of.n_q)
+        self._finish = partial(finish, c.am, c.af, length, self._lasting, of.n_q, of.n)
+        self._norms = partial(norms, system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
         equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
         limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
-        self._iterate = direct(
-            iterate, (*equations, *self.linear.factor, *moving, *limits, x),
-            (*(1.0,) * 7, True, True, True, 1.0, s.R, *motion, s.modes, s.memory, np.zeros(len(REPORT))),
-        )  # fmt: skip
+        self._iterate = partial(iterate, *equations, *self.linear.factor, *moving, *limits, self._increment)
 
     def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
@@ -304,8 +299,9 @@ class GeneralizedAlpha:
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         if len(self._released):
-            rates = scales[2] * self.compliance.slips(s.z[self.system.n_q : self.system.n])
-            if text := self._contradiction(s, h, rates, SLIPS):
+            slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
+            soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
+            if text := self._contradiction(s, h, slips, SLIPS):
                 return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)

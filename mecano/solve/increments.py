@@ -3,8 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Matrices, Vector, entry
+from mecano.compiled.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import mat, matmul, vec
 from mecano.model.numbering import ROTATION, SCALAR
@@ -12,7 +13,7 @@ from mecano.model.numbering import ROTATION, SCALAR
 RELAXES = -1  # in the place of the kind of a scalar without inertia, whose errors are counted apart
 
 
-@njit
+@kernel
 def put_matrix(A, out):
     """out[:, :] = A"""
     for i in range(3):
@@ -22,8 +23,8 @@ def put_matrix(A, out):
         out[i, 2] = row[2]
 
 
-@njit(cache=True)
-def place_rotations(rotation_dof, n_q, z, R0, R_out):
+@entry
+def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_out: Matrices):
     """R = R0 exp(hat(psi)) for all free rotations; psi stands in z."""
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
@@ -32,8 +33,8 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out):
             put_matrix(matmul(mat(R0[r]), exp(psi)), R_out[r])
 
 
-@njit(cache=True)
-def tangents(rotation_dof, n_q, z, T_out):
+@entry
+def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
     """T(psi), (n_rotations, 3, 3), for all free rotations; psi stands in z."""
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
@@ -41,19 +42,19 @@ def tangents(rotation_dof, n_q, z, T_out):
             put_matrix(tangent(vec(z, d)), T_out[r])
 
 
-@njit(cache=True)
+@entry
 def predict(
     # method
-    am, af, beta, gamma,
+    am: float, af: float, beta: float, gamma: float,
     # model
-    kind, rotation_dof, n_q, n,
+    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
     # step
-    h,
+    h: float,
     # state and history at its beginning
-    a0, acceleration0, slope, bend, v_shift, R0,
+    a0: Vector, acceleration0: Vector, slope: Vector, bend: Vector, v_shift: Vector, R0: Matrices,
     # out: the state at its beginning, moved to its end
-    z_out, v_out, acceleration_out, R_out,
-):  # fmt: skip
+    z_out: Vector, v_out: Vector, acceleration_out: Vector, R_out: Matrices,
+) -> float:  # fmt: skip
     """Move a state to the end of a step: accelerations and multipliers extrapolated by a parabola.
 
     a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step; slope, bend (n,)
@@ -75,7 +76,7 @@ def predict(
     return reach
 
 
-@njit(cache=True)
+@kernel
 def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out):
     """Take off dz (n,), the solution for the residual; velocities and accelerations by cC and cM, multipliers by k.
 
@@ -91,8 +92,8 @@ def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out,
     return largest(dz, kind, n_q, length)
 
 
-@njit(cache=True)
-def largest(dz, kind, n_q, length):
+@entry
+def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
     """Largest displacement over the length scale, or rotation [rad], of dz (n,); inf when one is not finite."""
     worst = 0.0
     for i in range(n_q):
@@ -103,19 +104,19 @@ def largest(dz, kind, n_q, length):
     return worst
 
 
-@njit(cache=True)
+@entry
 def finish(
     # method
-    am, af, length,
+    am: float, af: float, length: float,
     # model
-    kind, n_q, n,
+    kind: Indices, n_q: int, n: int,
     # history
-    a0, slope, known,
+    a0: Vector, slope: Vector, known: int,
     # both ends of the step
-    acceleration0, z0, acceleration, z,
+    acceleration0: Vector, z0: Vector, acceleration: Vector, z: Vector,
     # out
-    a_out, slope_out, bend_out,
-):  # fmt: skip
+    a_out: Vector, slope_out: Vector, bend_out: Vector,
+) -> (float, float):  # fmt: skip
     """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
@@ -134,8 +135,8 @@ def finish(
     return largest_change(a0, a_out, kind, n_q, length), turn
 
 
-@njit(cache=True)
-def largest_change(x0, x, kind, n_q, length):
+@entry
+def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float) -> float:
     """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar that does not RELAX.
 
     It counts over ``length`` for displacements and scalars.

@@ -1,7 +1,7 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
-from numba import njit
-
+from mecano.compiled.entry import Indices, Matrices, Vector, entry
+from mecano.compiled.kernel import kernel
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
 from mecano.maths.vec import mat, matmul, mul, put, transpose, vec
 from mecano.model.numbering import ROTATION
@@ -24,7 +24,7 @@ def interpolate(s0, s1, t, of):
     return out
 
 
-@njit
+@kernel
 def hermite(u, h, x0, x1, v0, v1):
     """Cubic Hermite value and rate at the fraction u of an interval of length h."""
     d = x1 - x0
@@ -32,16 +32,16 @@ def hermite(u, h, x0, x1, v0, v1):
     return x0 + u * (h * v0 + u * (c2 + u * c3)), v0 + (2.0 * u * c2 + 3.0 * u * u * c3) / h
 
 
-@njit(cache=True)
+@entry
 def _between(
     # place in the step
-    u, h,
+    u: float, h: float,
     # state at both ends
-    z0, v0, a0, R0, z1, v1, a1, R1,
+    z0: Vector, v0: Vector, a0: Vector, R0: Matrices, z1: Vector, v1: Vector, a1: Vector, R1: Matrices,
     # model
-    kind, rotation_dof, n_q,
+    kind: Indices, rotation_dof: Indices, n_q: int,
     # out
-    z_out, v_out, a_out, R_out,
+    z_out: Vector, v_out: Vector, a_out: Vector, R_out: Matrices,
 ):  # fmt: skip
     for i in range(z0.shape[0]):
         a_out[i] = (1.0 - u) * a0[i] + u * a1[i]

@@ -3,8 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from mecano.solve import multifrontal
 from mecano.solve.multifrontal import MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
@@ -58,7 +56,7 @@ class LinearSolver:
         self._tables = analysis.order, analysis.fronts, analysis.links
         self._factors = np.zeros(analysis.factor_length)
         self._vectors = np.zeros((VECTORS, padded(n)))
-        self._exchanges = np.zeros(n, dtype=np.int32)
+        self._exchanges = np.zeros(n, dtype=np.int64)
         largest = analysis.largest
         scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
         self._solve_arguments = (
@@ -126,8 +124,10 @@ class LinearSolver:
         values = data[: len(self._pattern[0])]
         if not (np.isfinite(values).all() and np.isfinite(b).all()):
             return LinearStatus(False, np.inf, finite=False, null_pivots=null)
+        from mecano.solve.equilibrated import Equilibrated  # no ordinary run needs it (docs/architecture.md, Start)
+
         try:
-            self._other = _Equilibrated(self.n, *self._pattern, values)
+            self._other = Equilibrated(self.n, *self._pattern, values)
         except RuntimeError:  # exactly singular
             return LinearStatus(False, np.inf, singular=True, null_pivots=null, fallback=True)
         x_out[:] = self._other.solve(b)
@@ -141,35 +141,3 @@ class LinearSolver:
 
     def _backward_error(self, data, b, x):
         return multifrontal.residual(data, self._equations, b, x, self._vectors[RESIDUAL])
-
-
-class _Equilibrated:
-    """LU by SuperLU, with row exchanges everywhere, of a matrix whose rows and columns have the largest entry 1."""
-
-    def __init__(self, n, rows, cols, values):
-        """Factor; raises RuntimeError if a pivot is exactly zero."""
-        self.row_scale = _inverse_maxima(n, rows, np.abs(values))
-        scaled = values * self.row_scale[rows]
-        self.col_scale = _inverse_maxima(n, cols, np.abs(scaled))
-        scaled *= self.col_scale[cols]
-        self.matrix = sp.csc_matrix((scaled, (rows, cols)), shape=(n, n))
-        self.lu = spla.splu(self.matrix)
-
-    def solve(self, b):
-        return self.col_scale * self.lu.solve(self.row_scale * b)
-
-    def reciprocal_condition(self):
-        """Estimate in the 1-norm (Higham & Tisseur 2000), of the equilibrated matrix; 0 if it overflows."""
-        n = len(self.row_scale)
-        inverse = spla.LinearOperator(
-            (n, n), matvec=self.lu.solve, rmatvec=lambda b: self.lu.solve(b, trans="T"), dtype=float
-        )
-        norms = spla.norm(self.matrix, 1) * spla.onenormest(inverse, t=1)
-        return float(1.0 / norms) if np.isfinite(norms) else 0.0
-
-
-def _inverse_maxima(n, index, values):
-    """For each row (or column) number in ``index``, one over the largest of its values; 1 if all vanish."""
-    largest = np.zeros(n)
-    np.maximum.at(largest, index, values)
-    return 1.0 / np.where(largest > 1e-300, largest, 1.0)

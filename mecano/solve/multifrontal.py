@@ -24,8 +24,9 @@ written so that they are vectorized all the same: elementwise, without sums.
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Matrix, Short, Table, Vector, entry
+from mecano.compiled.kernel import kernel
 from mecano.solve.ordering import (
     BORDER,
     CONTRIBUTION,
@@ -52,12 +53,12 @@ NULL_PIVOT = 1e-14  # of the largest value the diagonal has had
 REFINE_ABOVE = 1e-13  # backward error
 
 
-@njit
+@kernel
 def _stride(size):
     return (size + STRIP - 1) // STRIP * STRIP
 
 
-@njit(error_model="numpy")
+@kernel
 def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
     """Add entries of the matrix and contributions of the children into a front; note how large its diagonal is."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
@@ -87,7 +88,7 @@ def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
         magnitude_out[at] = max(magnitude_out[at], abs(front_out[(pivots + i) * (stride + 1)]))
 
 
-@njit(error_model="numpy")
+@kernel
 def _choose_row(column, k, pivots, tolerance):
     """Row of the pivot of column k: k itself unless it is small against the largest of the pivot rows."""
     best, largest = k, abs(column[k])
@@ -98,7 +99,7 @@ def _choose_row(column, k, pivots, tolerance):
     return k if limit >= tolerance * largest else best
 
 
-@njit(error_model="numpy")
+@kernel
 def _exchange(i, j, end, stride, front_out, columns_out):
     """Exchange rows i and j: of the ``end`` columns already taken out of the front, and of the rest of the front."""
     for c in range(0, end * stride, stride):
@@ -111,7 +112,7 @@ def _exchange(i, j, end, stride, front_out, columns_out):
         front_out[j * stride + c] = value
 
 
-@njit(error_model="numpy")
+@kernel
 def _eliminate_strip(
     begin, end, block_end, pivots, stride, tolerance,  # in
     front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
@@ -144,7 +145,7 @@ def _eliminate_strip(
     return null
 
 
-@njit(error_model="numpy")
+@kernel
 def _apply_strip(begin, stride, columns, targets_out):
     """Eliminate the STRIP pivots from ``begin`` in further columns or right-hand sides, one after the other."""
     at = begin * stride + begin
@@ -161,7 +162,7 @@ def _apply_strip(begin, stride, columns, targets_out):
             target[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
 
 
-@njit(error_model="numpy")
+@kernel
 def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, front_out):
     """Subtract from rows and columns [left, right) of a front the products of the STRIP pivots from ``begin``.
 
@@ -178,7 +179,7 @@ def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, fro
             row[j] -= x0 * u0[j] + x1 * u1[j] + x2 * u2[j] + x3 * u3[j]
 
 
-@njit(error_model="numpy")
+@kernel
 def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
     """The rows begin ... end - 1 of U, columns [left, right)."""
     for strip in range(begin, end, STRIP):
@@ -192,7 +193,7 @@ def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
         _update(strip, strip_end - 1, strip_end, end, left, right, stride, columns, front_out)
 
 
-@njit(error_model="numpy")
+@kernel
 def _eliminate_block(
     begin, end, pivots, size, tolerance,  # in
     front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
@@ -225,7 +226,7 @@ def _eliminate_block(
     return null
 
 
-@njit(error_model="numpy")
+@kernel
 def _store(f, fronts, front, factors_out, stack_out):
     """Keep U12 of a front, by columns, and put its contribution on the stack."""
     pivots, size = fronts[f, PIVOTS], fronts[f, SIZE]
@@ -243,7 +244,7 @@ def _store(f, fronts, front, factors_out, stack_out):
             kept[j] = row[j]
 
 
-@njit(error_model="numpy")
+@kernel
 def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, exchanges_out):
     """Factor the matrix with the values ``data``; returns the number of null pivots."""
     null = largest = 0
@@ -266,7 +267,7 @@ def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, ex
     return null
 
 
-@njit(error_model="numpy")
+@kernel
 def _forward(f, fronts, links, factors, exchanges, work, y_out):
     """Eliminate the pivots of a front in the right-hand side y (n,), in elimination order."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
@@ -290,7 +291,7 @@ def _forward(f, fronts, links, factors, exchanges, work, y_out):
         y_out[border[i]] = work[pivots + i]
 
 
-@njit(error_model="numpy")
+@kernel
 def _backward(f, fronts, links, factors, inverse, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
@@ -311,8 +312,11 @@ def _backward(f, fronts, links, factors, inverse, y_out):
             own[i] -= above[i] * x
 
 
-@njit(cache=True, error_model="numpy")
-def substitute(b, order, fronts, links, factors, exchanges, vectors, x_out):
+@entry
+def substitute(
+    b: Vector, order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
+    x_out: Vector,
+):  # fmt: skip
     """Solve with the kept factors: x_out (n,) from b (n,); b and x_out may be the same array."""
     y, work, inverse = vectors[PERMUTED], vectors[FRONT], vectors[INVERSE]
     for i in range(order.size):
@@ -325,8 +329,8 @@ def substitute(b, order, fronts, links, factors, exchanges, vectors, x_out):
         x_out[order[i]] = y[i]
 
 
-@njit(cache=True, error_model="numpy")
-def residual(data, equations, b, x, residual_out):
+@entry
+def residual(data: Vector, equations: Short, b: Vector, x: Vector, residual_out: Vector) -> float:
     """r = b - A x, and the backward error max |r| / max(|A| |x| + |b|); infinite if anything is not finite.
 
     Oettli & Prager 1964, with the norms taken over all equations. Zero for b = 0 and x = 0.
@@ -350,13 +354,17 @@ def residual(data, equations, b, x, residual_out):
     return largest / scale if scale > 0.0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@entry
 def solve(
-    data, b,  # in
-    order, fronts, links, equations, tolerance,  # pattern
-    scratch, factors, vectors, exchanges,  # kept
-    x_out,
-):  # fmt: skip
+    # in
+    data: Vector, b: Vector,
+    # pattern
+    order: Indices, fronts: Table, links: Short, equations: Short, tolerance: float,
+    # kept
+    scratch: Vector, factors: Vector, vectors: Matrix, exchanges: Indices,
+    # out
+    x_out: Vector,
+) -> (int, bool, float):  # fmt: skip
     """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error)."""
     n = b.size
     remainder, correction = vectors[RESIDUAL][:n], vectors[CORRECTION]

@@ -5,9 +5,11 @@ evaluates and factors before it calls again: the choice of the linear solver is 
 """
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
+from mecano.compiled.kernel import kernel
 from mecano.model.conduct import aim, residual
+from mecano.model.loops import BATCH, SYSTEM
 from mecano.solve.compliance import soften
 from mecano.solve.increments import correct
 from mecano.solve.multifrontal import substitute
@@ -27,25 +29,27 @@ MESSAGES = {
 REPORT = ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
 
 
-@njit(cache=True)
+@entry
 def iterate(
     # equations
-    loops, batches, system, r, size, starts, columns, compliances,
+    loops: Indices, batches: Records(BATCH), system: Records(SYSTEM), r: Vector, size: Vector,
+    starts: Indices, columns: Indices, compliances: Vector,
     # factor
-    order, fronts, links, factors, exchanges, vectors,
+    order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
     # model
-    kind, rotation_dof, n_q, n,
+    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
     # limits
-    length, force_tolerance, constraint_tolerance, increment_tolerance, most,
+    length: float, force_tolerance: float, constraint_tolerance: float, increment_tolerance: float, most: int,
     # increment, in and out
-    x,
+    x: Vector,
     # step
-    k, penalty, cC, cM, stiffness, reach, share, kept, usable, pending,
+    k: float, penalty: float, cC: float, cM: float, stiffness: float, reach: float, share: float,
+    kept: bool, usable: bool, pending: bool,
     # state, moved
-    t, R0, z, v, a, R, modes, memory,
+    t: float, R0: Matrices, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
     # out
-    report,
-):  # fmt: skip
+    report: Vector,
+) -> int:  # fmt: skip
     """Iterate from the present state: one of the codes above.
 
     ``pending``: x solves for the present residual, whose largest norm is report[WORST]. ``kept``: the factor belongs to
@@ -71,7 +75,7 @@ def iterate(
         pending = True
 
 
-@njit
+@kernel
 def judge(report, forces, constraints, most, kept, usable):
     """Enter the present norms; one of the codes, or -1 to go on with the factor at hand."""
     worst = max(forces, constraints)

@@ -14,10 +14,9 @@ sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from mecano.maths.distinct import distinct
+from mecano.solve.least_degree import least_degree
 
 # Columns of the table of fronts
 FIRST = 0  # position, in elimination order, of the first unknown that the front eliminates
@@ -71,9 +70,9 @@ def analyse(n, rows, cols, groups, n_q):
     n_nodes = int(nodes.max()) + 1 if n_q else 0
     ties = _ties(rows, cols, nodes, n_q, n_nodes)
     own = (rows < n_q) & (cols < n_q)
-    position = _minimum_degree(_quotient(nodes[rows[own]], nodes[cols[own]], n_nodes))
+    position = least_degree(_neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes))
     block, n_blocks = _insert_multipliers(n, nodes, n_nodes, position, ties)
-    structures, parent = _structures(_quotient(block[rows], block[cols], n_blocks))
+    structures, parent = _structures(_neighbours(block[rows], block[cols], n_blocks))
     final = _postorder(parent)
     structures = [np.sort(final[structures[b]]) for b in np.argsort(final)]
     block = final[block]
@@ -92,28 +91,13 @@ def _ties(rows, cols, nodes, n_q, n_nodes):
     return np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], max(n_nodes, 1))
 
 
-def _quotient(block_rows, block_cols, n_blocks):
-    """Symmetric graph of blocks, without loops, as a CSR matrix with sorted indices."""
+def _neighbours(block_rows, block_cols, n_blocks):
+    """Symmetric graph of blocks, without loops: for each an array of the others that it meets, ascending."""
     off = block_rows != block_cols
     pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # some 36 entries each, of nodes with 6 unknowns
     i, j = np.divmod(pairs, max(n_blocks, 1))
-    ends = np.concatenate([i, j]), np.concatenate([j, i])
-    graph = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=(n_blocks, n_blocks)).tocsr()
-    graph.sort_indices()
-    return graph
-
-
-def _minimum_degree(graph):
-    """Position of each node in a minimum degree order: that of SuperLU on a diagonally dominant matrix."""
-    n = graph.shape[0]
-    if n < 3:
-        return np.arange(n)
-    values = graph.copy()
-    values.data[:] = -1.0
-    degree = np.diff(graph.indptr)
-    matrix = (values + sp.diags(degree + 1.0)).tocsc()
-    options = {"SymmetricMode": True}
-    return spla.splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).perm_c
+    i, j = np.divmod(distinct(np.concatenate([pairs, j * n_blocks + i])), max(n_blocks, 1))
+    return np.split(j, np.searchsorted(i, np.arange(1, n_blocks)))[:n_blocks]
 
 
 def _insert_multipliers(n, nodes, n_nodes, position, ties):
@@ -136,13 +120,12 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties):
     return rank[np.concatenate([nodes, n_nodes + label])], len(keys)
 
 
-def _structures(graph):
+def _structures(neighbours):
     """For each block, the later blocks that its elimination couples (ascending), and the elimination tree."""
-    n = graph.shape[0]
+    n = len(neighbours)
     structures, parent = [], np.full(n, -1)
     children = [[] for _ in range(n)]
-    for j in range(n):
-        own = graph.indices[graph.indptr[j] : graph.indptr[j + 1]]
+    for j, own in enumerate(neighbours):
         parts = [own[own > j]] + [structures[c][1:] for c in children[j]]
         structure = distinct(np.concatenate(parts)) if children[j] else parts[0]
         structures.append(structure)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from mecano.compiled.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
 
 HUGE = 1e300  # beyond this a number counts as infinite
@@ -38,8 +38,11 @@ def balance(system, s, cK, cC, cM):
     return float(diagonal.mean()) if len(diagonal) else 1.0
 
 
-@njit(cache=True)
-def norms(r, size, kind, n, length, force_tolerance, constraint_tolerance, share, k, stiffness, reach):
+@entry
+def norms(
+    r: Vector, size: Vector, kind: Indices, n: int, length: float, force_tolerance: float, constraint_tolerance: float,
+    share: float, k: float, stiffness: float, reach: float,
+) -> (float, float):  # fmt: skip
     """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
 
     r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale

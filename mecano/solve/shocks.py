@@ -11,7 +11,6 @@ What is held costs one factorization; contacts add the dense matrix of their res
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.catches import catches
@@ -175,10 +174,11 @@ class _Solution:
         bare.z[n_q : system.n] = 0.0
         data = np.zeros(system.nnz + 1)
         system.add_constraints(bare, 1.0, 0.0, data)
-        columns = np.flatnonzero(np.isin(system.cols, n_q + self.leads) & (system.rows < n_q))
-        gradient = sp.csc_matrix(
-            (-data[columns], (system.rows[columns], system.cols[columns] - n_q)), shape=(n_q, system.n_l)
-        )[:, self.leads].toarray()
+        distinct, which = np.unique(n_q + self.leads, return_inverse=True)
+        at = np.flatnonzero(np.isin(system.cols, distinct) & (system.rows < n_q))
+        gradient = np.zeros((n_q, len(distinct)))
+        gradient[system.rows[at], np.searchsorted(distinct, system.cols[at])] = -data[at]
+        gradient = gradient[:, which]
         answers = [self.consistent.respond(force) for force in gradient.T]
         self.responses = np.array([change for change, _ in answers]).T
         self.reactions = np.array([reaction for _, reaction in answers]).T

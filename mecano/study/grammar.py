@@ -1,9 +1,10 @@
 """What a study file may contain, and how its values are checked: the fields and types beside those of decks."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 from mecano.deck.check import CHECKS
-from mecano.deck.compose import MAX_DEPTH
+from mecano.deck.compose import MAX_DEPTH, Node
 from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one
 from mecano.deck.scope import INVALID
@@ -15,6 +16,13 @@ VERSION = 1
 PATH = "a value of the deck, as in --set: 'time.end'"
 OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count")
+
+
+class Entry(NamedTuple):
+    """What a study gives a value of the deck: the node of its path, and that of what it is, or may be."""
+
+    key: Node
+    node: Node
 
 
 def check_output(output):
@@ -97,25 +105,25 @@ def path(node, field, scope):
 
 
 def settings(node, field, scope):
-    """{path: plain value}, at least one."""
-    return _by_path(node, field, scope, lambda value, name: plain(value))
+    """{path: Entry}, at least one."""
+    return _by_path(node, field, scope, lambda value, name: value)
 
 
 def choices(node, field, scope):
-    """{path: [plain value]}."""
+    """{path: Entry}, each of a list of nodes."""
     return _by_path(node, field, scope, lambda value, name: _values(value, name, scope))
 
 
 def ranges(node, field, scope):
-    """{path: [lowest, highest]} of numbers."""
+    """{path: Entry}, each of [lowest, highest], numbers."""
     return _by_path(node, field, scope, lambda value, name: _range(value, name, scope))
 
 
 def _by_path(node, field, scope, value_of):
     if type(node.value) is not dict or (not node.value and field.required):
         return scope.refuse_value(node, field)
-    found = {path_of(key, scope): value_of(value, name) for name, (key, value) in node.value.items()}
-    return INVALID if INVALID in found or any(value is INVALID for value in found.values()) else found
+    found = {path_of(key, scope): Entry(key, value_of(value, name)) for name, (key, value) in node.value.items()}
+    return INVALID if INVALID in found or any(entry.node is INVALID for entry in found.values()) else found
 
 
 def _values(node, name, scope):
@@ -123,7 +131,7 @@ def _values(node, name, scope):
         return _span(node, name, scope)
     if type(node.value) is not list or not node.value:
         return scope.refuse_value(node, Field(name, Type("", "a list, or {from: 1, to: 2, number: 5}"), "-", ""))
-    return [plain(item) for item in node.value]
+    return node
 
 
 def _span(node, name, scope):
@@ -131,7 +139,8 @@ def _span(node, name, scope):
     if span is INVALID:
         return INVALID
     first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
-    return [first + (last - first) * i / steps for i in range(span["number"])]
+    raw = node.value["from"][1].raw
+    return here(node, [here(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
 
 
 def _range(node, name, scope):
@@ -139,9 +148,15 @@ def _range(node, name, scope):
     if type(node.value) is not list or len(node.value) != 2:
         return scope.refuse_value(node, pair)
     found = scope.checks["numbers"](node, pair, scope)
-    if found is INVALID or found[0] < found[1]:
-        return found
-    return scope.refuse_value(node, pair, "must rise")
+    if found is INVALID:
+        return INVALID
+    raw = node.value[0].raw
+    return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must rise")
+
+
+def here(node, value, raw=""):
+    """The node of another value at the place of ``node``; ``raw``: a text written there that has its unit."""
+    return Node(value, node.source, node.line, node.column, raw)
 
 
 def plain(node):

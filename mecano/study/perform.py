@@ -43,12 +43,13 @@ def compile_first(deck):
     subprocess.run([*PROGRAM, "warmup", deck.file, *settings], capture_output=True)
 
 
-def perform(folder, cases, run_cases, progress=lambda done, total, text: None):
+def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None):
     """Let ``run_cases(folder, cases, ended)`` run cases (``run_here``), and write the table; returns the Table.
 
-    ``progress(done, total, text)`` is told of every case. Raises Stopped where a signal ends the study.
+    ``units`` are those of what is varied (units.py). ``progress(done, total, text)`` is told of every case. Raises
+    Stopped where a signal ends the study.
     """
-    table, failed = Table(folder), []
+    table, failed = Table(folder, units), []
 
     def ended(case, record):
         table.take(case, record)
@@ -75,9 +76,9 @@ def one_case(folder, number, limits):
     return codes[0] if codes[0] >= 0 else 128 - codes[0]
 
 
-def collect(folder):
-    """Write the table of what there is; returns the Table."""
-    table = Table(folder)
+def collect(folder, units):
+    """Write the table of what there is, with the ``units`` of what is varied; returns the Table."""
+    table = Table(folder, units)
     table.written()
     return table
 

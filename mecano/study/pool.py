@@ -13,6 +13,7 @@ from pathlib import Path
 
 from mecano.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
+from mecano.study.places import line_in_study
 
 PROGRAM = (sys.executable, "-m", "mecano")
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -159,7 +160,7 @@ class Pool:
         elif self.asked or (code in GO_ON and not one.killed):
             status, reason = STOPPED, _words(one, code)
         else:
-            status, reason = FAILED, _words(one, code)
+            status, reason = FAILED, line_in_study(_words(one, code), self.folder.study, one.case)
         return Record(
             status, code, before.processor_time + used.ru_utime + used.ru_stime,
             before.wall_time + time.monotonic() - one.begun, max(before.memory, one.memory), reason,

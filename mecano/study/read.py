@@ -12,8 +12,9 @@ from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem
 from mecano.prepare import prepare
 from mecano.schema import TEXT, Field
-from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, shown
+from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, plain, shown
 from mecano.study.outputs import Output, checked_outputs
+from mecano.study.places import in_study
 from mecano.study.variation import rows_of
 
 TRIED = 5  # cases, spread over the study, of which the deck of one must be right
@@ -21,10 +22,15 @@ TRIED = 5  # cases, spread over the study, of which the deck of one must be righ
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a study: its number, from 1, and {path: value} of what is varied, as JSON has it."""
+    """One run of a study: its number, from 1, and {path: Entry} of what is varied."""
 
     number: int
-    values: dict
+    entries: dict = field(repr=False, compare=False)
+
+    @property
+    def values(self):
+        """{path: value} of what is varied, as JSON has it."""
+        return _plain(self.entries)
 
     @property
     def shown(self):
@@ -34,7 +40,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study: ``common`` are the values that all cases have, ``digest`` the SHA-256 of the deck's file."""
+    """A checked study: ``common`` {path: Entry} is what all cases have, ``digest`` the SHA-256 of the deck's file."""
 
     file: str
     text: str
@@ -49,11 +55,19 @@ class Study:
     @property
     def paths(self):
         """What is varied."""
-        return tuple(dict.fromkeys(path for case in self.cases for path in case.values))
+        return tuple(dict.fromkeys(path for case in self.cases for path in case.entries))
+
+    def given(self, path):
+        """The values that the cases give to a path, as they are written; of a range its lower end."""
+        return [case.entries[path].node.raw for case in self.cases if path in case.entries]
+
+    def entries(self, case):
+        """{path: Entry} of all that is set in a case."""
+        return {**self.common, **case.entries}
 
     def overrides(self, case):
         """What `mecano run --set` is told for a case."""
-        return tuple(f"{path}={json.dumps(value)}" for path, value in {**self.common, **case.values}.items())
+        return tuple(f"{path}={json.dumps(value)}" for path, value in _plain(self.entries(case)).items())
 
 
 def read_study(path):
@@ -85,6 +99,10 @@ def try_deck(study):
         )
     _stop_at(scope.problems)
     return checked
+
+
+def _plain(entries):
+    return {path: plain(entry.node) for path, entry in entries.items()}
 
 
 def _source(path, mark, what):
@@ -120,10 +138,11 @@ def _one_deck(study):
     """The checked deck of the first of some cases for which it is right; raises the errors of the first."""
     count, first = len(study.cases), None
     for number in dict.fromkeys(i * (count - 1) // (TRIED - 1) for i in range(TRIED)):
+        case = study.cases[number]
         try:
-            return read_deck(study.deck, study.overrides(study.cases[number]))
+            return read_deck(study.deck, study.overrides(case))
         except DeckError as error:
-            first = first or error
+            first = first or in_study(error, study, case)
     raise first
 
 

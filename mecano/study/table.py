@@ -20,10 +20,10 @@ MOST_REASONS = 10  # told at the end
 
 
 class Table:
-    """Takes the cases as they end; ``written`` puts all into files."""
+    """Takes the cases as they end; ``written`` puts all into files. ``varied``: units of the paths that are varied."""
 
-    def __init__(self, folder):
-        self.folder, self.study = folder, folder.study
+    def __init__(self, folder, varied):
+        self.folder, self.study, self.varied = folder, folder.study, varied
         self.records, self.numbers, self.units = {}, {}, {}
 
     def take(self, case, record):
@@ -64,7 +64,8 @@ class Table:
         shown = [case.shown for case in cases]
         yield column("case", "case", "", "number of the case, and name of its files", [case.number for case in cases])
         for path in self.study.paths:
-            yield column("parameters", path, "", "value of the deck", [values.get(path) for values in shown])
+            values = [values.get(path) for values in shown]
+            yield column("parameters", path, self.varied.get(path, ""), "value of the deck", values)
         for name, unit, doc in ENDED:
             values = [getattr(record, name) for record in records]
             yield column("case", name, unit, doc, [v / 1e6 for v in values] if unit == "MB" else values)

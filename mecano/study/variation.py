@@ -8,19 +8,19 @@ import numpy as np
 from mecano.deck.compose import Node
 from mecano.deck.scalar import resolved
 from mecano.deck.wording import quoted
-from mecano.study.grammar import path_of
+from mecano.study.grammar import Entry, here, path_of
 
 MOST = 100_000  # cases
 
 
 def rows_of(values, source, scope):
-    """[{path: value}] of all cases, from the checked values of a study; the last way varies fastest.
+    """[{path: Entry}] of all cases, from the checked values of a study; the last way varies fastest.
 
     ``source(name)`` gives the Source of a file, or None. What is wrong is noted in the scope.
     """
     ways = {
         "grid": _grid(values["grid"]), "list": values["list"], "csv": _table(values["csv"], source, scope),
-        "latin_hypercube": _hypercube(values["latin_hypercube"]), "seeds": _seeds(values["seeds"]),
+        "latin_hypercube": _hypercube(values["latin_hypercube"]), "seeds": _seeds(values["seeds"], scope.owner),
     }  # fmt: skip
     given = {name: rows for name, rows in ways.items() if values[name] is not None}
     seen = dict.fromkeys(values["set"], "set")
@@ -38,11 +38,12 @@ def rows_of(values, source, scope):
     if count > MOST:
         scope.refuse(scope.owner, f"{count} cases are more than {MOST}")
         return []
-    return [{path: value for row in rows for path, value in row.items()} for rows in product(*given.values())]
+    return [{path: entry for row in rows for path, entry in row.items()} for rows in product(*given.values())]
 
 
 def _grid(grid):
-    return [dict(zip(grid, row, strict=True)) for row in product(*grid.values())] if grid else []
+    choices = [[Entry(entry.key, item) for item in entry.node.value] for entry in (grid or {}).values()]
+    return [dict(zip(grid, row, strict=True)) for row in product(*choices)] if grid else []
 
 
 def _hypercube(cube):
@@ -51,16 +52,18 @@ def _hypercube(cube):
         return []
     random, number = np.random.default_rng(cube["seed"] & (2**63 - 1)), cube["number"]
     columns = {}
-    for path, (low, high) in cube["ranges"].items():
+    for path, (key, node) in cube["ranges"].items():
+        low, high = node.value
         places = (random.permutation(number) + random.random(number)) / number
-        columns[path] = (low + (high - low) * places).tolist()
+        columns[path] = [Entry(key, here(node, value, node.raw)) for value in (low + (high - low) * places).tolist()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
-def _seeds(seeds):
+def _seeds(seeds, root):
     if seeds is None:
         return []
-    return [{seeds["path"]: seeds["first"] + i} for i in range(seeds["number"])]
+    _, node = root.value["seeds"][1].value["path"]
+    return [{seeds["path"]: Entry(node, here(node, seeds["first"] + i))} for i in range(seeds["number"])]
 
 
 def _table(name, source, scope):
@@ -69,18 +72,19 @@ def _table(name, source, scope):
     if found is None:
         return []
     lines = csv.reader(found.lines, skipinitialspace=True)
-    head, rows = None, []
+    head, rows = (), []
     try:
         for cells in lines:
             cells, place = [cell.strip() for cell in cells], Node(None, found, lines.line_num - 1)
             if not any(cells) or cells[0].startswith("#"):
                 continue
-            if head is None:
-                head = [path_of(Node(cell, found, lines.line_num - 1), scope) for cell in cells]
+            if not head:
+                head = [here(place, path_of(here(place, cell), scope)) for cell in cells]
             elif len(cells) != len(head):
                 scope.refuse(place, f"the row has {len(cells)} columns, the first line {len(head)}")
             else:
-                rows.append(dict(zip(head, map(resolved, cells), strict=True)))
+                entries = [Entry(key, here(place, resolved(cell), cell)) for key, cell in zip(head, cells, strict=True)]
+                rows.append({entry.key.value: entry for entry in entries})
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
     if not rows:

@@ -1,0 +1,204 @@
+"""How functions are compiled: numba makes optimized LLVM code of them, LLVM a piece of machine code for the store.
+
+Only this module imports numba. Division by zero gives infinities and nan, as in C; an iteration that meets them is not
+finite, and says so.
+"""
+
+import operator
+import os
+
+os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # its functions are not in the C library, where code is loaded
+
+import llvmlite.binding as llvm
+import numpy as np
+from llvmlite import ir
+from numba import carray, cfunc, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
+
+from mecano.compiled import memory
+from mecano.compiled.array_object import data, fits, shape_1, shape_2, shape_3
+from mecano.compiled.entry import Array
+from mecano.compiled.nowhere import Nowhere, wanted
+
+# What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
+KNOWN = frozenset(
+    "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax "
+    "fmin fmod frexp hypot ldexp log log10 log1p log2 memcpy memmove memset pow remainder rint round sin sincos sinh "
+    "sqrt tan tanh trunc calloc free PyErr_BadArgument".split()
+)
+LOOP = types.void(types.int64, types.int64)
+NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
+
+
+def compiled(function):
+    """numba's object for a function that compiled functions call: it compiles it for the types they call it with."""
+    return njit(error_model="numpy")(function)
+
+
+def loop_code(function):
+    """(symbol, machine code) of a C function of two addresses that returns nothing."""
+    return _machine_code(cfunc(LOOP, error_model="numpy")(function))
+
+
+def entry_code(entry):
+    """(symbol, machine code) of a C function of the addresses of the words and the results of a call (entry.py).
+
+    It sets Python's TypeError when an array is not of its type, dimension and order.
+    """
+    source, names = _unpacking(entry)
+    exec(compile(source, f"<entry {entry.__qualname__}>", "exec"), names)
+    result = types.void if entry.several or not entry.returns else NUMBERS[entry.returns[0]]
+    return _machine_code(cfunc(result(types.int64, types.int64), error_model="numpy")(names["entry"]))
+
+
+def _unpacking(entry):
+    """Source of the function that calls an entry with what stands in the words, and the names it uses."""
+    names = {"function": entry, "memory": memory, "data": data, "fits": fits, "refuse": _refuse}
+    names |= {"shape_1": shape_1, "shape_2": shape_2, "shape_3": shape_3}
+    lines, given = [], []
+    refused = "return" if entry.several or not entry.returns else "return 0"
+    for i, kind in enumerate(entry.signature):
+        if isinstance(kind, Array):
+            lines += [f"if not fits(words[{i}], {kind.dimensions}, {ord(kind.dtype.char)}):"]
+            lines += ["    refuse()", f"    {refused}"]
+            given.append(_array_at(kind, i, names))
+        else:
+            given.append({float: f"reals[{i}]", bool: f"words[{i}] != 0"}.get(kind, f"words[{i}]"))
+    call, n = f"function({', '.join(given)})", len(given)
+    lines[:0] = [f"words, reals = memory.integers(at, {n}), memory.floats(at, {n})"]
+    if entry.several:
+        out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
+        lines += [f"results = memory.floats(out, {len(entry.returns)})", f"{out} = {call}"]
+    else:
+        lines.append(f"return {call}" if entry.returns else call)
+    return "def entry(at, out):\n    " + "\n    ".join(lines) + "\n", names
+
+
+def _array_at(kind: Array, word, names):
+    """Source of the array whose object stands in a word."""
+    place, shape = f"data(words[{word}])", f"shape_{kind.dimensions}(words[{word}])"
+    if kind.dtype == np.float64:
+        return f"memory.floats({place}, {shape})"
+    if kind.dtype == np.int64:
+        return f"memory.integers({place}, {shape})"
+    names[f"dtype_{word}"] = kind.dtype
+    return f"memory.items({place}, {shape}, dtype_{word})"
+
+
+def _machine_code(compiled):
+    """(symbol, machine code) of a function compiled by numba; raises SystemError if it needs what is not there.
+
+    numba's C functions would tell Python of errors. Nothing in kernels raises any, so that these calls only end the
+    program, should they ever be reached.
+    """
+    module = llvm.parse_assembly(compiled.inspect_llvm())
+    missing = [f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")]
+    errors = [name for name in missing if name not in KNOWN]
+    unknown = [name for name in errors if not name.startswith(("Py", "numba_", "NRT_MemInfo_call_dtor", "NRT_Free"))]
+    if unknown:
+        raise SystemError(f"{compiled.native_name} needs {', '.join(unknown)}: a kernel may not allocate or print")
+    stubs = [f"define weak void @{name}() {{\n  call void @llvm.trap()\n  unreachable\n}}" for name in errors]
+    stubs += [f"@{g.name} = weak global i64 0" for g in module.global_variables if g.is_declaration]
+    module.link_in(llvm.parse_assembly("declare void @llvm.trap()\n" + "\n".join(stubs)))
+    return compiled.native_name, _target().emit_object(module)
+
+
+def _target():
+    features = llvm.get_host_cpu_features().flatten()
+    of = llvm.Target.from_default_triple()
+    return of.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=features, opt=3, reloc="default", codemodel="jitdefault"
+    )
+
+
+@intrinsic
+def _call(typing_context, function, first, second):
+    def generate(context, builder, signature, arguments):
+        word = ir.IntType(64)
+        kind = ir.FunctionType(ir.VoidType(), [word, word])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64), generate
+
+
+@intrinsic
+def _pointer(typing_context, address):
+    """The address as a pointer, for carray."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), generate
+
+
+@overload(memory.floats)
+def _floats(address, shape):
+    return lambda address, shape: carray(_pointer(address), shape, np.float64)
+
+
+@overload(memory.integers)
+def _integers(address, shape):
+    return lambda address, shape: carray(_pointer(address), shape, np.int64)
+
+
+@overload(memory.items)
+def _items(address, n, dtype):
+    return lambda address, n, dtype: carray(_pointer(address), n, dtype)
+
+
+@overload(memory.call)
+def _call_at(function, first, second):
+    return lambda function, first, second: _call(function, first, second)
+
+
+_bad_argument = types.ExternalFunction("PyErr_BadArgument", types.int32())
+_calloc = types.ExternalFunction("calloc", types.voidptr(types.uintp, types.uintp))
+_free = types.ExternalFunction("free", types.void(types.voidptr))
+
+
+@overload(memory.take_zeros)
+def _take_zeros(shape):
+    def take(shape):
+        n = 1
+        for size in shape:
+            n *= size
+        return carray(_calloc(n, 8), shape, np.float64)
+
+    return take
+
+
+def _refuse():
+    """Set Python's TypeError."""
+
+
+@overload(_refuse)
+def _refuse_arguments():
+    return lambda: _bad_argument()
+
+
+@overload(memory.give_back)
+def _give_back(array):
+    return lambda array: _free(_pointer(array.ctypes.data))
+
+
+def _is_nowhere(A):
+    return isinstance(A, types.BaseNamedTuple) and A.instance_class is Nowhere
+
+
+@overload(operator.setitem)
+def _forget(A, index, value):
+    forgets = _is_nowhere(A) and isinstance(index, types.BaseTuple)
+    return (lambda A, index, value: None) if forgets else None
+
+
+@overload(operator.getitem)
+def _zero(A, index):
+    forgets = _is_nowhere(A) and isinstance(index, types.BaseTuple)
+    return (lambda A, index: 0.0) if forgets else None
+
+
+@overload(wanted)
+def _wanted(A):
+    return (lambda A: False) if _is_nowhere(A) else (lambda A: True)

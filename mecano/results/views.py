@@ -1,0 +1,84 @@
+"""Named views of the numbers in a results file: a virtual dataset of each series, with its unit, meaning and axes.
+
+HDF5 shows it under its own path, with its own shape, and it costs nothing while the run goes on. As there may be
+thousands, whatever is alike in several is made once, and HDF5 is called without what h5py puts around it.
+"""
+
+from dataclasses import replace
+from math import prod
+
+import h5py
+import numpy as np
+from h5py import h5d, h5p, h5s, h5t
+
+from mecano.results.layout import Series
+from mecano.results.table import name_axes, put_axes, put_text, references
+
+MOST_VIEWS = 3000
+"""Up to so many series have a named view (0.15 ms each to make); beyond, only the storage holds them."""
+STEP_TIME = Series("step_time", "s", "end of the accepted step")
+
+
+class Views:
+    """The views of the dataset ``table`` of a NumberTable; that of its times is the dimension scale of all others.
+
+    Parameters
+    ----------
+    file : h5py.File
+    axes : Axes
+    table : h5py.Dataset
+    time : Series
+        What its first column is.
+    """
+
+    def __init__(self, file, axes, table, time):
+        self._file, self._axes, self._table = file.id, axes, table.name.encode()
+        width = table.shape[1]
+        self._columns = h5s.create_simple((0, width), (h5s.UNLIMITED, width))
+        self._properties = h5p.create(h5p.DATASET_CREATE)
+        self._properties.set_fill_value(np.array([np.nan]))
+        self._links = h5p.create(h5p.LINK_CREATE)
+        self._links.set_create_intermediate_group(True)
+        self._links.set_char_encoding(h5t.CSET_UTF8)
+        self._spaces, self._scales = {}, {}  # by the shape of a value
+        self.times = h5py.Dataset(self._make(time, 0))
+        self.times.make_scale(time.path)
+
+    def add(self, series, column):
+        """Make the view of a Series whose numbers begin in a ``column`` of the table."""
+        if series.shape not in self._scales:
+            self._scales[series.shape] = references([self.times, *self._axes.of(series.shape)])
+        put_axes(self._make(series, column), self._scales[series.shape])
+
+    def _make(self, series, column):
+        """The identifier of a new view, without the names of its axes."""
+        if series.shape not in self._spaces:
+            self._spaces[series.shape] = _space(series.shape)
+        space, width = self._spaces[series.shape], prod(series.shape)
+        self._columns.select_hyperslab((0, column), (h5s.UNLIMITED, 1), stride=(1, width), block=(1, width))
+        properties = self._properties.copy()
+        properties.set_virtual(space, b".", self._table, self._columns)
+        made = h5d.create(self._file, series.path.encode(), h5t.IEEE_F64LE, space, properties, self._links)
+        put_text(made, b"units", series.unit)
+        put_text(made, b"long_name", series.doc)
+        return made
+
+
+def _space(shape):
+    """All values of a shape, however many there are, one after the other."""
+    many, ones = h5s.UNLIMITED, (1,) * len(shape)
+    space = h5s.create_simple((0, *shape), (many, *shape))
+    space.select_hyperslab((0,) * (1 + len(shape)), (many, *ones), stride=(1, *shape), block=(1, *shape))
+    return space
+
+
+def make_views(file, axes, layout, outputs, steps):
+    """Name the series of a Layout in an h5py file: a view of each in the datasets ``outputs`` and ``steps``."""
+    views = Views(file, axes, outputs, replace(layout.axis, path="time"))
+    name_axes(outputs, views.times, axes.scale(1 + layout.size))
+    for series in layout.series if len(layout.series) <= MOST_VIEWS else ():
+        views.add(series, 1 + layout.slices[series.path].start)
+    views = Views(file, axes, steps, STEP_TIME)
+    name_axes(steps, views.times, axes.scale(1 + len(layout.steps)))
+    for column, series in enumerate(layout.steps, start=1):
+        views.add(replace(series, path=f"solver/{series.path}"), column)
