@@ -10,7 +10,7 @@ INERTIA, DAMPING, LINK, PLAY, TRAIL = 1.0, 10.0, 5.0e4, 2.0e-3, 0.1
 SIDE, YAW, YAW_TIME = 2.0e5, 1 / 6e4, 1.0e-3  # K, C, C1 of Moreland's tyre
 
 # speed [m/s] -> amplitude [mrad]: of the motion (docs/tyres.md), by steps of 1 ms, and of the describing function
-TABLE = {5.0: (2.472, 2.423), 20.0: (4.179, 4.093), 40.0: (7.402, 7.109), 60.0: (5.337, 5.264)}
+TABLE = {5.0: (2.472, 2.423), 20.0: (4.179, 4.093), 40.0: (7.413, 7.109), 60.0: (5.351, 5.264)}
 
 
 def growth(V, stiffness):
