@@ -70,7 +70,7 @@ def program():
 
     To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
     """
-    gc.set_threshold(50_000, 20, 20)
+    gc.set_threshold(200_000, 20, 20)
     try:
         main()
         code = 0

@@ -10,7 +10,8 @@ from mecano.errors import DeckError, Mark, Problem
 
 MAX_BYTES = 64 * 2**20
 LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what YAML counts as the end of a line
-FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+# all but what YAML calls printable; the set of that takes ten times as long to compile, 5 ms
+FORBIDDEN = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 

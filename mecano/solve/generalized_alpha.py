@@ -26,6 +26,7 @@ from mecano.solve.increments import RELAXES, finish, largest_change, predict, ta
 from mecano.solve.kept_tangent import SHARE, keep
 from mecano.solve.newton import (
     CONVERGED,
+    DIVERGES,
     FIRST,
     FORCES,
     INCREMENT,
@@ -47,6 +48,7 @@ FREE = 1e6  # times the weight of the masses: no stiffness has a say
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
 CREEPING = 1e-3  # of the length scale per second: no speeds count for less
+DIVERGED = 100.0  # times the first residual, or its tolerance; iterations that converge go up to 10 times (inputs/)
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
@@ -352,6 +354,8 @@ class GeneralizedAlpha:
             report[FIRST] = report[WORST]
         if not np.isfinite(report[WORST]):
             return NOT_FINITE
+        if report[WORST] > DIVERGED * max(report[FIRST], 1.0):
+            return DIVERGES
         solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
         return STALE if solved.ok else SINGULAR
 

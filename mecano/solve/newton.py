@@ -17,11 +17,12 @@ from mecano.solve.scales import norms
 
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 
-CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR = range(5)
+CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES = range(6)
 MESSAGES = {
     NOT_FINITE: "a residual is not finite",
     TOO_MANY: "no convergence in {} iterations",
     SINGULAR: "the tangent is singular",
+    DIVERGES: "no convergence: the residual grows",
 }
 
 # What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;

@@ -11,6 +11,7 @@ hand the rest, the contribution, to their parent (Duff & Reid 1983, "The multifr
 sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
 """
 
+import hashlib
 from typing import NamedTuple
 
 import numpy as np
@@ -106,13 +107,13 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties):
     last = np.full(n - n_q, -1)
     np.maximum.at(last, ties[0], position[ties[1]])
     last[last < 0] = n_nodes
-    # multipliers that tie the same nodes share a block: sets of nodes are compared by a sum of random marks
-    marks = np.random.default_rng(0).integers(1, 2**62, size=n_nodes, dtype=np.uint64)
+    # multipliers that tie the same nodes share a block: sets of nodes are compared by a sum of marks without a pattern
+    marks = np.frombuffer(hashlib.shake_128().digest(8 * n_nodes), np.uint64)  # numpy.random takes 5 ms to import
     mark = np.zeros(n - n_q, dtype=np.uint64)
     np.add.at(mark, ties[0], marks[ties[1]])
-    alike, label = np.unique(mark, return_inverse=True)
-    label = label.reshape(-1)
-    block_last = np.empty(len(alike), dtype=np.int64)
+    _, first, label = np.unique(mark, return_index=True, return_inverse=True)
+    label = np.argsort(np.argsort(first))[label.reshape(-1)]  # in the order of the multipliers, not of the marks
+    block_last = np.empty(len(first), dtype=np.int64)
     block_last[label] = last
     keys = np.concatenate([2 * position, 2 * block_last + 1])
     rank = np.empty(len(keys), dtype=np.int64)
