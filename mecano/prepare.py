@@ -55,7 +55,7 @@ def prepare(deck):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)
     analysis = analyse(system, state, length)
-    soft = compliance(system, state, length, analysis.dependent)
+    soft = compliance(system, state, length, analysis)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
 
 

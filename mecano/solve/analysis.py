@@ -14,6 +14,7 @@ from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
+NEARLY = 0.99  # of the largest: as large
 DENSE_ROWS = 3000  # beyond this many constraints in closed loops, or unknowns, no singular values are computed
 
 
@@ -53,6 +54,7 @@ class Analysis:
     rank: int
     redundant: tuple  # Group
     dependent: object  # projector on the reactions in a redundancy, see ``_directions``; None where there is none
+    let_go: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``; None where none are
     gradient: Entries
     names: list  # of the equations of the unknowns
     complete: bool = True
@@ -74,6 +76,11 @@ class Analysis:
         projector = _null_projector(B.dense(np.arange(B.shape[0])), self.rank)
         return _groups(projector, [motion_name(name) for name in self.names])
 
+    @property
+    def released(self):
+        """Constraints (n,) that are let go."""
+        return np.zeros(0, np.int64) if self.let_go is None else np.flatnonzero(np.diff(self.let_go.indptr))
+
 
 def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
@@ -84,11 +91,13 @@ def analyse(system, s, length):
     if len(loops) > DENSE_ROWS:
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
-        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), B, names, False)
-    projector, deficiency = _left_null_projector(B.dense(loops))
-    redundant = _groups(projector, [of.name[of.n_q + i] for i in loops])
-    dependent = _directions(system, projector, loops, size) if deficiency else None
-    return Analysis(n_l - deficiency, redundant, dependent, B, names)
+        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, False)
+    null = _left_null(B.dense(loops))
+    redundant, rank = _groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
+    rows, shares, null = _repeated(null, of.of_rates[loops])
+    let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
+    dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
+    return Analysis(rank, redundant, dependent, let_go, B, names)
 
 
 def gradient(system, s, length):
@@ -149,13 +158,43 @@ def _block(B, entries):
     return rows, block
 
 
-def _left_null_projector(B):
-    """Projector (m, m) on the y with B^T y = 0, and its rank."""
+def _left_null(B):
+    """Orthonormal basis (m, d) of the y with B^T y = 0."""
     if not B.size:
-        return np.eye(B.shape[0]), B.shape[0]
+        return np.eye(B.shape[0])
     U, sigma, _ = np.linalg.svd(B, full_matrices=True)
-    null = U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
-    return null @ null.T, null.shape[1]
+    return U[:, int(np.sum(sigma > RANK_TOLERANCE)) :]
+
+
+def _repeated(null, of_rates):
+    """Constraints on velocities that are let go because those on positions imply them (docs/theory.md, section 3).
+
+    They are taken one by one until no redundancy in ``null`` (m, d) is of both kinds; of those that are equally suited
+    the first. Returns their rows (r,); of the projector on the reactions of constraints on velocities that those on
+    positions could balance the same rows (r, m); and the null space (m, d - r) of the others.
+    """
+    rows, balanced = [], np.zeros((len(null), 0))
+    while null.shape[1] and of_rates.any():
+        _, sigma, Vt = np.linalg.svd(null[~of_rates], full_matrices=False)
+        mixed = null @ Vt[sigma > RANK_TOLERANCE].T
+        mixed[~of_rates] = 0.0
+        size = np.linalg.norm(mixed, axis=1)
+        if size.max() <= SHARE:
+            break
+        row = int(np.argmax(size >= NEARLY * size.max()))
+        rows.append(row)
+        balanced = np.column_stack([balanced, mixed @ mixed[row]])
+        null = null @ np.linalg.svd(null[row : row + 1])[2][1:].T
+    return rows, balanced[rows] @ np.linalg.pinv(balanced), null
+
+
+def _spread(block, rows, cols, n):
+    """The dense ``block`` in a sparse matrix (n, n), without what is rounding."""
+    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
+
+    block = np.where(np.abs(block) < SHARE, 0.0, block)
+    i, j = np.nonzero(block)
+    return sp.csr_matrix((block[i, j], (rows[i], cols[j])), shape=(n, n))
 
 
 def _null_projector(B, rank):

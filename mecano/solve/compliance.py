@@ -1,6 +1,7 @@
 r"""Compliances that let redundant constraints share their forces: :math:`\Phi + c \Lambda = 0`.
 
-See docs/theory.md, section 3.
+Constraints on velocities that some on positions imply are let go: :math:`P \Lambda = 0` takes their place, with the
+projector P on the reactions that those on positions could balance. See docs/theory.md, section 3.
 """
 
 from dataclasses import dataclass
@@ -13,44 +14,80 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
+LET_GO = 1e3  # over the mean stiffness of the tangent: the compliance of a constraint that is let go
 TINY = 1e-300
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """The symmetric matrix c, which couples rows of one element only, and where it stands in the tangent.
+    """The symmetric matrix c, which couples rows of one element only, rows P, and where they stand in the tangent.
 
     Constraints on velocities give way by c for each second: ``lag`` times c in a step, whose rows are displacements.
+    The rows P count ``LET_GO`` over the stiffness of the step. They may couple elements, for which the tangent has no
+    place. There they are the identity, with which Newton's iteration converges as well: P projects on just those
+    reactions that change with the multipliers of constraints let go.
     """
 
-    matrix: object  # csr_matrix (n_l, n_l) [m/N, rad/(N m)], per second for constraints on velocities
-    places: np.ndarray  # (matrix.nnz,) in the values of the tangent
+    matrix: object  # csr_matrix (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
+    places: np.ndarray  # (matrix.nnz,) in the values of the tangent; its last one for what has none
     of_rates: np.ndarray  # (matrix.nnz,) bool
+    let_go: np.ndarray  # (matrix.nnz,) bool: P
     values: np.ndarray  # (matrix.nnz,) in a step
 
     @cached_property
-    def largest_penalty(self):
-        """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way."""
-        return SHARE_OF_PENALTY / self.matrix.data.max()
+    def released(self):
+        """Constraints (n,) that are let go."""
+        return np.unique(self.matrix.tocoo().row[self.let_go])
+
+    @cached_property
+    def _in_tangent(self):
+        """What the tangent has of ``values``, as factors (matrix.nnz,): the identity in the place of P."""
+        entries = self.matrix.tocoo()
+        return np.where(self.let_go, (entries.row == entries.col) / entries.data, 1.0)
+
+    def largest_penalty(self, stiffness):
+        """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way.
+
+        ``stiffness`` [N/m] is the mean one of the tangent.
+        """
+        softest = self.matrix.data[~self.let_go].max(initial=TINY)
+        return min(SHARE_OF_PENALTY / softest, stiffness / LET_GO if len(self.released) else np.inf)
 
     @property
     def rows(self):
-        """c by rows, as ``soften`` takes it: where each begins, columns, values."""
+        """c and P by rows, as ``soften`` takes them: where each begins, columns, values."""
         return self.matrix.indptr.astype(np.int64), self.matrix.indices.astype(np.int64), self.values
 
-    def set_lag(self, lag):
-        """Set the values for steps in which rates count ``lag`` [s] times."""
-        self.values[:] = np.where(self.of_rates, lag, 1.0) * self.matrix.data
+    def set_step(self, lag, stiffness):
+        """Set the values for steps of mean ``stiffness`` [N/m] in which rates count ``lag`` [s] times."""
+        self.values[:] = self._values(lag, stiffness)
+
+    def _values(self, lag, stiffness):
+        return np.where(self.let_go, LET_GO / stiffness, np.where(self.of_rates, lag, 1.0)) * self.matrix.data
 
     def soften_tangent(self, k, data, values=None):
         """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
-        data[self.places] += -k * k * (self.matrix.data if values is None else values)
+        values = self._values(1.0, k) if values is None else values
+        np.add.at(data, self.places, -k * k * values * self._in_tangent)
+
+    def sharing(self, k, bottom, x):
+        r"""Right-hand sides (n_l,) of constraints with which the reactions let go take their share.
+
+        ``x`` (n_l,) solves the matrix of consistent.py for ``bottom``. A reaction there is :math:`k x - k B a`, with
+        what the penalty k bears.
+        """
+        rows, out, forces = self.released, bottom.copy(), k * x + bottom
+        reached = -k * LET_GO * x[rows] - bottom[rows]  # k B a
+        forces[rows] = k * x[rows] - reached
+        share = forces[rows] - (self.matrix @ forces)[rows]
+        out[rows] = -reached - LET_GO * (share + reached)
+        return out
 
     def to_plain(self):
         """Dict of arrays that ``from_plain`` turns into the same compliances."""
         c = self.matrix
         of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
-        return {**of, "places": self.places, "of_rates": self.of_rates, "values": self.values}
+        return {**of, **{name: getattr(self, name) for name in ("places", "of_rates", "let_go", "values")}}
 
     @classmethod
     def from_plain(cls, plain):
@@ -59,7 +96,7 @@ class Compliance:
 
         n = len(plain["indptr"]) - 1
         matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
-        return cls(matrix, plain["places"], plain["of_rates"], plain["values"].copy())
+        return cls(matrix, plain["places"], plain["of_rates"], plain["let_go"], plain["values"].copy())
 
 
 NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
@@ -73,14 +110,14 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
             rows_out[i] -= k * values[j] * multipliers[columns[j]]
 
 
-def compliance(system, s, length, dependent):
-    """Compliance of a model, or None when no constraint is redundant.
+def compliance(system, s, length, analysis):
+    """Compliance of a model with the ``analysis`` (analysis.py) of its constraints, or None when none is redundant.
 
-    Reactions in the directions that the projector ``dependent`` (n_l, n_l) of the Analysis holds meet a compliance
-    under which the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length
-    scale, or rad; all others are exact.
+    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds meet a compliance under which
+    the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or
+    rad; all others are exact.
     """
-    if dependent is None or not dependent.nnz:
+    if analysis.dependent is None and analysis.let_go is None:
         return None
     import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
@@ -92,10 +129,19 @@ def compliance(system, s, length, dependent):
     force = max(sizes.max(), 9.81 * masses.max(initial=0.0), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
-    matrix = sp.csr_matrix(root @ dependent @ root)
+    none = sp.csr_matrix((system.n_l, system.n_l))
+    dependent, let_go = (none if part is None else part for part in (analysis.dependent, analysis.let_go))
+    matrix = sp.csr_matrix(root @ dependent @ root + let_go)
     matrix.sort_indices()
     entries = matrix.tocoo()
-    codes = (system.n_q + entries.row.astype(np.int64)) * system.n + system.n_q + entries.col
-    of_rates = of.of_rates[entries.row]
-    places = np.searchsorted(system.rows * system.n + system.cols, codes)
-    return Compliance(matrix, places, of_rates, matrix.data.copy())
+    released = np.isin(entries.row, analysis.released)
+    places = _places(system, entries.row.astype(np.int64), entries.col)
+    return Compliance(matrix, places, of.of_rates[entries.row], released, matrix.data.copy())
+
+
+def _places(system, rows, cols):
+    """Where entries of multipliers stand in the values of the tangent; the place behind the last for what has none."""
+    codes = (system.n_q + rows) * system.n + system.n_q + cols
+    pattern = system.rows * system.n + system.cols
+    places = np.minimum(np.searchsorted(pattern, codes), system.nnz - 1)
+    return np.where(pattern[places] == codes, places, system.nnz)

@@ -74,9 +74,15 @@ class Consistent:
         return x
 
     def _resolve(self, top, bottom):
-        b, x = np.concatenate([top, bottom]), np.zeros(self.system.n)
-        self.linear.resolve(b, x)
-        return x[: self.system.n_q], self.k * x[self.system.n_q :]
+        n_q, x = self.system.n_q, self._solution(top, bottom)
+        if self.compliance is not None and len(self.compliance.released):
+            x = self._solution(top, self.compliance.sharing(self.k, bottom, x[n_q:]))
+        return x[:n_q], self.k * x[n_q:]
+
+    def _solution(self, top, bottom):
+        x = np.zeros(self.system.n)
+        self.linear.resolve(np.concatenate([top, bottom]), x)
+        return x
 
     def change(self, rate):
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
@@ -229,6 +235,13 @@ class Consistent:
         dt, of = DIFFERENCE * h, self.system.numbering
         now, next_, last = (self.system.levels(moved(s, i * dt, of))[:, 2] for i in range(3))
         return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
+
+    def turning_rate(self, s):
+        """B (omega x alpha) (n_l,), material, of all rotations of ``s``: see ``GeneralizedAlpha._history``."""
+        of, turning = self.system.numbering, s.copy()
+        at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
+        turning.v[at] += np.cross(s.v[at], s.a[at])
+        return self.system.levels(turning)[:, 1] - self.system.levels(s)[:, 1]
 
 
 def _with(s, v, a):

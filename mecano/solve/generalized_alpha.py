@@ -16,7 +16,9 @@ from functools import partial
 
 import numpy as np
 
+from mecano.errors import AssemblyError
 from mecano.model.loops import residual
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
@@ -44,6 +46,9 @@ MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed b
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
+SLIPS = 0.02  # of the speeds: the same at the end of a step
+CREEPING = 1e-3  # of the length scale per second: no speeds count for less
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
@@ -115,10 +120,10 @@ class GeneralizedAlpha:
         """Let redundant constraints have these compliances, or none (None), from now on."""
         self.compliance = compliance
         self._rows = NO_ROWS if compliance is None else compliance.rows
-        # constraints on velocities hold exactly at the end of every step, and so do the rates of those they repeat
+        # constraints on velocities hold exactly at the end of every step, but for those that are let go
+        self._released = NO_ROWS[1] if compliance is None else compliance.released
         self._exact_rates = self.system.numbering.of_rates.copy()
-        if compliance is not None and compliance.of_rates.any():
-            self._exact_rates |= np.diff(compliance.matrix.indptr) > 0
+        self._exact_rates[self._released] = False
         self._bind()
 
     def _bind(self):
@@ -140,6 +145,7 @@ class GeneralizedAlpha:
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
         a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
         returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
+        Raises AssemblyError where constraints contradict one another.
 
         The accelerations of the history are those that a step of h can follow (resolved.py): those of a member that
         swings much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
@@ -147,6 +153,8 @@ class GeneralizedAlpha:
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
+        if len(self._released) and (text := self._contradiction(s, h, self.system.levels(s)[:, 1], CONTRADICTS)):
+            raise AssemblyError(f"at t = {s.t:.9g} s {text}")
         consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
@@ -178,7 +186,9 @@ class GeneralizedAlpha:
     def _history(self, consistent, s, a, more, h, slope, bend, known):
         """History with the accelerations ``a``, changed in place, and what steps of h can follow of ``more`` (n_all,).
 
-        The constrained parts of accelerations and velocities are shifted to where the method keeps them.
+        The constrained parts of accelerations and velocities are shifted to where the method keeps them. A rotation
+        without a fixed axis turns in a step by more than the integral of its angular velocity, by
+        h^3 omega x omega'/12 (Magnus 1954), which the increment of the method does not have: B v makes up for it.
         """
         c, n_q = self.coefficients, self.system.n_q
         v_shift, whole, added = np.zeros_like(a), a + more, more.any()
@@ -187,7 +197,8 @@ class GeneralizedAlpha:
             for part in (a, whole) if added else (a,):
                 consistent.project_acceleration(s, part, -(c.am - c.af) * h * rate)
             shifted = s.copy()
-            consistent.project_velocity(shifted, c.error * h * h * np.where(self._exact_rates, 0.0, rate))
+            shift = h * h * (c.error * rate + consistent.turning_rate(s) / 12.0)
+            consistent.project_velocity(shifted, np.where(self._exact_rates, 0.0, shift))
             v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
         cC, cM = self._weights(h)
         history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
@@ -213,6 +224,20 @@ class GeneralizedAlpha:
     def _size(self, a):
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._lasting, len(a), self.length)
+
+    def _contradiction(self, s, h, rates, share):
+        """Text on a constraint let go whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds, or none."""
+        of, rows = self.system.numbering, self._released
+        kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
+        speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
+        linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
+        slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
+        worst = int(np.argmax(slip))
+        if slip[worst] <= share:
+            return ""
+        row = of.n_q + rows[worst]
+        amount = f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}"
+        return f"constraints contradict one another: those on positions leave a slip of {amount} to {of.name[row]}"
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
@@ -252,8 +277,8 @@ class GeneralizedAlpha:
         k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
         weights = self._weights(h)
         if self.compliance is not None:
-            penalty = min(penalty, self.compliance.largest_penalty)
-            self.compliance.set_lag(1.0 / weights[0])
+            penalty = min(penalty, self.compliance.largest_penalty(history.k))
+            self.compliance.set_step(1.0 / weights[0], history.k)
         return k, penalty, *weights
 
     def step(self, s0, history, h):
@@ -275,6 +300,11 @@ class GeneralizedAlpha:
         change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
+        if len(self._released):
+            slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
+            soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
+            if text := self._contradiction(s, h, slips, SLIPS):
+                return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)

@@ -181,23 +181,31 @@ class March:
     def _happen(self, run, s, hit, at_once=False):
         """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [Happening], Consistent or None)."""
         if not self.shocks.among(hit):
+            before, compliance, consistent = s.modes, self.method.compliance, None
             s, happenings = self.watch.apply(s, hit)
             self._guard(run, happenings)
-            return run, s, happenings, None
+            if compliance and len(compliance.released) and not np.array_equal(before, s.modes):
+                consistent, compliance, redundant = self.shocks.consistent(s, compliance)
+                self._soften(compliance, s.t, happenings, redundant)
+            return replace(run, compliance=compliance), s, happenings, consistent
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.strike(s, hit, self.method.compliance, run.h, at_once)
         self._guard(run, shock.happenings)
-        if shock.compliance is not self.method.compliance:
-            self.method.use(shock.compliance)
-            self.remarks += [_redundant(s.t, shock.happenings, group) for group in shock.redundant]
+        self._soften(shock.compliance, s.t, shock.happenings, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
+
+    def _soften(self, compliance, t, happenings, redundant):
+        """Use a ``compliance`` that may be new, and keep what is to be told of the ``redundant`` Groups."""
+        if compliance is not self.method.compliance:
+            self.method.use(compliance)
+        self.remarks += [_redundant(t, happenings, group) for group in redundant]
 
     def _accept_event(self, run, found, rejected):
         h, trial, hit = found
         s, history, info = trial
         info.error = self._judged(trial, h)
-        reached = self._powers_before(run, s, h) if self.watch.within_a_mode(hit) else None
+        reached = self._powers_before(run, s, h)
         # of a very short step the accelerations and multipliers are rounding of the positions over h^2
         s, _ = self.method.start(s, run.h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
@@ -221,7 +229,7 @@ class March:
     def _stepped(self, run, s, history, planned, h, reached=None):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
 
-        ``reached`` are the powers to which the step itself came where they are not those at ``s``. Afterwards the
+        ``reached`` are the powers to which the step itself came where ``s`` is a start of its own. Afterwards the
         outputs of the batches are those of ``s``, which has just been evaluated.
         """
         s.memory = self.system.commit(s)
@@ -247,7 +255,10 @@ class March:
         self.system.observe(s)
 
     def _powers_before(self, run, s, h):
-        """Powers as far as a step of size h came towards an event: consistent accelerations are those behind it."""
+        """Powers as far as a step of size h came towards an event, as the motion had them on the way.
+
+        Consistent accelerations are those behind it where they jump, and begin with none of scalars without inertia.
+        """
         if h <= SHORT * run.h:
             return run.powers
         self._observe(s)

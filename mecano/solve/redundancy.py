@@ -1,7 +1,9 @@
-"""Constraints that repeat others only in some mode: found when it is entered, and given compliances."""
+"""Constraints that repeat others only in some modes: found when these are entered, and given compliances."""
+
+import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.solve.analysis import analyse
+from mecano.solve.analysis import analyse, gradient
 from mecano.solve.compliance import compliance
 from mecano.solve.consistent import Consistent
 
@@ -9,15 +11,25 @@ from mecano.solve.consistent import Consistent
 def consistent_in(system, linear, s, soft, length):
     """(Consistent, Compliance or None, redundant Groups) at ``s``, whose modes may be new; ``soft`` that of the last.
 
-    The pivots of the factorization tell whether constraints that are rigid depend on others; only then is the model
-    analysed again. Raises AssemblyError.
+    The pivots of the factorization tell whether constraints that are rigid depend on others; only then, or where
+    constraints are let go because of others, is the model analysed again. Raises AssemblyError.
     """
+    consistent, repeats = None, True
     try:
         consistent = Consistent(system, linear, s, soft)
-        if not consistent.repeats():
-            return consistent, soft, ()
+        repeats = consistent.repeats()
     except AssemblyError:
         pass
+    if not repeats and (soft is None or not len(soft.released)):
+        return consistent, soft, ()
     analysis = analyse(system, s, length)
-    soft = compliance(system, s, length, analysis.dependent)
-    return Consistent(system, linear, s, soft), soft, analysis.redundant
+    if not repeats and not _missed(system, s, length, soft, analysis):
+        return consistent, soft, ()
+    soft = compliance(system, s, length, analysis)
+    return Consistent(system, linear, s, soft), soft, analysis.redundant if repeats else ()
+
+
+def _missed(system, s, length, soft, analysis):
+    """True when constraints that ``soft`` lets go would hold at ``s``, and no others imply them there any more."""
+    would = np.intersect1d(soft.released, np.flatnonzero(gradient(system, s, length)[2]))
+    return bool(np.setdiff1d(would, analysis.released).size)

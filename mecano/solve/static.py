@@ -54,7 +54,7 @@ class Statics:
         mean = balance(self.system, s, 1.0, 0.0, 0.0)
         k = self.given_k or mean
         penalty = mean if self.given_penalty is None else self.given_penalty
-        return k, penalty if self.compliance is None else min(penalty, self.compliance.largest_penalty)
+        return k, penalty if self.compliance is None else min(penalty, self.compliance.largest_penalty(mean))
 
     def begin(self, s0):
         """A copy of ``s0`` at rest whose rotation increments are zero."""
@@ -73,7 +73,7 @@ class Statics:
             n_q, n = system.n_q, system.n
             soften(k, *self.compliance.rows, s.z[n_q:n], system.residual[n_q:n])
             if tangent:
-                self.compliance.soften_tangent(k, system.data)
+                self.compliance.soften_tangent(k, system.data, self.compliance.values)
         return self.norms(s, k)
 
     def norms(self, s, k):
