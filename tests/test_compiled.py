@@ -74,6 +74,12 @@ def scaled(n: int) -> float:
 
 
 @entry
+def counted(p: Records(POINT)) -> int:
+    """How many records there are."""
+    return p.shape[0]
+
+
+@entry
 def fill(x_out: Vector, value: float):
     """Write an array."""
     x_out[:] = value
@@ -137,6 +143,10 @@ class TestEntry:
         name = mixed.names[place]
         with pytest.raises(TypeError, match=rf"^mixed: {name} must be a contiguous array of [^;]*$"):
             mixed(*given)
+
+    def test_arrays_may_be_empty(self):
+        some = np.zeros(3, POINT)
+        assert counted(some[np.zeros(3, bool)]) == 0 and counted(some[:0]) == 0 and counted(some[1:2]) == 1
 
     def test_numbers_that_are_none_are_refused_and_arrays_to_be_written_that_cannot_be(self):
         for call, text in (

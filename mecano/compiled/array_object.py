@@ -29,7 +29,7 @@ def fits(array, ndarray, dimensions, flags, letters, size):
         return False
     if word(array + HEAD + 48) & flags != flags or (word(word(array + HEAD + 40) + HEAD + 8) >> 8) & 0xFFFF != letters:
         return False
-    return letters & 0xFF != HAS_RECORDS or word(word(array + HEAD + 24)) == size
+    return letters & 0xFF != HAS_RECORDS or shape_1(array) == 0 or word(word(array + HEAD + 24)) == size
 
 
 @kernel
