@@ -46,6 +46,20 @@ def test_a_wheel_that_falls_over_ends_the_run(kind, tmp_path):
     assert lean[:-1].max() < np.arccos(0.1) and len(lean) > 20
 
 
+def test_a_wheel_without_slip_that_can_neither_stay_nor_leave_ends_the_run(tmp_path):
+    """Near the top of a bump its normal force vanishes and its longitudinal force of 0.5 kN does not.
+
+    Without it the wheel would go into the ground, with it the ground would have to pull.
+    """
+    settings = "elements.wheel.unilateral=true", "parameters.speed=25", "time.adaptive={tolerance: 1.0e-4}"
+    path = tmp_path / "stuck.h5"
+    with pytest.raises(ConvergenceError, match="(?s)'wheel' has met 'touch_down' .* 21 times.*that cannot slip"):
+        run(input_deck("trailing_wheel_bump", *settings), path)
+    with mecano.open_results(path) as results:
+        assert results.time[-1] >= 0.07 and results["elements/wheel/friction_needed"].values[-1] > 0.5
+        assert results["elements/wheel/normal_force"].values[-1] > 0.0
+
+
 @pytest.mark.parametrize(
     ("values", "text"),
     [

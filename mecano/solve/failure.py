@@ -90,5 +90,6 @@ def standstill(happening, count, t):
         f"time stands still at t = {t:.9g} s: {happening.element} has met '{happening.name}' ({happening.before} -> "
         f"{happening.after}) {count} times there\n"
         "what to try: laws of this element without jumps, some damping at its stops, or nodes a little farther from "
-        "where two of its modes meet"
+        "where two of its modes meet; for a wheel that cannot slip, a flexible one: without slip it may be able "
+        "neither to stay on the ground nor to leave it"
     )

@@ -11,7 +11,7 @@ from mecano.solve.run_state import RunState
 from mecano.solve.shocks import Shocks
 from mecano.solve.step_control import AFTER_FAILURE
 
-STANDSTILL = 1e-6  # of a step: time that goes on by less stands still
+STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
 MOST_NAMES = 8  # named in a remark
@@ -190,7 +190,7 @@ class March:
             return replace(run, compliance=compliance), s, happenings, consistent
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.strike(s, hit, self.method.compliance, run.h, at_once)
-        self._guard(run, shock.happenings)
+        self._guard(run, shock.happenings or self.watch.apply(s, hit)[1])  # or what cannot happen: a contact would pull
         self._soften(shock.compliance, s.t, shock.happenings, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.happenings, shock.consistent
