@@ -50,6 +50,7 @@ from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list
 RECORD = record(axes=(3, 3), rows="i", start=(), **CURVE_RECORD)
 S, ROW = 9, 10  # local unknowns after both places and the rotation of a: s, the first multiplier
 ROUNDING = 1e-9  # of the length of an open curve
+STILL = 1e-12  # of the speed along the curve: a node that moves by less has no direction of motion
 
 
 @kernel
@@ -88,8 +89,9 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     put(y, 3, on_b)
     velocity = vec(v, 6)
     y[6] = norm(on_b)
-    size = norm(velocity) * y[6]
-    y[7] = math.acos(min(1.0, abs(dot(velocity, on_b)) / size)) if size > 0.0 else 0.0
+    speed = norm(velocity)
+    moves = speed > STILL * abs(y[2]) and y[6] > 0.0
+    y[7] = math.acos(min(1.0, abs(dot(velocity, on_b)) / (speed * y[6]))) if moves else 0.0
     y[8] = overrun(p, q[S])
 
 
