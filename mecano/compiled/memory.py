@@ -6,29 +6,29 @@ These are the names; what the compiler makes of them stands in compiler.py.
 
 def floats(address, shape):
     """The array of floats of this shape (a number or a tuple) at ``address``."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")
 
 
 def integers(address, shape):
     """The array of int64 of this shape at ``address``."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")
 
 
 def items(address, n, dtype):
     """The array (n,) of items of another type, such as records, at ``address``."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")
 
 
 def call(function, first, second):
     """Call the C function of two addresses that stands at the address ``function``."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")
 
 
 def take_zeros(shape):
     """An array of zeros of this shape (a tuple), which must be given back."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")
 
 
 def give_back(array):
     """Free the memory of an array of ``take_zeros``."""
-    raise NotImplementedError("compiled code only")
+    raise RuntimeError("known to compiled code only")

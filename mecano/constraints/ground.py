@@ -29,12 +29,12 @@ _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 def prepare_ground(ground, context):
     """Values of GROUND_RECORD; without a profile the direction is any and the law 0."""
     plane, profile = ground["plane"], ground.get("profile")
-    normal = _unit(plane["normal"])
-    direction = _in_plane(profile["direction"], normal) if profile else np.zeros(3)
+    normal = unit(plane["normal"])
+    direction = in_plane(profile["direction"], normal) if profile else np.zeros(3)
     return {
         "point": np.array(plane["point"], float),
         "normal": normal,
-        "direction": _unit(direction) if profile else direction,
+        "direction": unit(direction) if profile else direction,
         "height": int(context.laws.add(profile["height"])) if profile else 0,
     }
 
@@ -45,7 +45,7 @@ def check_ground(ground):
     if not profile:
         return []
     texts = []
-    if np.linalg.norm(_in_plane(profile["direction"], _unit(ground["plane"]["normal"]))) < 1e-6:
+    if np.linalg.norm(in_plane(profile["direction"], unit(ground["plane"]["normal"]))) < 1e-6:
         texts.append("'ground.profile.direction' is along the normal of the plane; it must lie in the plane")
     corners = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[:2].any()]
     if corners:
@@ -77,13 +77,13 @@ def _jumps(law, s):
 
 def check_axle(ground, x, axis):
     """Texts on what is wrong with a wheel's start: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
-    normal = _unit(ground["plane"]["normal"])
-    if np.linalg.norm(np.cross(normal, _unit(axis))) < LEAST_Q:
+    normal = unit(ground["plane"]["normal"])
+    if np.linalg.norm(np.cross(normal, unit(axis))) < LEAST_Q:
         return ["the wheel lies flat: its axis is along the normal of the ground"]
     arm = np.asarray(x, float) - ground["plane"]["point"]
     height, profile = normal @ arm, ground.get("profile")
     if profile:
-        direction = _in_plane(profile["direction"], normal)
+        direction = in_plane(profile["direction"], normal)
         size = np.linalg.norm(direction)
         height -= curve_at(profile["height"], direction @ arm / size)[0] if size > 0.0 else 0.0
     if height <= 0.0:
@@ -96,13 +96,15 @@ def ends(d):
     return [("lean", math.acos(LEAST_Q), "lies flat: its axis has come along the normal of the ground")]
 
 
-def _unit(a):
+def unit(a):
+    """The direction (3,) of a vector."""
     a = np.array(a, float)
     return a / np.linalg.norm(a)
 
 
-def _in_plane(direction, normal):
-    direction = _unit(direction)
+def in_plane(direction, normal):
+    """The part (3,) of a direction that lies in the plane with this unit normal; not of unit length."""
+    direction = unit(direction)
     return direction - (direction @ normal) * normal
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.ground import in_plane, unit
 from mecano.laws.probe import shape_of_curve
 
 ROUNDING = 1e-6  # of 1: a wheel that just fits fits
@@ -37,22 +38,16 @@ def narrowest_hollow(ground, x, axis, radius, way):
     looked at.
     """
     plane, profile = ground["plane"], ground["profile"]
-    normal, axis = (np.array(a, float) / np.linalg.norm(a) for a in (plane["normal"], axis))
-    direction = np.array(profile["direction"], float)
-    direction -= (direction @ normal) * normal
-    direction /= np.linalg.norm(direction)
-    rolling = np.cross(axis, normal)
-    cosine = abs(rolling @ direction) / np.linalg.norm(rolling)
+    normal = unit(plane["normal"])
+    direction = unit(in_plane(profile["direction"], normal))
+    cosine = abs(unit(np.cross(axis, normal)) @ direction)
     start, along = direction @ (np.array(x, float) - plane["point"]), direction @ np.array(way, float)
-    s, (_, slope, bend) = _shape(profile["height"], start + min(along, 0.0) - radius, start + max(along, 0.0) + radius)
+    low, high = start + min(along, 0.0) - radius, start + max(along, 0.0) + radius
+    s, values = shape_of_curve(profile["height"], low, high)
+    _, slope, bend = values.T
     curvature = cosine**2 * bend / (1.0 + (cosine * slope) ** 2) ** 1.5
     narrow = curvature * radius > 1.0 + ROUNDING
     if not narrow.any():
         return None
     sharpest, begins = int(np.argmax(curvature)), np.diff(narrow.astype(int), prepend=0) > 0
     return Hollow(s[sharpest], 1.0 / curvature[sharpest], int(begins.sum()), s[0], s[-1])
-
-
-def _shape(height, low, high):
-    s, values = shape_of_curve(height, low, high)
-    return s, values.T

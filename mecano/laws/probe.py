@@ -10,8 +10,9 @@ from mecano.laws.table import LawTable, evaluate_curve, terms_of
 def curve_at(law, s):
     """(y, dy/ds, d2y/ds2) of a checked law of curves, or of a number, at s."""
     table = LawTable()
-    start = table.add(law)
-    return _evaluate(table.array(), start, float(s))
+    start, values = table.add(law), np.zeros((1, 3))
+    _evaluate(table.array(), start, np.array([float(s)]), values)
+    return tuple(values[0].tolist())
 
 
 def shape_of_curve(law, low, high):
@@ -23,16 +24,11 @@ def shape_of_curve(law, low, high):
     s = np.unique(np.concatenate([np.zeros(0), *places]))
     table = LawTable()
     start, values = table.add(law), np.zeros((len(s), 3))
-    _evaluate_all(table.array(), start, s, values)
+    _evaluate(table.array(), start, s, values)
     return s, values
 
 
 @entry
-def _evaluate(laws: Vector, start: int, s: float) -> (float, float, float):
-    return evaluate_curve(laws, start, s)
-
-
-@entry
-def _evaluate_all(laws: Vector, start: int, s: Vector, values_out: Matrix):
+def _evaluate(laws: Vector, start: int, s: Vector, values_out: Matrix):
     for i in range(s.shape[0]):
         values_out[i, 0], values_out[i, 1], values_out[i, 2] = evaluate_curve(laws, start, s[i])
