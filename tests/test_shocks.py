@@ -175,6 +175,19 @@ def test_a_winder_pays_out_and_is_fully_uncoiled():
     assert march["nodes/mass/position"][-1, 0] == pytest.approx(2.0, abs=1e-7)
 
 
+def test_a_line_that_holds_keeps_the_energy_of_its_strain():
+    """Paid out with 6 N at EA = 200 N it is strained by 0.03, 0.18 J of 2 m; they are dissipated while it shortens."""
+    pull = "loads.pull.value={linear: {slope: -4.0, offset: 4.0}}"  # drives the mass back in the end
+    march = March(input_deck("winder", "elements.cable.axial_stiffness=200", pull, "time={end: 1.9, step: 2.0e-3}"))
+    names = [h.name for h in march.happenings]
+    assert names == ["goes taut", "pays out", "is fully uncoiled", "goes slack"]
+    held, slack = (h.t for h in march.happenings[2:])
+    on = (march.time > held + 1e-9) & (march.time < slack - 1e-9)
+    np.testing.assert_allclose(march["energy/potential"][on], 0.5 * 200 * 0.03**2 * 2, rtol=1e-6)
+    assert march["energy/potential"][-1] == 0.0 and march["elements/cable/length"][-1] < 2.0
+    assert np.ptp(march["energy/balance"][march.time > 0.5]) < 1e-6 * march["energy/total"][0]
+
+
 def test_a_winder_that_is_too_strong_holds():
     """A pull of 2 N does not move a brake of 6 N: the cable stretches, and the mass swings on it."""
     march = March(input_deck("winder", "initial.velocities=[]", "elements.cable.axial_stiffness=1e3", "time.end=2"))

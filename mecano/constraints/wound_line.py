@@ -7,7 +7,8 @@ Its natural length L is the length paid out, at most the full one, :math:`L_f(t)
 - paying out, when the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
   :math:`L = \ell/(1 + T(0)/EA)`, until the nodes stop moving apart or :math:`L = L_f`;
 - held: inextensible, :math:`\Phi = L_f - \ell + c = 0`, until its tension, the multiplier, falls to zero. c is what
-  it was longer or shorter than :math:`L_f` at the end of the step in which it was caught.
+  it was longer or shorter than :math:`L_f` at the end of the step in which it was caught. The energy of that strain,
+  :math:`V = \tfrac12 EA\, c^2/L_f`, stays in it, and it goes slack with it; it is caught again where it was held.
 
 At the full length it goes over to an elastic line without a shock (``stretch``), or exchanges momentum as if it were
 held and is elastic (``shock``) or held (``hold``) from then on. The winder dissipates :math:`T \dot\ell - \dot V`.
@@ -48,7 +49,8 @@ EVENTS = (
     Event("is pulled straight", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
 )  # fmt: skip
-MEMORY = ("paid_out", "excess")  # [m] natural length; distance less full length, of the last step that did not hold
+# [m] natural length; distance less full length, of the last step that did not hold; the same when it was last held
+MEMORY = ("paid_out", "excess", "held")
 NEARLY = 1.0 - 1e-8  # of the full length: what is left does not count
 MORE = 1.0 + 1e-6  # than the tension of the winder draws line out: where it has just stopped, rounding does not
 MULTIPLIER = 6
@@ -126,7 +128,6 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     length, rate, _ = line(q, v)
     put_line_energy(p, q, v, e)
     L, L_rate, _ = _paid_out(p, m, laws, t)
-    elastic, N = 0.0, 0.0
     if mode == PAYING:
         N, _, strain = _tension(p, laws, rate)
         L, L_rate, strain_rate = length / (1.0 + strain), rate / (1.0 + strain), 0.0
@@ -135,14 +136,14 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         e[2] = N * rate - stored * L_rate
     else:
         strain, strain_rate = strained(length, rate, L, L_rate)
+        elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
+        e[1] += 0.5 * elastic * strain * L
         if mode == HELD:
             N = q[MULTIPLIER]
-            e[3] = -N * L_rate
+            e[3] = -(N + 0.5 * elastic * strain) * L_rate
         else:
-            elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
             N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
             viscous = N - elastic
-            e[1] += 0.5 * elastic * strain * L
             e[2] = viscous * L * strain_rate
             e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
@@ -160,7 +161,7 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
     tautness = min(strain, strain + p.damping * strain_rate)
     if mode == SLACK:
         if full and p.catch != STRETCH:
-            g[7 if p.catch == SHOCK else 8] = length - L
+            g[7 if p.catch == SHOCK else 8] = length - L - m[2]
         else:
             g[0] = tautness
     elif mode == TAUT:
@@ -176,12 +177,13 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 @kernel
 def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-    """The length paid out, and what the line is longer than its full length."""
+    """The length paid out, and what the line is longer than its full length, and was when it was held."""
     length = line(q, v)[0]
     full = _full(p, laws, t)[0]
     paid = max(m[0], p.start)
     m_out[0] = min(length / (1.0 + _tension(p, laws, 0.0)[2]), full) if mode == PAYING else paid
     m_out[1] = m[1] if mode == HELD else length - full
+    m_out[2] = m[1] if mode == HELD else m[2]
 
 
 def wound_parts(values):
