@@ -49,7 +49,8 @@ An event may come with a *shock* (``Event.shock``): constraints of the element, 
 begin to hold, and momentum is exchanged at frozen positions (docs/shocks.md). They are written so that the number of
 the event is -Phi, or grows with it; what a contact can only push with is a ``Row.unilateral``, with Phi >= 0 where it
 is open and a reaction >= 0 where it is closed. A contact has an event back, which happens where its reaction falls to
-zero. As positions do not change in a shock, a constraint may hold what its ``commit`` has just written.
+zero. What grips holds in both directions until another event lets go of it; the number of its event may be of anything
+else. As positions do not change in a shock, a constraint may hold what its ``commit`` has just written.
 
 ``commit(p, m, mode, t, laws, q, v, a, R, m_out)`` writes the new memory after an accepted step.
 """
@@ -59,7 +60,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-LOCK, CONTACT = "lock", "contact"  # kinds of shocks
+LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
 
 
@@ -92,7 +93,8 @@ class Event:
     after: str
     doc: str
     shock: str = ""
-    """LOCK: constraints begin to hold for good; CONTACT: they may push, and let go again; "": no shock"""
+    """LOCK: constraints begin to hold for good; CONTACT: they may push, and let go again; GRIP: they hold until another
+    event; "": no shock"""
     restitution: str = ""
     """of a CONTACT: the number of the record that is its coefficient of restitution, or, where it is negative, tells
     that the contact never opens; 0 without a name"""

@@ -173,7 +173,13 @@ def test_y_and_psi_relax_in_the_air():
 
 
 def test_an_adhesive_wheel_is_spun_up_at_once():
+    """The slip of 20 - 15 m/s is gone in a shock: with 1/m = 1/20 + 0.3^2/1, 5 m N s against the motion, 12.5 m J."""
     march = drop("adhesive_wheel", step=1e-4)
+    down, m = march.happenings[0], 1 / (1 / 20 + 0.3**2)
+    assert (down.name, down.after, down.unit) == ("touch_down", "contact", "N s")
+    assert down.impulse == pytest.approx(-5 * m, rel=1e-9) and down.lost == pytest.approx(12.5 * m, rel=1e-9)
+    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/total"][0]
+    assert march.run.dissipated > down.lost
     touching = march["elements/tire/normal_force"] > 0.0
     for name in ("longitudinal_slip", "lateral_slip"):
         assert np.abs(march[f"elements/tire/{name}"][touching]).max() < 1e-9

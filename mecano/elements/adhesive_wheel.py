@@ -7,7 +7,8 @@ constraints on velocities (Cardona, Geradin and Doan, CMAME 89 (1991), section 3
 
 The friction law of the tyre is not used; the friction coefficient that would be needed is an output. In mode "air"
 the patch is let go. At a touch-down the wheel is spun up at once: the velocities jump to the nearest, by kinetic
-energy, that do not slip, and the energy of this shock is lost. Sideways there is no shock, since y has no inertia.
+energy, that do not slip. The impulse of this shock is that of the driving force, and its energy is lost
+(docs/shocks.md). Sideways there is no shock, since y has no inertia.
 """
 
 from typing import NamedTuple
@@ -16,7 +17,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import NO_MATRIX, PSI, Y, by_positions, by_velocities, patch, patch_column
-from mecano.contract import Event
+from mecano.contract import GRIP, Event
 from mecano.elements.lateral_force import relax
 from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
 from mecano.elements.patch_wheel import patch_wheel, put_patch
@@ -145,7 +146,7 @@ ADHESIVE_WHEEL = patch_wheel(
     ("psi", "bow"),
     force,
     observe,
-    events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock"), LIFT_OFF),
+    events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP), LIFT_OFF),
     multipliers=ROWS,
     levels=levels,
 )
