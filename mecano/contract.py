@@ -145,6 +145,8 @@ class Kind:
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
     start: Callable | None = None
     """record -> values (n_scalars,) of its own scalars at the start; zeros without it"""
+    at_start: Callable | None = None
+    """record -> index of the mode in which it starts, where the deck puts it; the first of ``modes`` without it"""
     shares: Callable = nothing
     """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing

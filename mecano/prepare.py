@@ -13,7 +13,7 @@ from mecano.results.layout import STEPS
 from mecano.solve.analysis import DENSE_ROWS, analyse
 from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
-from mecano.solve.initial import assemble_positions
+from mecano.solve.initial import assemble_start
 from mecano.solve.linear import LinearSolver
 from mecano.solve.march import March
 from mecano.solve.scales import Tolerances, length_scale
@@ -50,7 +50,7 @@ def prepare(deck):
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
     length = given(wanted, length_scale(system.nodes))
-    state, displacement = assemble_positions(system, linear, system.initial_state(values["start"]), length)
+    state, displacement = assemble_start(system, linear, system.initial_state(values["start"]), length)
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)

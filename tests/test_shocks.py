@@ -344,6 +344,21 @@ def test_a_rigid_wheel_that_touches_down():
     assert down.lost == pytest.approx(0.5 * 10 * 104 - 0.5 * (10 + 0.5 / 0.09) * v * v, abs=1e-10)
 
 
+def test_a_rigid_wheel_dropped_from_the_air_falls_and_is_caught():
+    """From 0.2 m, at 2 m/s without turning: v_z = sqrt(2 g h), and the slip is gone with 1/m = 1/10 + 0.3^2/0.5."""
+    march = March(
+        deck(WHEEL.replace("0, 0.3]", "0, 0.5]") + "    initial: {velocities: [{nodes: [hub], velocity: [2, 0, 0]}]}\n")
+    )
+    assert march.prepared.displacement == 0.0 and march["nodes/hub/position"][0, 2] == 0.5
+    assert march["nodes/hub/velocity"][0] == pytest.approx([2.0, 0.0, 0.0], abs=1e-15)
+    (down,) = march.happenings
+    assert down.t == pytest.approx(math.sqrt(0.4 / g), abs=1e-9)
+    assert down.impulse == pytest.approx(10 * math.sqrt(0.4 * g), rel=1e-9)
+    assert down.lost == pytest.approx(10 * g * 0.2 + 0.5 * 4 / (1 / 10 + 0.09 / 0.5), rel=1e-9)
+    assert np.ptp(march["energy/balance"]) < 1e-9
+    assert march["nodes/hub/position"][-1, 2] == pytest.approx(0.3, abs=1e-12)
+
+
 def test_a_rigid_wheel_over_a_bump_keeps_the_balance():
     """It leaves the ground and comes down again: what the shocks take is in the balance."""
     bump = "profile: {direction: [1, 0, 0], height: {bump: {start: 0.5, length: 2.0, height: 0.2}}}"

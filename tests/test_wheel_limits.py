@@ -5,7 +5,9 @@ import pytest
 from marching import deck, input_deck
 
 import mecano
-from mecano.errors import ConvergenceError, DeckError
+from mecano.constraints.ground import rim_above
+from mecano.errors import AssemblyError, ConvergenceError, DeckError
+from mecano.prepare import prepare, remarks
 from mecano.run import run
 
 WHEEL = """
@@ -74,6 +76,79 @@ def test_what_a_wheel_may_not_start_with(values, text):
     assert "wheel 'tire'" in str(error.value) and text in str(error.value)
 
 
+UPRIGHT = """
+    mecano: 1
+    nodes: {{hub: {{position: [0, 0, {height}]}}}}
+    elements:
+      disc: {{type: rigid_body, node: hub, mass: 10, inertia: [0.3, 0.5, 0.3]}}
+      rim: {{type: {kind}, node: hub, axis: [0, 1, 0], radius: 0.3, ground: road}}
+    {joints}
+    grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    time: {{end: 0.1, step: 1.0e-3}}
+"""
+LEAVING = "rigid_wheel, unilateral: true"
+
+
+def upright(kind, height, joints=""):
+    return deck(UPRIGHT.format(kind=kind, height=height, joints=joints))
+
+
+@pytest.mark.parametrize(
+    ("kind", "height", "text"),
+    [
+        (LEAVING, 0.05, "the rim is 0.25 m below the ground at the start; it just touches with its node 0.25 m higher"),
+        (LEAVING, 0.2996, "the rim is 0.0004 m below the ground"),
+        ("rigid_wheel", 0.2, "the rim is 0.1 m below the ground"),
+        ("rigid_wheel", 0.5, "the rim is 0.2 m above the ground at the start, which this wheel always touches: lower "
+         "its node by 0.2 m along the normal of the ground, or let it leave the ground ('unilateral: true')"),
+        ("paper_wheel", 0.2, "the rim is 0.1 m below the ground"),
+        ("paper_wheel", 0.5, "lower its node by 0.2 m along the normal of the ground"),
+    ],
+)  # fmt: skip
+def test_a_rim_far_from_the_ground_is_refused(kind, height, text):
+    with pytest.raises(DeckError) as error:
+        upright(kind, height)
+    assert f"{kind.split(',')[0]} 'rim': " in str(error.value) and str(error.value).count("the rim is") == 1
+    assert text in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "height", "start"),
+    [
+        (LEAVING, 0.2998, 0.3), (LEAVING, 0.3002, 0.3), (LEAVING, 0.3004, 0.3004), (LEAVING, 0.5, 0.5),
+        ("rigid_wheel", 0.28, 0.3), ("rigid_wheel", 0.32, 0.3), ("paper_wheel", 0.28, 0.3),
+    ],
+)  # fmt: skip
+def test_a_wheel_starts_on_the_ground_or_in_the_air(kind, height, start):
+    """Within a thousandth of its radius it stands, and what that moves is told; further up it is in the air."""
+    prepared = prepare(upright(kind, height))
+    assert prepared.state.z[2] == pytest.approx(start, abs=1e-12)
+    told = [text for text in remarks(prepared) if "moved the initial positions" in text]
+    moved = f"the assembly moved the initial positions by up to {abs(height - start):.3g} m"
+    assert told == [moved] * (height != start)
+    in_air = "air" in {b.kind.modes[prepared.state.modes[b.first_mode]] for b in prepared.system.batches}
+    assert in_air == (start > 0.3)
+
+
+def test_a_wheel_that_the_assembly_brings_below_the_ground_closes_there():
+    """Moved down by 0.2 m its rim touches, by more it cannot be."""
+    moved = "joints: {{down: {{type: prescribed_position, node: hub, direction: [0, 0, 1], value: {}}}}}"
+    assert prepare(upright(LEAVING, 0.5, moved.format(-0.1))).state.z[2] == pytest.approx(0.4)
+    with pytest.raises(AssemblyError, match="rigid_wheel 'rim': radial force of the ground: off by"):
+        prepare(upright(LEAVING, 0.5, moved.format(-0.25)))
+
+
+def test_how_far_a_rim_is_above_the_ground():
+    """A wheel that leans by 0.5 rad over a plane; one upright over the crest of a bump."""
+    plane = {"point": [0, 0, 0], "normal": [0, 0, 2]}
+    leaning_axis = [0, np.cos(0.5), np.sin(0.5)]
+    gap, along_normal = rim_above({"plane": plane, "profile": None}, 0.3, [1, 2, 0.5], leaning_axis)
+    assert gap == pytest.approx(0.5 / np.cos(0.5) - 0.3) and along_normal == pytest.approx(0.5 - 0.3 * np.cos(0.5))
+    bump = {"direction": [1, 0, 0], "height": (("bump", {"start": 1.0, "length": 4.0, "height": 0.1}),)}
+    gaps = rim_above({"plane": plane, "profile": bump}, 0.3, [3, 0, 0.3], [0, 1, 0])
+    assert gaps == pytest.approx((-0.1, -0.1))
+
+
 def test_a_law_that_softens_beyond_its_validity_may_be_used():
     soft = WHEEL.replace("radial_damping: 0.2", "valid_deformation: 0.09")
     values = {"kind": "wheel", "height": 0.2625, "radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}
@@ -85,7 +160,7 @@ def on(height, direction="[1, 0, 0]", end="time: {end: 2.0, step: 1.0e-3}", kind
     text = WHEEL.format(kind=kind, height=0.6, radial="{linear: {slope: 1.0e5}}",
                         profile=f"{{direction: {direction}, height: {height}}}")  # fmt: skip
     if kind == "rigid_wheel":
-        text = text.replace("tire_law: rubber", "radius: 0.3")
+        text = text.replace("tire_law: rubber", "radius: 0.3, unilateral: true")
     return deck(text.replace("time: {end: 2.0, step: 1.0e-3}", end))
 
 

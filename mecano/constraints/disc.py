@@ -3,11 +3,12 @@
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.ground import LEAN, prepare_ground
+from mecano.constraints.ground import LEAN, prepare_ground, too_low
 from mecano.contract import Output
 from mecano.maths.vec import add, norm, put, scale, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
+CARRIED = 0.1  # of the radius: no farther does the assembly bring a wheel onto the ground that it always touches
 PLACED = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
     Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
@@ -40,6 +41,21 @@ def carried_axis(d, nodes):
 def disc_record(d, nodes, context):
     """Values of axis, radius and ground for the basic constraints."""
     return {"axis": carried_axis(d, nodes), "radius": d["radius"], **prepare_ground(d["ground"], context)}
+
+
+def check_touching(gap, along_normal, radius, otherwise=""):
+    """Texts on a wheel that always touches, when its rim is farther from the ground than an assembly should bring it.
+
+    ``gap`` [m] in its plane and ``along_normal`` [m], as told by ``rim_above``; ``otherwise`` is another way out.
+    """
+    if gap < -CARRIED * radius:
+        return [too_low(-gap, -along_normal)]
+    if gap > CARRIED * radius:
+        return [
+            f"the rim is {gap:.4g} m above the ground at the start, which this wheel always touches: lower its node by "
+            f"{along_normal:.4g} m along the normal of the ground{otherwise}"
+        ]
+    return []
 
 
 @kernel

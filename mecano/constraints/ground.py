@@ -6,19 +6,21 @@ mecano/maths/surface.py.
 """
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.contract import Output
+from mecano.contract import Context, Output
 from mecano.laws.probe import curve_at
-from mecano.laws.table import breakpoints, evaluate_curve
+from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
 from mecano.maths.vec import ZERO, dot, sub, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
 LEAST_Q = 0.1  # of |n x a|: a wheel with less lies flat; its contact runs round the rim
+STANDING = 1e-3  # of the radius: a rim that is no farther from the ground at the start stands on it
 LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
 MOST_BENDS = 8
 JUMP = 1e-6  # m, -, 1/m: a smaller one is rounding
@@ -89,6 +91,25 @@ def check_axle(ground, x, axis):
     if height <= 0.0:
         return [f"the wheel's centre is {-height:g} m below the ground"]
     return []
+
+
+def rim_above(ground, radius, x, axis):
+    """How far [m] the rim of a wheel is above the ground, less than zero below it: in its own plane, along the normal.
+
+    ``check_axle`` has nothing against the ``ground``, the centre ``x`` (3,) [m] and the direction ``axis`` (3,).
+    """
+    laws = LawTable()
+    p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3))))
+    g = touch(p, laws.array(), tuple(np.array(x, float)), tuple(unit(axis)))
+    return g.r - radius, (g.r - radius) * g.q
+
+
+def too_low(depth, lift, because=""):
+    """Text on a rim that starts ``depth`` [m] below the ground, and stands on it with its node ``lift`` [m] higher."""
+    return (
+        f"the rim is {depth:.4g} m below the ground at the start{because}; it just touches with its node "
+        f"{lift:.4g} m higher along the normal of the ground"
+    )
 
 
 def ends(d):

@@ -13,8 +13,8 @@ exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of ine
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, put_outputs
-from mecano.constraints.ground import check_axle, ends, lean_of, slope_below
+from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, check_touching, put_outputs
+from mecano.constraints.ground import check_axle, ends, lean_of, slope_below, unit
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -53,7 +53,14 @@ def check(d, nodes):
     """Texts on a ground that is no plane, a wheel that lies flat or starts below the ground."""
     if d["ground"].get("profile"):
         return ["the paper's wheel rolls on a plane only; use rigid_wheel on a ground with a profile"]
-    return check_axle(d["ground"], nodes[0][0], d["axis"])
+    return check_axle(d["ground"], nodes[0][0], d["axis"]) or _check_height(d, nodes[0][0])
+
+
+def _check_height(d, x):
+    """Texts on a centre that is not at its height over the plane, the radius, and too far to be brought there."""
+    plane = d["ground"]["plane"]
+    gap = unit(plane["normal"]) @ np.subtract(x, plane["point"]) - d["radius"]
+    return check_touching(gap, gap, d["radius"])
 
 
 def sample(rng):

@@ -11,9 +11,9 @@ Equation numbers are those of Cardona, Geradin and Doan, CMAME 89 (1991), whose 
 here the contact moves over the rim as the wheel leans (``paper_wheel`` is theirs to the letter). The reactions are the
 radial force, N = F_r/q, the driving and the lateral force at C (24), and the moment that keeps the axle level.
 
-With ``unilateral`` the wheel leaves the ground when N falls to zero and comes down again without rebound: at
-the instant of touch-down the velocities jump to the nearest, by kinetic energy, that roll. The energy
-of this shock is lost (docs/shocks.md).
+With ``unilateral`` the wheel starts in the air where its rim is more than a thousandth of the radius above the ground.
+It leaves the ground when N falls to zero and comes down again without rebound: at the instant of touch-down the
+velocities jump to the nearest, by kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
 
 Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations do: the wheel's way over such
 a place is an event, so that no step goes across, where there are no more than eight.
@@ -24,17 +24,20 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.disc import FIELDS, OUTPUTS, disc_record, put_outputs
+from mecano.constraints.disc import FIELDS, OUTPUTS, check_touching, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
     MOST_BENDS,
+    STANDING,
     along_profile,
     bends,
     check_axle,
     check_ground,
     ends,
     lean_of,
+    rim_above,
     slope_below,
+    too_low,
     touch,
 )
 from mecano.constraints.level_axis import LEVEL_AXIS
@@ -46,7 +49,7 @@ from mecano.maths.surface import directions
 from mecano.maths.vec import add, dot, mat, mul, scale, vec
 from mecano.schema import BOOLEAN, Field, choice
 
-RECORD = record(axis=3, radius=(), restitution=(), bends=MOST_BENDS, **GROUND_RECORD)
+RECORD = record(axis=3, radius=(), restitution=(), in_air="i", bends=MOST_BENDS, **GROUND_RECORD)
 BILATERAL = -1.0  # in the place of a restitution
 CONTACT, AIR = 0, 1
 BEHIND = 1e-7  # of the radius: so far behind a bend its event is, whatever rounding makes of a step that ends on it
@@ -110,9 +113,18 @@ def commit(p, m, mode, t, laws, q, v, a, R, m_out):
 
 
 def prepare(d, nodes, context):
-    """Record: that of the parts, whether it may lift off, and where the curvature of the ground jumps."""
-    own = {"restitution": 0.0 if d["unilateral"] else BILATERAL, "bends": bends(d["ground"])}
-    return {**disc_record(d, nodes, context), **own}
+    """Record: that of the parts, whether it may lift off and where it starts, where the ground's curvature jumps."""
+    may_leave = d["unilateral"]
+    in_air = may_leave and rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"])[0] > STANDING * d["radius"]
+    return {
+        **disc_record(d, nodes, context), "restitution": 0.0 if may_leave else BILATERAL,
+        "in_air": AIR if in_air else CONTACT, "bends": bends(d["ground"]),
+    }  # fmt: skip
+
+
+def at_start(p):
+    """In the air where the rim is above the ground and the wheel may leave it."""
+    return p["in_air"]
 
 
 def parts(d, nodes, context):
@@ -127,9 +139,18 @@ def parts(d, nodes, context):
 def check(d, nodes):
     """Texts on an unusable ground, a wheel that lies flat or starts below the ground."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
+    if not texts:
+        texts = _check_rim(d, *rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"]))
     if d["axle"] == "level" and d["unilateral"]:
         texts.append("'axle' must not be level in a wheel that may leave the ground")
     return texts
+
+
+def _check_rim(d, gap, along_normal):
+    """Texts on a rim that is too far from the ground at the start: ``gap`` [m] as told by ``rim_above``."""
+    if not d["unilateral"]:
+        return check_touching(gap, along_normal, d["radius"], ", or let it leave the ground ('unilateral: true')")
+    return [too_low(-gap, -along_normal)] if gap < -STANDING * d["radius"] else []
 
 
 def sample(rng):
@@ -166,6 +187,7 @@ RIGID_WHEEL = Kind(
     ),
     memory=("bends_passed",),
     prepare=prepare,
+    at_start=at_start,
     parts=parts,
     check=check,
     ends=ends,

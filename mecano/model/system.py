@@ -161,7 +161,7 @@ class System:
         return self._conductor(conduct.commit, loops.commit)
 
     def initial_state(self, t=0.0):
-        """State at rest in the configuration of the deck; every element in its first mode."""
+        """State at rest in the configuration of the deck; every element in the mode in which it starts there."""
         of = self.numbering
         n = of.n_all
         n_rotations = len(of.rotation_dof)
@@ -175,6 +175,10 @@ class System:
                 own = b.dofs[:, first : first + len(b.kind.scalars)]
                 z[own] = [b.kind.start(p) for p in b.p]
         modes = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
+        for b in self.batches:
+            if b.kind.at_start is not None:
+                modes[b.modes] = [b.kind.at_start(p) for p in b.p]
+        self.follow(modes)
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
         return State(t, z, np.zeros(n), np.zeros(n), R, modes, memory)
 

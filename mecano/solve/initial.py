@@ -1,15 +1,31 @@
 """The start: initial positions brought onto the constraints, or a refusal that names what cannot be met."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
+from mecano.solve.events import Watch
 from mecano.solve.increments import displaced
 
 MAX_ITERATIONS = 50
 TOLERANCE = 1e-12  # of the length scale, or rad
+FULFILLED = 100 * TOLERANCE
 REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration makes up for it
 NAMED = 5  # constraints named in a refusal
+
+
+def assemble_start(system, linear, s, length):
+    """``assemble_positions``, and again with that closed which the first assembly has moved beyond where it closes."""
+    found, moved = assemble_positions(system, linear, s, length)
+    if not system.has_events:
+        return found, moved
+    settled = Watch(system).settle(replace(found, memory=system.commit(found)))
+    if np.all(np.abs(system.levels(settled)[:, 0]) <= FULFILLED * _scale(system, length)):
+        return found, moved
+    found, again = assemble_positions(system, linear, settled, length)
+    return found, moved + again
 
 
 def assemble_positions(system, linear, s, length):
@@ -19,7 +35,7 @@ def assemble_positions(system, linear, s, length):
     constraints that cannot be met together, or a joint that closed the wrong way round.
     """
     start, of = s, system.numbering
-    scale = np.where(of.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
+    scale = _scale(system, length)
     weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
     for _ in range(MAX_ITERATIONS):
         phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
@@ -33,11 +49,16 @@ def assemble_positions(system, linear, s, length):
         s = displaced(s, dq / limit, of)
     phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
     error = np.abs(phi) / scale
-    if len(phi) and not error.max() <= 100 * TOLERANCE:
+    if len(phi) and not error.max() <= FULFILLED:
         raise AssemblyError(_refusal(system, phi, error))
     s = displaced(s, np.zeros(system.n_q), of)
     shift = np.abs(s.z - start.z)[of.x[:, None] + np.arange(3)] if len(of.x) else np.zeros(1)
     return s, float(shift.max(initial=0.0))
+
+
+def _scale(system, length):
+    """What constraints (n_l,) count by: the length scale [m], or 1 rad."""
+    return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
 
 
 def _least_change(system, linear, s, phi, weight):
@@ -58,6 +79,6 @@ def _refusal(system, phi, error):
         f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
         f"{'m' if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT else 'rad'}"
         for i in worst
-        if error[i] > 100 * TOLERANCE
+        if error[i] > FULFILLED
     ]
     return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)
