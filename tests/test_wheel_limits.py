@@ -149,6 +149,25 @@ def test_how_far_a_rim_is_above_the_ground():
     assert gaps == pytest.approx((-0.1, -0.1))
 
 
+@pytest.mark.parametrize(
+    ("w", "valid", "text"),
+    [
+        (0.16, "", "the rim is 0.16 m below the ground at the start, more than half of its radius; it just touches "
+         "with its node 0.1404 m higher"),
+        (0.075, "valid_deformation: 0.07", "0.075 m below the ground at the start, its radial law holds up to 0.07 m"),
+    ],
+)  # fmt: skip
+def test_an_axle_too_low_for_the_law_of_its_tire_is_refused(w, valid, text):
+    """Leaning by 0.5 rad the centre stands cos(0.5) r high; a deformation of 0.065 m is allowed without a word."""
+    values = {"kind": "wheel", "radial": "{linear: {slope: 1.0e5}}", "profile": "null"}
+    allowed = WHEEL.replace("radial_damping: 0.2", valid)
+    deck(allowed.format(height=(0.3 - 0.065) * np.cos(0.5), **values))
+    with pytest.raises(DeckError) as error:
+        deck(allowed.format(height=(0.3 - w) * np.cos(0.5), **values))
+    [problem] = error.value.problems
+    assert "wheel 'tire': " in problem.message and text in problem.message
+
+
 def test_a_law_that_softens_beyond_its_validity_may_be_used():
     soft = WHEEL.replace("radial_damping: 0.2", "valid_deformation: 0.09")
     values = {"kind": "wheel", "height": 0.2625, "radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}

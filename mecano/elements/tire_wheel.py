@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
-from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, slope_below
+from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
 from mecano.contract import Event, Output
 from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
 from mecano.maths.surface import directions
@@ -13,6 +13,7 @@ from mecano.schema import TIRE_LAW, Field
 
 AIR, CONTACT = 0, 1
 MODES = ("air", "contact")
+MOST_DEFORMATION = 0.5  # of the radius: at the start, of a law that does not say how far it holds
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
 EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)
 FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
@@ -73,8 +74,20 @@ def prepare_wheel(d, nodes, context):
 
 
 def check_wheel(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts below the ground."""
-    return check_ground(d["ground"]) + check_tire_law(d["tire_law"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
+    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
+    place = d["ground"], nodes[0][0], d["axis"]
+    texts = check_ground(d["ground"]) + check_axle(*place)
+    return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
+
+
+def _check_deformation(law, ground, x, axis):
+    """Texts on a deformation at the start that the tyre law is not meant for."""
+    gap, along_normal = rim_above(ground, law["radius"], x, axis)
+    valid = law["valid_deformation"]
+    if -gap <= (valid or MOST_DEFORMATION * law["radius"]):
+        return []
+    most = f"its radial law holds up to {valid:g} m ('valid_deformation')" if valid else "more than half of its radius"
+    return [too_low(-gap, -along_normal, f", {most}")]
 
 
 def range_of_law(d):
