@@ -240,6 +240,15 @@ def test_what_needs_a_plane_says_so_of_a_narrow_hollow(kind):
     assert len(error.value.problems) == 1
 
 
+def test_who_writes_a_wheel_for_a_law_is_told_its_type():
+    text = WHEEL.format(kind="flexible_wheel", height=0.2625, radial="{linear: {slope: 1.0e5}}", profile="null")
+    with pytest.raises(DeckError) as error:
+        deck(text.replace("friction: 0.9", "friction: adhesive"))
+    [problem] = error.value.problems
+    assert problem.message == "tire law 'rubber': unknown law 'adhesive'"
+    assert problem.hint == "the deck has no 'laws'; there is the type 'adhesive_wheel'"
+
+
 def test_errors_of_a_tire_law_stand_at_the_law():
     radial = "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"
     with pytest.raises(DeckError) as error:

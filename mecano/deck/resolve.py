@@ -53,6 +53,9 @@ def _unknown(reference, known, scope):
         hint = scope.suggest(reference.name, known)
     else:
         hint = f"the deck has no '{reference.section}'"
+    meant = [kind for kind in scope.kinds if kind.startswith(f"{reference.name}_")]
+    if reference.section == "laws" and len(meant) == 1:  # friction: adhesive
+        hint = "; ".join(part for part in (hint, f"there is the type '{meant[0]}'") if part)
     scope.refuse(reference.node, f"unknown {what} {quoted(reference.name)}", hint)
 
 
