@@ -136,14 +136,15 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
         e[2] = N * rate - stored * L_rate
     else:
         strain, strain_rate = strained(length, rate, L, L_rate)
-        elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
-        e[1] += 0.5 * elastic * strain * L
         if mode == HELD:
-            N = q[MULTIPLIER]
-            e[3] = -(N + 0.5 * elastic * strain) * L_rate
+            N, kept = q[MULTIPLIER], max(m[1], 0.0) / L
+            e[1] += 0.5 * p.EA * kept * kept * L
+            e[3] = -(N + 0.5 * p.EA * kept * kept) * L_rate
         else:
+            elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
             N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
             viscous = N - elastic
+            e[1] += 0.5 * elastic * strain * L
             e[2] = viscous * L * strain_rate
             e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
