@@ -10,7 +10,6 @@ Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theor
 with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
 """
 
-import math
 from dataclasses import dataclass
 from functools import partial
 
@@ -39,7 +38,7 @@ from mecano.solve.newton import (
     WORST,
     iterate,
 )
-from mecano.solve.resolved import resolved
+from mecano.solve.resolved import resolver
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
@@ -208,18 +207,18 @@ class GeneralizedAlpha:
 
     def _followed(self, s, a, scales):
         """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
-        part = self._filtered(s, a, scales)
-        if part is None:
+        resolved = self._resolver(s, scales)
+        if resolved is None:
             return a
-        part = np.where(self.system.relaxing, a, part)  # scalars without inertia swing with nothing
+        part = np.where(self.system.relaxing, a, resolved(a))  # scalars without inertia swing with nothing
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
-    def _filtered(self, s, a, scales, times=1):
-        """Part (n_q,) of the accelerations ``a`` at ``s`` (resolved.py); None where the tangent is singular."""
+    def _resolver(self, s, scales):
+        """The function of resolved.py at ``s``; None where the tangent is singular."""
         here = s.copy()
         if not self._factor(here, scales).ok:
             return None
-        return resolved(self.system, self.linear, here, a, scales[-1], times)
+        return resolver(self.system, self.linear, here, scales[-1])
 
     def _size(self, a):
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
@@ -247,25 +246,29 @@ class GeneralizedAlpha:
     def bounded_error(self, s, history, info, duration):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
 
-        The errors of a run of ``duration`` [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
-        times the duration. Of a mode of circular frequency omega this may be too much: it can be off by its amplitude,
-        :math:`\Delta a/\omega^2` if the steps do not resolve it, :math:`\Delta a/(\omega^3 h)` if they do.
-        The error is reduced to the greater of the shares :math:`|P_1 \Delta a|` and :math:`|P_2^2 \Delta a|`,
-        with :math:`P_i = w_i (K + w_i M)^{-1} M` along the constraints, :math:`w_1 = \tau^{-2}`,
-        :math:`w_2^2 = c_M w_1`; not where the motion is unstable (docs/theory.md, 2.2).
-        """
-        h, change = history.h, (history.a - info.began.a)[: self.system.n_q]
-        w = 1.0 / (duration * self.coefficients.error * h)
-        cases = (FREE * w, 1), (w, 1), (math.sqrt(self._weights(h)[1] * w), 2)
-        (whole, stable), *bounded = (self._share(s, history, change, *case) for case in cases)
-        if not 0.0 < whole < np.inf or any(negative != stable for _, negative in bounded):
-            return info.plain
-        return info.plain * min(max(size for size, _ in bounded) / whole, 1.0)
+        The errors of a run of ``duration`` T [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
+        T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
+        :math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
 
-    def _share(self, s, history, change, w, times):
-        """Size of the ``change`` (n_q,) filtered by (K + w M)^-1 w M so many times; negative pivots of K + w M."""
-        part = self._filtered(s, change, (*self._scales(history, history.h)[:2], 0.0, w), times)
-        return (np.inf, -1) if part is None else (self._size(part), int(np.sum(self.linear.pivots() < 0.0)))
+        .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
+
+        along the constraints; but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
+        """
+        n_q, a0 = self.system.n_q, info.began.a
+        change, summed = (history.a - a0)[:n_q], duration * self.coefficients.error * history.h
+        limit = (summed * history.h) ** (-2.0 / 3.0)
+        of_masses, stable = self._below(s, history, FREE * limit)
+        whole = self._size(of_masses(change)) if of_masses else 0.0
+        slow, negative = self._below(s, history, limit)
+        if not 0.0 < whole < np.inf or slow is None or negative != stable:
+            return info.plain
+        swings = max(self._size(part - slow(part)) for part in (slow(a0[:n_q]), slow(history.a[:n_q])))
+        return info.plain * min((self._size(slow(slow(change))) + swings / (limit * summed)) / whole, 1.0)
+
+    def _below(self, s, history, limit):
+        """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
+        resolved = self._resolver(s, (*self._scales(history, history.h)[:2], 0.0, limit))
+        return resolved, int(np.sum(self.linear.pivots() < 0.0)) if resolved else -1
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""
