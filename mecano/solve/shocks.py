@@ -168,7 +168,10 @@ class _Solution:
         return v
 
     def _gather_responses(self):
-        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n)."""
+        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n).
+
+        What has neither mass nor constraint gives way to any impulse: contacts of it are ``light``.
+        """
         system, n_q = self.system, self.system.n_q
         bare = replace(self.all_held, z=self.all_held.z.copy())
         bare.z[n_q : system.n] = 0.0
@@ -183,17 +186,17 @@ class _Solution:
         self.responses = np.array([change for change, _ in answers]).T
         self.reactions = np.array([reaction for _, reaction in answers]).T
         self.W = gradient.T @ self.responses
+        self.light = gradient[self.consistent.loose].any(axis=0)
 
     def _solve(self, b, at=None):
         """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass.
 
         ``at`` (n,) are the contacts that it is about; all of them when absent.
         """
-        W = self.W if at is None else self.W[np.ix_(at, at)]
-        weight = np.diag(W)
-        massive = np.flatnonzero(weight > MASSLESS * weight.max(initial=0.0))
-        x = np.zeros(len(b))
-        unit = self.shocks.unit[self.leads if at is None else self.leads[at]]
+        at = np.arange(len(self.leads)) if at is None else np.asarray(at)
+        W, weight = self.W[np.ix_(at, at)], np.diag(self.W)[at]
+        massive = np.flatnonzero((weight > MASSLESS * weight.max(initial=0.0)) & ~self.light[at])
+        x, unit = np.zeros(len(b)), self.shocks.unit[self.leads[at]]
         x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
         return x
 
@@ -247,7 +250,8 @@ class _Solution:
         )  # fmt: skip
 
     def _leaving(self, stay, h):
-        """Of the contacts that stay closed, those that the accelerations part at once."""
+        """Of the contacts that stay closed, those that the accelerations part at once; they tell none of light ones."""
+        stay = [c for c in stay if not self.light[self.lone[c]]]
         if not stay:
             return []
         moving = self.held.copy()
