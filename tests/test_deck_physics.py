@@ -69,6 +69,31 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
     assert problem.mark.text[problem.mark.column - 1 :].startswith("[0, 1, 1]")
 
 
+RAIL = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0]}}
+elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
+joints:
+  rail: {type: prismatic, nodes: [ground, a], axis: [0, 0, 1], latch: {displacement: -0.5}, stops: {lower: -500 mm}}
+time: {end: 1, step: 0.1}
+"""
+
+
+def test_a_latch_lies_before_the_stops():
+    """Otherwise the joint would never come to it; at the stop itself it does."""
+    hinge = RAIL.replace("prismatic", "hinge").replace("displacement: -0.5", "angle: 90 deg")
+    hinge = hinge.replace("lower: -500 mm", "upper: 90 deg")
+    assert problems(RAIL) == problems(hinge) == problems(hinge.replace("upper: 90 deg", "lower: -1")) == []
+    (problem,) = problems(RAIL.replace("-500 mm", "-499 mm"))
+    assert problem.message == (
+        "prismatic 'rail': 'latch.displacement' lies at -0.5 m, beyond the lower stop at -0.499 m: the joint would "
+        "never lock"
+    )
+    assert problem.mark.text[problem.mark.column - 1 :].startswith("-0.5}") and "to -0.5 m or beyond" in problem.hint
+    (problem,) = problems(hinge.replace("upper: 90 deg", "upper: 80 deg"))
+    assert "'latch.angle' lies at 1.5708 rad, beyond the upper stop at 1.39626 rad" in problem.message
+
+
 @pytest.mark.parametrize(
     ("value", "words", "hint"),
     [

@@ -68,6 +68,7 @@ def check_model(values, root, scope):
                     sound.add((section, name))
     check_hollows(values, at, sound, root, scope)
     _check_axes(values["joints"], root, scope)
+    _check_latches(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
 
 
@@ -85,6 +86,22 @@ def _check_axes(joints, root, scope):
             free_axis = ", ".join(f"{c:g}" for c in hinge["axis"])
             text = f"'axis' is not that of {hinge['type']} {quoted(other)} between the same nodes, [{free_axis}]"
             scope.refuse(place_of(text, node, key), f"{text}, about which alone they can turn")
+
+
+def _check_latches(joints, root, scope):
+    """Note latches that lie beyond a stop of their joint, which can never reach them."""
+    for name, d in joints.items():
+        if not d.get("latch") or not d.get("stops"):
+            continue
+        ((quantity, value),) = d["latch"].items()
+        side, unit = "upper" if value > 0.0 else "lower", "rad" if quantity == "angle" else "m"
+        stop = d["stops"][side]
+        if abs(value) > abs(stop):
+            _, node = root.value["joints"][1].value[name]
+            scope.subject = f"{d['type']} {quoted(name)}"
+            text = f"'latch.{quantity}' lies at {value:g} {unit}, beyond the {side} stop at {stop:g} {unit}"
+            hint = f"move the stop to {value:g} {unit} or beyond, or let the latch come before it"
+            scope.refuse(node.value["latch"][1].value[quantity][1], f"{text}: the joint would never lock", hint)
 
 
 def _place_members(elements, at, kinds):
