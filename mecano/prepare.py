@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.deck import signs
 from mecano.deck.amounts import warnings
 from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
@@ -110,6 +111,7 @@ def remarks(prepared, start=None):
             f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
             "and the run allows for any"
         )
+    texts += signs.remarks(prepared.deck.values)
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 

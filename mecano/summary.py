@@ -4,6 +4,7 @@ from collections import Counter
 from textwrap import wrap
 
 from mecano.contract import SECTIONS
+from mecano.deck import signs
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, mass_of, prepare, some
 from mecano.solve.analysis import DENSE_ROWS
@@ -33,6 +34,7 @@ def summary(deck, every=False):
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(line for text in signs.remarks(values) for line in _labelled("remark", text)),
     ]
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
@@ -137,4 +139,8 @@ def _amounts(prepared):
     if values["initial"]["steady"]:
         yield f"initial          {words_of_start(prepared.deck)}, found when it begins"
     for text in amount_warnings(prepared):
-        yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)
+        yield from _labelled("warning", text)
+
+
+def _labelled(label, text):
+    return wrap(text, WIDTH, initial_indent=f"{label:<17}", subsequent_indent=INDENT)

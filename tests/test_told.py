@@ -9,6 +9,7 @@ from marching import INPUTS, input_deck
 from process import flowing, mecano_process, settings
 
 import mecano
+from mecano.deck import signs
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.modes_run import modes
 from mecano.outcome import cut_short, unbalanced
@@ -150,6 +151,21 @@ def test_absurd_amounts_are_warned_of_before_the_run():
     assert "warning" not in check()
     said = remarks(prepare(input_deck("pendulum", "time.step=1.0e-8")))
     assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
+
+
+def test_negative_stiffness_and_damping_are_remarked():
+    """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
+    bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
+    deck = input_deck("snap_through", *bars)
+    (said,) = remarks(prepare(deck))
+    assert said.startswith(
+        "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away from its"
+    )
+    assert f"remark {said}" in flowing(summary(deck))
+    assert remarks(prepare(input_deck("snap_through"))) == []
+    swings = "{linear: {slope: 1}, damper_polynomial: {coefficients: [0, -1, 0, 4]}}"
+    (said,) = signs.remarks(input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").values)
+    assert said.startswith("hinge 'hinge': 'compliance.along_1.damper_polynomial.coefficients[1]' is negative (-1): it")
 
 
 def test_a_fixed_step_that_newton_cannot_take_is_told():
