@@ -28,7 +28,7 @@ def _states(axis, locus):
         if locus.count[i] < 0:
             rows.append((f"{value:.9g}", "-", "-", "no state", "-", "-"))
             continue
-        of = locus.values[:, i]
+        of = np.where(np.abs(locus.values[:, i]) > locus.least[i], locus.values[:, i], np.nan)
         if not np.any(np.isfinite(of)):
             rows.append((f"{value:.9g}", "0", "-", "-", "-", "-"))
             continue

@@ -18,7 +18,7 @@ from mecano.modes_run import about
 from mecano.post.loci import real_range
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
-from mecano.solve.tracking import Spectrum, loci, track
+from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
 from mecano.sweep_run import Axis, sweep, sweep_into
 
 G = 9.81
@@ -252,6 +252,29 @@ def test_critical_values_about_a_start_that_is_kicked(tmp_path):
     with h5py.File(path, "a") as older:
         del older["critical/of_instant"]
     assert [p.name for p in post([path])] == ["kicked.png"]
+
+
+def test_a_motion_without_stiffness_has_no_critical_value():
+    """The spin of a wheel that swings at 0.3 rad/s: its eigenvalue is between -0.009 and 0.0015 /s, and means nothing.
+
+    Known critical speeds: the header of the deck.
+    """
+    (locus,) = sweep(INPUTS / "shimmy_freeplay.yaml", (), ["speed=1,20,50,80"]).loci
+    places = [c.place for c in locus.critical]
+    assert places == pytest.approx([1.56, 73.3], rel=1e-2)
+    np.testing.assert_array_equal(locus.count, [0, 1, 1, 0])
+    spin = [row for row in locus.values if np.all(np.abs(row) < 0.02)]
+    assert len(spin) == 1 and np.any(unstable(spin[0])) and not np.all(unstable(spin[0]))
+    np.testing.assert_allclose(locus.least, 0.3, rtol=0.3)
+
+
+def test_growth_counts_where_it_means_more_than_zero_before_it_ends():
+    """Three branches: about zero throughout; slow at first, then fast; a pair that parts into real eigenvalues."""
+    values = np.array([[-0.1, 0.1, 0.05, -0.1, -0.1], [-0.1, 0.1, 2.0, 2.0, -3.0], [0.1 + 9j, -0.1 + 9j, -1, 2, 3]])
+    spectra = [Spectrum(column, np.eye(3), 1.0) for column in values.T]
+    told = [growing(np.full(5, b), spectra) for b in range(3)]
+    np.testing.assert_array_equal(told, [5 * [False], [0, 1, 1, 1, 0], [1, 0, 0, 1, 1]])
+    np.testing.assert_array_equal(growing(np.array([-1, 1, 1, -1, 1]), spectra), [0, 1, 1, 0, 0])
 
 
 def test_pictures_show_what_is_near_the_limit_of_stability():
