@@ -20,6 +20,7 @@ from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
 from mecano.sweep_run import Axis, sweep, sweep_into
+from mecano.sweep_text import known
 
 G = 9.81
 
@@ -156,6 +157,23 @@ def test_bicycle(verify):
     verify("Rolling", "bicycle: eigenvalues at 5 m/s [1/s]", found, expected, BICYCLE, relative=1e-8)
     assert locus.values.shape == (3, 6) and np.all(np.isfinite(locus.values.real))
     np.testing.assert_array_equal(locus.count, [1, 0, 0, 0, 0, 1])
+
+
+@pytest.mark.parametrize("speeds", ["1,5,300", "6.0242,6.0243"])
+def test_how_well_a_critical_value_is_known(speeds):
+    """Free motions hide a real eigenvalue within 1e-9 m/s of the capsize speed; what is told of it holds."""
+    (locus,) = sweep(INPUTS / "bicycle.yaml", (), [f"speed={speeds}"]).loci
+    for c, exact in zip(locus.critical[::-1], (6.024262015388837, 4.292382536341), strict=False):
+        assert abs(c.place - exact) < max(c.error, 5e-12) and c.error < 1e-9
+        told = known(c.place, c.error)
+        unit = 10.0 ** -len(told.partition(".")[2])
+        assert abs(float(told) - exact) < 0.5 * unit + c.error and 2.0 * c.error < unit < 1e-8
+
+
+def test_digits_that_hold():
+    assert known(6.02426201447, 1.1e-9) == "6.02426201" and known(6.02426201447, 1e-13) == "6.0242620145"
+    assert known(126.7200000, 2e-3) == "126.72" and known(-0.0456789, 4e-5) == "-0.0457"
+    assert known(3.14, 7.0) == "3" and known(0.0, 1e-3) == "0" and known(2.5, 0.0) == "2.5"
 
 
 def test_disc_that_stays_upright(tmp_path, verify):
