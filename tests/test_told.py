@@ -1,5 +1,6 @@
 """What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
 
+import re
 from types import SimpleNamespace
 
 import h5py
@@ -9,11 +10,14 @@ from marching import INPUTS, input_deck
 from process import flowing, mecano_process, settings
 
 import mecano
+from mecano.cli import commands
+from mecano.compiled import store
 from mecano.deck import signs
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.modes_run import modes
 from mecano.outcome import cut_short, unbalanced
 from mecano.prepare import prepare, remarks
+from mecano.progress import Progress
 from mecano.solve.scales import length_scale
 from mecano.summary import summary
 
@@ -206,6 +210,27 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, told):
     assert told in text and "by 0.2 J, 2 % of" in text and "smaller 'time.adaptive.tolerance'" in text
     extremes.low[4] = -0.05
     assert not list(unbalanced(values, sampler, extremes))
+
+
+@pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])
+def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
+    """As a run does: nothing else is said for a minute or two."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("mecano.progress.compiled_before", lambda kinds: "hinge" not in kinds)
+    for quiet in ((), ("-q",)):
+        commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
+        assert ("mecano: compiling what this deck is the first to use" in capsys.readouterr().err) == (not quiet)
+
+
+def test_time_for_compiling_is_told_apart(monkeypatch, capsys):
+    """100 s before and 500 s in between, which count as if they had passed."""
+    monkeypatch.setattr(store, "_times", [100.0])
+    progress = Progress({"start": 0.0, "end": 1.0}, False, "r.h5")
+    store._times.append(500.0)
+    progress.begun -= 500.0
+    progress.finished("3 steps")
+    told = capsys.readouterr().err
+    assert re.match(r"mecano: 3 steps, in 0\.\d\d s and 500\.00 s for compiling\n", told)
 
 
 def test_friction_at_rest_is_told_to_be_a_damper():
