@@ -8,6 +8,7 @@ from mecano.deck import signs
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, mass_of, prepare, some
 from mecano.solve.analysis import DENSE_ROWS
+from mecano.solve.rigidity import stiff_mechanisms
 from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
@@ -39,11 +40,7 @@ def summary(deck, every=False):
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
         return "\n".join([*lines, text])
-    lines.append(f"mobility         {analysis.mobility}")
-    if analysis.mechanisms is None:
-        lines.append(f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom")
-    for text in _free(analysis.mechanisms or (), every):
-        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    lines += _mobility(prepared, every)
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in analysis.redundant:
@@ -54,12 +51,29 @@ def summary(deck, every=False):
     return "\n".join(lines)
 
 
+def _mobility(prepared, every):
+    """How much can move, and what; of a flexible structure, what could if it were stiff."""
+    system, analysis = prepared.system, prepared.analysis
+    stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
+    text = f"mobility         {analysis.mobility}"
+    if stiff is not None:
+        rigid = sum(group.count for group in stiff)
+        what = "flexible members and tyres" if system.relaxing.any() else "flexible members"
+        text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
+    yield text
+    found = analysis.mechanisms if stiff is None else stiff
+    if found is None:
+        yield f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom"
+    for text in _free(found or (), every):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
 def _free(mechanisms, every):
-    """What can move, in words: unknowns that nothing ties, and mechanisms."""
+    """What can move, in words: unknowns alone, and mechanisms."""
     most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
     alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
     if alone:
-        yield f"{len(alone)} unknown(s) that no constraint ties: {some(_by_nodes(alone), most)}"
+        yield f"{len(alone)} free, each by itself: {some(_by_nodes(alone), most)}"
     groups = [group for group in mechanisms if len(group.names) > 1]
     for group in groups[:shown]:
         yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"
