@@ -15,7 +15,7 @@ from mecano.compiled import store
 from mecano.deck import signs
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.deck.read import deck_of_bytes
-from mecano.modes_run import modes
+from mecano.modes_run import about, modes
 from mecano.outcome import cut_short, unbalanced
 from mecano.prepare import prepare, remarks
 from mecano.progress import Progress
@@ -71,6 +71,22 @@ def test_remarks_are_printed_once_and_stored(name, tmp_path):
     assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
     assert f"remark {remark}" in info(tmp_path)
     assert results.status == "complete" and results.reason == "the end was reached"
+
+
+@pytest.mark.parametrize(
+    ("name", "nodes", "motion", "told"),
+    [
+        ("pendulum", "[pin]", "velocity: [0, 0, 1]", "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s"),  # on the ground
+        ("pendulum", "[pin]", "angular_velocity: [2, 3, 0]", "node 'pin' from [2, 3, 0] to [0, 3, 0] rad/s"),
+        ("pendulum", "[pin]", "angular_velocity: [0, 3, 0]", ""),
+        ("pendulum", "all", "velocity: [0, 0, 1]", ""),
+        ("caster_shimmy", "[hub]", "angular_velocity: [0, 0.1, 0]", ""),  # beside steady running
+    ],
+)
+def test_initial_velocities_that_cannot_be_are_told(name, nodes, motion, told):
+    base = about(input_deck(name, f"initial.velocities=[{{nodes: {nodes}, {motion}}}]"))
+    said = [text for text in base.remarks if "initial velocities" in text]
+    assert [text.partition("(momenta kept): ")[2] for text in said] == ([told] if told else [])
 
 
 def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
