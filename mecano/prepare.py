@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.deck import signs
+from mecano.deck import seldom
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
@@ -111,7 +111,9 @@ def remarks(prepared, start=None):
             f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
             "and the run allows for any"
         )
-    texts += signs.remarks(prepared.deck.values)
+    texts += seldom.remarks(prepared.deck.values)
+    if prepared.deck.values["time"] and not mass_of(prepared.system):
+        texts.append("nothing in the model has a mass: is it meant so?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 

@@ -12,7 +12,7 @@ from process import flowing, mecano_process, settings
 import mecano
 from mecano.cli import commands
 from mecano.compiled import store
-from mecano.deck import signs
+from mecano.deck import seldom
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.deck.read import deck_of_bytes
 from mecano.modes_run import about, modes
@@ -185,8 +185,39 @@ def test_negative_stiffness_and_damping_are_remarked():
     assert f"remark {said}" in flowing(summary(deck))
     assert remarks(prepare(input_deck("snap_through"))) == []
     swings = "{linear: {slope: 1}, damper_polynomial: {coefficients: [0, -1, 0, 4]}}"
-    (said,) = signs.remarks(input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").values)
+    (said,) = seldom.remarks(input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").values)
     assert said.startswith("hinge 'hinge': 'compliance.along_1.damper_polynomial.coefficients[1]' is negative (-1): it")
+
+
+@pytest.mark.parametrize(
+    ("name", "override", "told"),
+    [
+        ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
+        ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
+        ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
+        ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
+        ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),
+        (
+            "flexible_pendulum",
+            "sections.rubber.E=210000",
+            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it meant",
+        ),
+        ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
+    ],
+)
+def test_what_is_seldom_meant_is_remarked(name, override, told):
+    said = list(seldom.remarks(input_deck(name, override).values))
+    assert len(said) == bool(told) and all(text.startswith(told) for text in said)
+
+
+def test_a_model_without_mass_is_remarked():
+    deck = deck_of_bytes(b"""
+mecano: 1
+nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
+elements: {spring: {type: spring_damper, nodes: [a, b], law: {spring: {stiffness: 10}, damper: {coefficient: 1}}}}
+time: {end: 1, step: 0.01}
+""", "light.yaml")  # fmt: skip
+    assert remarks(prepare(deck)) == ["nothing in the model has a mass: is it meant so?"]
 
 
 def test_a_fixed_step_that_newton_cannot_take_is_told():

@@ -1,4 +1,10 @@
-"""Laws of force with the sign of a mistake: some mechanisms need them, so they are told and not refused."""
+"""Values that are allowed and seldom meant: told, not refused.
+
+Negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half numbers, which
+are degrees; moduli and densities of no solid, which are in other units.
+"""
+
+import math
 
 from mecano.contract import SECTIONS
 from mecano.elements import KINDS
@@ -11,10 +17,22 @@ SUSPECT = {  # term of a law: what may be negative in it, its number, what follo
     "damper_polynomial": ("coefficients[1]", lambda values: sum(values["coefficients"][1:2]), DRIVES),
 }
 MOST_NAMES = 3
+MEANT_DEGREES = "is {0:g} rad, more than a turn; is it meant so? Degrees are written as '{0:g} deg'"
+MATERIALS = {  # field of a section: its unit, below what no solid has it, what that is, another unit
+    "E": ("Pa", 1e6, "softer than rubber", "GPa"),
+    "density": ("kg/m3", 5.0, "lighter than foam", "g/cm3"),
+}
 
 
 def remarks(values):
-    """Texts on negative stiffness and damping in checked deck ``values``, one for all that is alike."""
+    """Texts on what is seldom meant in checked deck ``values``."""
+    yield from _signs(values)
+    yield from _degrees(values)
+    yield from _materials(values["sections"])
+
+
+def _signs(values):
+    """Texts on negative stiffness and damping, one for all that is alike."""
     found = {}
     for section in SECTIONS:
         for name, d in values[section].items():
@@ -45,3 +63,38 @@ def _laws(fields, values, path=""):
             yield f"{path}{field.name}", value
         elif value is not None and field.type.name == "mapping":
             yield from _laws(field.type.options, value, f"{path}{field.name}.")
+
+
+def _degrees(values):
+    """Texts on angles that look like degrees."""
+    for name, d in values["nodes"].items():
+        size = math.hypot(*d["orientation"])
+        if size > 2.0 * math.pi and all(_is_half(c) for c in d["orientation"]):
+            yield f"node '{name}': 'orientation' {MEANT_DEGREES.format(size)}"
+    for section in SECTIONS:
+        for name, d in values[section].items():
+            for path, angle in _angles(KINDS[d["type"]].fields, d):
+                if abs(angle) > 2.0 * math.pi and _is_half(angle):
+                    yield f"{d['type']} '{name}': '{path}' {MEANT_DEGREES.format(angle)}"
+
+
+def _angles(fields, values, path=""):
+    """(path, angle) of the angles among checked values."""
+    for field in fields:
+        value = values[field.name]
+        if field.unit == "rad" and isinstance(value, float) and math.isfinite(value):
+            yield f"{path}{field.name}", value
+        elif field.type.name == "mapping" and value is not None:
+            yield from _angles(field.type.options, value, f"{path}{field.name}.")
+
+
+def _is_half(number):
+    return (2.0 * number).is_integer()
+
+
+def _materials(sections):
+    """Texts on moduli and densities of no solid."""
+    for name, d in sections.items():
+        for field, (unit, least, what, other) in MATERIALS.items():
+            if 0.0 < d.get(field, 0.0) < least:
+                yield f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
