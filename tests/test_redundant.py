@@ -66,8 +66,23 @@ def test_redundant_constraints_that_contradict_one_another_are_told():
     motor = "to prescribed_angle 'turn': moment that holds the angle"
     with pytest.raises(AssemblyError, match=f"contradict one another: the others leave a rate of -1 rad/s {motor}"):
         March(deck(BLOCKED.format("{linear: {slope: 1}}")))
-    with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}"):
+    with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}") as error:
         March(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
+    assert "what to try: leave one of these constraints out" in str(error.value)
+
+
+def test_a_moment_on_what_has_no_inertia_is_told():
+    """The rotation of a point mass: nothing resists the moment."""
+    text = """
+    mecano: 1
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {m: {type: point_mass, node: a, mass: 1}}
+    loads: {turn: {type: moment, node: a, direction: [0, 1, 0], value: 3}}
+    time: {end: 0.1, step: 0.01}
+    """
+    with pytest.raises(ConvergenceError, match="node a: moment about material y: residual 3;") as error:
+        March(deck(text))
+    assert "what to try: a mass, an inertia or a stiffness for what is named and has none" in str(error.value)
 
 
 def test_summary_and_remarks_say_so():
