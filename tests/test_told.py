@@ -202,6 +202,7 @@ def test_negative_stiffness_and_damping_are_remarked():
             "sections.rubber.E=210000",
             "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it meant",
         ),
+        ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load moves nothing"),
         ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
     ],
 )

@@ -1,7 +1,7 @@
 """Values that are allowed and seldom meant: told, not refused.
 
 Negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half numbers, which
-are degrees; moduli and densities of no solid, which are in other units.
+are degrees; moduli and densities of no solid, which are in other units; loads on fixed nodes.
 """
 
 import math
@@ -29,6 +29,7 @@ def remarks(values):
     yield from _signs(values)
     yield from _degrees(values)
     yield from _materials(values["sections"])
+    yield from _idle(values["loads"], values["nodes"])
 
 
 def _signs(values):
@@ -98,3 +99,10 @@ def _materials(sections):
         for field, (unit, least, what, other) in MATERIALS.items():
             if 0.0 < d.get(field, 0.0) < least:
                 yield f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
+
+
+def _idle(loads, nodes):
+    """Texts on loads that can do nothing."""
+    for name, d in loads.items():
+        if d.get("node") in nodes and nodes[d["node"]]["fixed"]:
+            yield f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load moves nothing"
