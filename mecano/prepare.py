@@ -159,7 +159,7 @@ def _friction_of(system, group):
 
 
 def _changed_velocities(prepared, motion):
-    """The node whose velocity the constraints changed most from what the deck asks, as a text; likewise its turning."""
+    """The node whose velocity the constraints changed most from what the deck asks, or else its turning, as a text."""
     deck, system, of = prepared.deck, prepared.system, prepared.system.numbering
     entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
     named = {name for entry in entries for name in entry["nodes"]}
@@ -175,10 +175,11 @@ def _changed_velocities(prepared, motion):
         if change.max(initial=0.0) > 1e-6 * fastest:
             i = rows[int(np.argmax(change))]
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
-            yield (
+            return [
                 "the initial velocities do not fit the constraints and were changed to the nearest that do (momenta "
                 f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}"
-            )
+            ]
+    return []
 
 
 def _rates(system, s):
