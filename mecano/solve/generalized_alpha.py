@@ -125,6 +125,9 @@ class GeneralizedAlpha:
         # constraints on velocities hold exactly at the end of every step, but for those that are let go
         self._released = NO_ROWS[1] if compliance is None else compliance.released
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
+        of = self.system.numbering
+        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
+        self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         self._exact_rates = self.system.numbering.of_rates.copy()
         self._exact_rates[self._released] = False
         self._bind()
@@ -245,15 +248,14 @@ class GeneralizedAlpha:
         return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", of.name[of.n_q + rows[worst]]
 
     def _gap(self, s):
-        """How far, and which of the constraints that repeat one another is off at ``s`` by more than GAP, if any."""
-        of, rows = self.system.numbering, self._soft
-        along = of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
-        off = self.system.levels(s)[rows, 0]
-        size = np.where(of.of_rates[rows], 0.0, np.abs(off) / np.where(along, self.length, 1.0))
-        worst = int(np.argmax(size))
-        if size[worst] <= GAP:
+        """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
+        off = self.system.levels(s)[:, 0]
+        size = off * self._share_of_gap
+        if size @ size <= 1.0:
             return ()
-        return f"{off[worst]:.3g} {'m' if along[worst] else 'rad'}", of.name[of.n_q + rows[worst]]
+        worst, of = int(np.abs(size).argmax()), self.system.numbering
+        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
+        return f"{off[worst]:.3g} {unit}", of.name[of.n_q + worst]
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
