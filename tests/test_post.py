@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 
 import every_kind
+import h5py
 import matplotlib
 import matplotlib.image
 import numpy as np
@@ -452,6 +453,12 @@ class TestInfo:
         text, data = " ".join(info(path).split()), runs[0].results.metadata
         assert f"{data['wall_time']:.2f} s by the clock for the march" in text
         assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
+
+    def test_compiling_is_told_apart(self, tmp_path):
+        path = every_kind.write(tmp_path / "compiled.h5")
+        with h5py.File(path, "a") as file:
+            file["run/compile_time"][()] = 12.5
+        assert "s by the clock for the march and 12.50 s for compiling;" in " ".join(info(path).split())
 
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))

@@ -45,6 +45,8 @@ MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed b
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+CONTRADICTION = "constraints contradict one another: {} of {} to {}"
+GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
 CREEPING = 1e-3  # of the length scale per second: no speeds count for less
@@ -121,6 +123,10 @@ class GeneralizedAlpha:
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, but for those that are let go
         self._released = NO_ROWS[1] if compliance is None else compliance.released
+        self._soft = NO_ROWS[1] if compliance is None else compliance.soft
+        of = self.system.numbering
+        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
+        self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         self._exact_rates = self.system.numbering.of_rates.copy()
         self._exact_rates[self._released] = False
         self._bind()
@@ -152,8 +158,12 @@ class GeneralizedAlpha:
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
-        if len(self._released) and (text := self._contradiction(s, h, self.system.levels(s)[:, 1], CONTRADICTS)):
-            raise AssemblyError(f"at t = {s.t:.9g} s {text}")
+        for rows, others in (
+            (self._released, "those on positions leave a slip"),
+            (self._soft, "the others leave a rate"),
+        ):
+            if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
+                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}")
         consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
@@ -224,19 +234,27 @@ class GeneralizedAlpha:
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._lasting, len(a), self.length)
 
-    def _contradiction(self, s, h, rates, share):
-        """Text on a constraint let go whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds, or none."""
-        of, rows = self.system.numbering, self._released
+    def _contradiction(self, s, h, rows, rates, share):
+        """Rate and name of one of the ``rows`` whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds."""
+        of = self.system.numbering
         kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
         speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
         linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
         slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
         worst = int(np.argmax(slip))
         if slip[worst] <= share:
-            return ""
-        row = of.n_q + rows[worst]
-        amount = f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}"
-        return f"constraints contradict one another: those on positions leave a slip of {amount} to {of.name[row]}"
+            return ()
+        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", of.name[of.n_q + rows[worst]]
+
+    def _gap(self, s):
+        """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
+        off = self.system.levels(s)[:, 0]
+        size = off * self._share_of_gap
+        if size @ size <= 1.0:
+            return ()
+        worst, of = int(np.abs(size).argmax()), self.system.numbering
+        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
+        return f"{off[worst]:.3g} {unit}", of.name[of.n_q + worst]
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
@@ -306,8 +324,12 @@ class GeneralizedAlpha:
         if len(self._released):
             slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
             soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
-            if text := self._contradiction(s, h, slips, SLIPS):
+            if text := self._contradiction(s, h, self._released, slips, SLIPS):
+                text = CONTRADICTION.format("those on positions leave a slip", *text)
                 return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+        if len(self._soft) and (text := self._gap(s)):
+            text = CONTRADICTION.format("the others leave a gap", *text)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
