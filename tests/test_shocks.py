@@ -199,6 +199,14 @@ def test_a_bouncing_ball_comes_to_rest(verify):
     assert np.abs(march["energy/balance"] / (2 * g) - 1).max() < 1e-9
 
 
+def test_a_ball_comes_to_rest_in_long_steps():
+    """Rebounds soon follow one another within a thousandth of a step, which no rest speed of the deck foresees."""
+    march = March(input_deck("bouncing_ball", "time.step=0.5", "time.rest_speed=1e-9"))
+    assert march.happenings[-1].after == "contact"
+    assert abs(math.sqrt(2 / g) * (1 + 0.8) / (1 - 0.8) - march.happenings[-1].t) < 0.01 * 0.5
+    assert march.run.dissipated == pytest.approx(2 * g, rel=1e-9)
+
+
 def test_a_pendulum_rebounds_from_a_stop(verify):
     """Closed form in the deck; it rises to the angle with a quarter of the height."""
     march = March(input_deck("pendulum_stop", "time.step=5e-4"))

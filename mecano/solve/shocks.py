@@ -47,11 +47,17 @@ class Shocks:
         self.system, self.linear, self.watch, self.length = system, method.linear, watch, method.length
         of = system.numbering
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
-        self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.catches = list(catches(system))
         self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
         self.events = np.array([catch.event for catch in self.catches], np.int64)
+
+    def tire(self, elements):
+        """Let the contacts of some elements, and of no others, not rebound at any speed."""
+        self.rest = self._least.copy()
+        self.rest[[catch.lead for catch in self.catches if catch.element in elements]] = np.inf
 
     def among(self, hit):
         """True when some of the events ``hit`` (n_events,) bool comes with a shock."""
