@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import every_kind
 import matplotlib
+import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
@@ -166,7 +167,7 @@ def test_noise_beside_a_signal_is_not_shown(runs):
 
 
 def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
-    monkeypatch.setitem(style.SETTINGS, "savefig.dpi", 60)
+    monkeypatch.setitem(style.SETTINGS, "figure.dpi", 60)
     written = list(post([path], output=f"{tmp_path}/pictures/", columns=True))
     assert {p.name for p in written if p.suffix == ".png"} == {f"each_{name}.png" for name in ["overview", *shown]}
     assert {p.name for p in written if p.suffix == ".csv"} == {f"each_{n}.csv" for n in shown if n != "mechanism"}
@@ -370,6 +371,15 @@ def test_the_same_numbers_give_the_same_picture(path, tmp_path):
     (first,) = post([path], ["one_hinge.angle"], output=tmp_path / "a.svg")
     (second,) = post([path], ["one_hinge.angle"], output=tmp_path / "b.svg")
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_picture_is_drawn_once(tmp_path, runs, monkeypatch):
+    """savefig draws a figure that has a layout engine twice, which took a seventh of the time of all pictures."""
+    drawn = figure.sheet_figure(requested_sheet(Request.parse("one_wheel.spin_rate"), runs), "")
+    times, draw = [], matplotlib.figure.Figure.draw
+    monkeypatch.setattr(matplotlib.figure.Figure, "draw", lambda *given: (times.append(1), draw(*given)))
+    figure.save(drawn, tmp_path / "once.png")
+    assert len(times) == 1
 
 
 def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):

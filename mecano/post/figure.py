@@ -54,10 +54,17 @@ def overview_figure(sheet, title, facts):
     return figure
 
 
-def save(figure, path):
-    """Write a figure; the same numbers give the same bytes. Raises OSError."""
+def save(figure, target, kind=""):
+    """Write a figure, once, to a path that tells the ``kind``, or to a stream; the same numbers give the same bytes.
+
+    Raises OSError.
+    """
+    kind = kind or target.suffix[1:]
     with matplotlib.rc_context(SETTINGS):
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        figure.get_layout_engine().execute(figure)
+    with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
+        figure.set_layout_engine()  # none: to find the layout, savefig draws everything once more
+        figure.savefig(target, format=kind, metadata={"Date": None} if kind == "svg" else None)
 
 
 def _room(sheet, look, cells, width):

@@ -54,11 +54,12 @@ def _peak(run):
 
 def _sheet(name, when, runs, rows):
     panels = []
+    shown = [_shown(run, row) for run, row in zip(runs, rows, strict=True)]
     for label, unit, components, outputs in DIAGRAMS:
         curves = [
             curve
             for number, (run, row) in enumerate(zip(runs, rows, strict=True))
-            for member in _shown(run, row)
+            for member in shown[number]
             for curve in _curves(run, number, row, member, label, unit, components, outputs)
         ]
         panels.append(Panel(label, tuple(curves)))

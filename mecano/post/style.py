@@ -37,7 +37,8 @@ SETTINGS = {
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-6, 7),
     "figure.constrained_layout.use": True,
-    "savefig.dpi": 150,
+    "figure.dpi": 150,
+    "savefig.dpi": "figure",
     "svg.hashsalt": "mecano",
 }
 
