@@ -74,7 +74,38 @@ def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
     spin, rolling = by_label["spin rate"].curves
     assert rolling.reference and not spin.reference
     radius, slip = values(runs[0], "one_wheel.loaded_radius"), values(runs[0], "one_wheel.longitudinal_slip")
-    assert np.array_equal(rolling.y.values, values(runs[0], "one_wheel.spin_rate") + slip / radius)
+    known = np.isfinite(rolling.y.values)
+    assert np.array_equal(rolling.y.values[known], (values(runs[0], "one_wheel.spin_rate") + slip / radius)[known])
+
+
+def test_slip_has_gaps_where_the_wheel_is_in_the_air(shown, runs):
+    """With the value of its touch-down; a peak in the air is none. What does not need the ground has no gaps."""
+    by_label = {panel.label: panel for panel in shown["wheels"].panels}
+    pressed = values(runs[0], "one_wheel.normal_force") > 0.0
+    drawn = pressed | np.append(pressed[1:], False)
+    assert 3 < np.count_nonzero(~drawn) < 30
+    for curve in (*by_label["slip velocity"].curves, by_label["spin rate"].curves[1]):
+        assert np.array_equal(np.isfinite(curve.y.values), drawn)
+        assert not curve.peak or drawn[np.searchsorted(curve.y.time, curve.peak[1])]
+    assert np.isfinite(by_label["spin rate"].curves[0].y.values).all()
+    assert np.isfinite(find(runs[0].results, "one_wheel.longitudinal_slip")[0].values).all()
+
+
+def test_names_of_events_say_of_what_only_where_several_meet_the_same():
+    def names(*marks):
+        return [name for _, name in draw_panel._names([EventMark(t, who, what, 0) for t, who, what in marks], 0.0, 1.0)]
+
+    assert names((0.0, "wheel", "touch down"), (0.5, "strut", "stop closes")) == ["touch down", "stop closes"]
+    assert names((0.0, "left", "touch down"), (0.5, "right", "touch down")) == ["left: touch down", "right: touch down"]
+    assert names((0.5, "left", "touch down"), (2.0, "a_long_name_later", "touch down")) == ["touch down"]
+
+
+def test_names_of_late_events_do_not_leave_their_panel(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    panel = Panel("force", (Curve(time_of(force), force, 0, "a"),))
+    for time, side in ((0.1, "left"), (1.9, "right")):
+        (ax,) = figure.sheet_figure(Sheet("s", "", (panel,), (EventMark(time, "a", "locks", 0),)), "").axes
+        assert [t.get_ha() for t in ax.texts if t.get_text() == "locks"] == [side]
 
 
 def test_strut_force_is_shown_over_its_stroke(shown, runs):

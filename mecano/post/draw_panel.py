@@ -22,8 +22,9 @@ from mecano.post.style import (
 EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
 LINE_ROOM = 0.01  # the same of their lines
 MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
-LABEL_RISE = 0.036  # inches for each letter of such a label
+TILT, LABEL_RISE = 30, 0.028  # of such a label: degrees, inches for each letter
 MOST_NAMED = 8  # events
+LATE = 0.6  # of the axis: names of events that are mostly later stand to the left of their lines
 MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
 TINY = 1e-300
 DECADES = 1e-12  # of the largest value: logarithmic axes show no less
@@ -114,7 +115,7 @@ def draw_panel(ax, panel, look, events, labelled):
         marks = _marks(panel, events, look)
         _draw_events(ax, marks, x_factor, look)
         if labelled:
-            _name_events(ax, marks, x_factor, look, taken)
+            _name_events(ax, panel, marks, x_factor, look, taken)
 
 
 def _all(panel, side):
@@ -123,7 +124,7 @@ def _all(panel, side):
 
 def _misses_peak(curve):
     """Whether the values shown leave out the largest one of all accepted steps."""
-    return bool(curve.peak) and abs(curve.peak[0]) > (1.0 + MISSED) * np.abs(curve.y.values).max(initial=0.0)
+    return bool(curve.peak) and abs(curve.peak[0]) > (1.0 + MISSED) * np.nanmax(np.abs(curve.y.values), initial=0.0)
 
 
 def _width(curve, later):
@@ -200,34 +201,45 @@ def room_above(panel, events, look, labelled):
     """Inches that the legend of a panel takes, and the names of its events if it is ``labelled`` with them."""
     handles = look.legend(panel)
     room = LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0
-    marks = _marks(panel, events, look) if labelled and panel.over_time else ()
-    if 0 < len(marks) <= MOST_NAMED:
-        several = len({mark.element for mark in marks}) > 1
-        room += LABEL_RISE * (len(" + 1") + max(len(_name(mark, several)) for mark in marks))
+    if labelled and panel.over_time:
+        names = [name for _, name in _names(_marks(panel, events, look), *_span(panel))]
+        room += LABEL_RISE * max(map(len, names), default=0)
     return room
 
 
-def _name(mark, several):
-    return f"{mark.element}: {mark.text}" if several else mark.text
+def _span(panel):
+    """First and last time [s] of a panel."""
+    times = _all(panel, "x")
+    return times.min(), times.max()
 
 
-def _name_events(ax, marks, factor, look, height):
-    """Names so many points above the axes, as far as there is room; "+ 2" stands for two more close behind.
+def _names(marks, low, high):
+    """(mark, name) of the events between two times, as far as there is room; "+ 2" stands for two more close behind.
 
-    Of many events only the lines are drawn: names of some would not tell which ones.
+    The element is named where several meet the same. Of many events only lines are drawn: names of some would not
+    tell which ones.
     """
-    low, high = ax.get_xlim()
-    several = len({mark.element for mark in marks}) > 1
-    shown = [mark for mark in marks if low <= mark.time / factor <= high]
+    shown = [mark for mark in marks if low <= mark.time <= high]
     if len(shown) > MOST_NAMED:
-        return
-    room = EVENT_ROOM * (1.5 if several else 1.0)  # names of elements make the labels long
-    for mark, behind in _thinned(shown, room * (high - low) * factor):
-        name = _name(mark, several)
+        return []
+    met = {text: len({mark.element for mark in shown if mark.text == text}) for text in {mark.text for mark in shown}}
+    names = []
+    for mark, behind in _thinned(shown, EVENT_ROOM * (high - low)):
+        name = f"{mark.element}: {mark.text}" if met[mark.text] > 1 else mark.text
+        names.append((mark, f"{name} + {behind}" if behind else name))
+    return names
+
+
+def _name_events(ax, panel, marks, factor, look, height):
+    """Names of events so many points above the axes, tilted away from where there is less room."""
+    low, high = _span(panel)
+    names = _names(marks, low, high)
+    late = np.mean([mark.time for mark, _ in names] or [low]) > low + LATE * (high - low)
+    for mark, name in names:
         ax.annotate(
-            f"{name} + {behind}" if behind else name, (mark.time / factor, 1.0), xycoords=ax.get_xaxis_transform(),
-            xytext=(0, 3 + height), textcoords="offset points", rotation=40, rotation_mode="anchor", fontsize=7,
-            color=COLOURS[mark.run % len(COLOURS)] if look.runs else GREY,
+            name, (mark.time / factor, 1.0), xycoords=ax.get_xaxis_transform(), xytext=(0, 3 + height),
+            textcoords="offset points", rotation=-TILT if late else TILT, rotation_mode="anchor", fontsize=7,
+            ha="right" if late else "left", color=COLOURS[mark.run % len(COLOURS)] if look.runs else GREY,
         )  # fmt: skip
 
 
