@@ -17,6 +17,7 @@ from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import draw_panel, figure, plans, sheets, style
 from mecano.post.extremes import telling
 from mecano.post.info import info
+from mecano.post.look import Look
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
@@ -421,11 +422,51 @@ def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
     wheels = next(sheet for sheet in shown if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
     assert [text.get_text() for text in drawn.legends[0].get_texts()] == [run.label for run in runs]
-    look = draw_panel.Look(wheels)
+    look = Look(wheels)
     colours = [look.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
     assert colours == list(style.COLOURS[:2])
     (mechanism,) = (sheet for sheet in shown if sheet.name == "mechanism")
     assert len(mechanism.panels) == 2
+
+
+TEN = tuple("abcdefghij")
+
+
+@pytest.mark.parametrize(
+    "names, whats, labels",
+    [(40, 1, ()), (5, 8, ()), (12, 3, ()), (1, 20, ()), (6, 2, ("a", "b")), (2, 1, TEN), (1, 1, TEN)],
+)
+def test_no_two_curves_look_the_same(runs, names, whats, labels):
+    """What there is no colour for is pale, and the legend counts it: the smallest."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    curves = []
+    for run, i, j in np.ndindex(len(labels) or 1, names, whats):
+        y = replace(force, path=f"elements/e{i}/what_{j}", values=(i + 1.0) * force.values)
+        curves.append(Curve(time_of(force), y, run, f"e{i}"))
+    panel = Panel("force", tuple(curves))
+    sheet = Sheet("s", "", (panel,), (), labels)
+    for look in (Look(sheet), Look(sheet, panel_by_panel=True)):
+        looks = [look.style(curve, panel) for curve in curves]
+        told = [(one["color"], str(one["linestyle"])) for one in looks if one["color"] != style.PALE]
+        assert len(set(told)) == len(told) >= min(len(curves), 6)
+        pale = {curve.subject for curve, one in zip(curves, looks, strict=True) if one["color"] == style.PALE}
+        if whats <= len(style.DASHES):
+            assert pale == {f"e{i}" for i in range(len(pale))}
+        texts = [handle.get_label() for handle in (*look.handles(), *look.legend(panel))]
+        assert any(text.endswith("others") for text in texts) == bool(pale)
+
+
+def test_an_overview_of_several_runs_says_whose_sketch_it_shows_and_keeps_events_at_the_axis(tmp_path):
+    events = tuple((0.2 * i, "touch_down") for i in range(1, 6))
+    written = [
+        every_kind.write(tmp_path / f"{i}.h5", events=events, overrides=(f"parameters.wave=0.{i}",)) for i in (5, 6)
+    ]
+    runs = open_runs(written)
+    chosen = [sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("mechanism", "wheels")]
+    first, *axes = figure.overview_figure(sheets.overview(chosen), "title", "").axes
+    assert first.get_title(loc="left") == "wave = 0.5"
+    upright = [line for ax in axes for line in ax.lines if len(set(line.get_xdata())) == 1]
+    assert upright and max(max(line.get_ydata()) for line in upright) < 0.1
 
 
 def test_labels_say_what_differs(path, tmp_path):

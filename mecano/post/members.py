@@ -7,7 +7,7 @@ from mecano.post.panels import worth_showing
 from mecano.post.quantity import SAVED, Quantity
 from mecano.post.sheet import Curve, Panel, Sheet
 
-MOST = 4  # members shown of one run
+MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
 DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle, at the second node of each element
     ("axial force", "N", (0,), ("force", "force", "force")),
     ("shear force", "N", (1, 2), ("force", "force", "force")),
@@ -54,7 +54,8 @@ def _peak(run):
 
 def _sheet(name, when, runs, rows):
     panels = []
-    shown = [_shown(run, row) for run, row in zip(runs, rows, strict=True)]
+    most = MOST if len(runs) == 1 else MOST_OF_SEVERAL
+    shown = [_shown(run, row, most) for run, row in zip(runs, rows, strict=True)]
     for label, unit, components, outputs in DIAGRAMS:
         curves = [
             curve
@@ -69,10 +70,10 @@ def _sheet(name, when, runs, rows):
     return Sheet(name, heading, tuple(worth_showing(panels, runs)), lead=0)
 
 
-def _shown(run, row):
-    """The members with the largest moments at the instant, in the order of the deck."""
+def _shown(run, row, most):
+    """The ``most`` members with the largest moments at the instant, in the order of the deck."""
     members = _members(run)
-    ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:MOST]
+    ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:most]
     return [member for member in members if member in ranked]
 
 

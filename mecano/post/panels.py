@@ -9,7 +9,7 @@ from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
-MOST_OF_SEVERAL = 3  # of each of several runs
+MOST_OF_SEVERAL = 2  # of each of several runs
 FAR_APART = 20.0  # ratio of sizes of curves that do not share a panel
 NOTHING = 1e-9  # of the largest value of the same unit: what is smaller is numerical noise
 
