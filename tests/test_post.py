@@ -14,7 +14,7 @@ import pytest
 import mecano
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
-from mecano.post import draw_panel, figure, plans, sheets, style
+from mecano.post import draw_panel, figure, plans, sheets, style, wire
 from mecano.post.extremes import telling
 from mecano.post.info import info
 from mecano.post.look import Look
@@ -397,6 +397,20 @@ def test_configurations_say_their_times_where_others_were_asked_for(runs):
     """A file has its times every 0.05 s."""
     titles = [ax.get_title() for ax in wire_figure(runs[0], [0.5, 0.51, 9.0], "").axes]
     assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
+
+
+def test_configurations_that_travel_far_are_drawn_about_their_middle():
+    """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is seen there."""
+    square = np.array([[0.0, 0.0], [1.0, 1.0]])
+    shift, low, high = wire._frame(np.stack([square, square + (3.0, 0.0)]))
+    assert shift.tolist() == [[0.5, 0.5], [3.5, 0.5]] and low.tolist() == [-0.5, -0.5] and high.tolist() == [0.5, 0.5]
+    shift, low, high = wire._frame(np.stack([square, square + (0.5, 0.0)]))
+    assert not shift.any() and low.tolist() == [0.0, 0.0] and high.tolist() == [1.5, 1.0]
+
+
+def test_configurations_of_several_runs_say_whose_they_are(runs):
+    drawn = wire_figure(replace(runs[0], label="speed = 40"), [0.5], "")
+    assert any(text.get_text().startswith("configurations of speed = 40, all on one scale") for text in drawn.texts)
 
 
 def test_the_same_numbers_give_the_same_picture(path, tmp_path):
