@@ -259,6 +259,17 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
     assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
 
 
+def test_lines_that_are_covered_are_wider(runs):
+    """By rounding alone none is told apart from another, whatever range of a constant the axis shows."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    for values in (np.full(41, 4.3), force.values):
+        covered = [replace(force, values=values * (1.0 + i * 1e-9)) for i in range(3)]
+        panel = Panel("force", tuple(Curve(time_of(y), y, 0, f"e{i}") for i, y in enumerate(covered)))
+        (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
+        widths = [line.get_linewidth() for line in ax.lines]
+        assert widths == sorted(widths, reverse=True) and len(set(widths)) == 3
+
+
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
     """Panels are as high with six elements and a named event each as with one element and none."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")
@@ -400,7 +411,7 @@ def test_configurations_say_their_times_where_others_were_asked_for(runs):
 
 
 def test_configurations_that_travel_far_are_drawn_about_their_middle():
-    """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is seen there."""
+    """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is there."""
     square = np.array([[0.0, 0.0], [1.0, 1.0]])
     shift, low, high = wire._frame(np.stack([square, square + (3.0, 0.0)]))
     assert shift.tolist() == [[0.5, 0.5], [3.5, 0.5]] and low.tolist() == [-0.5, -0.5] and high.tolist() == [0.5, 0.5]

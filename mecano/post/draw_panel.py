@@ -71,10 +71,8 @@ def _misses_peak(curve):
 
 
 def _spans(panel):
-    """How far the curves of a panel reach along both axes."""
-    return [
-        np.ptp(values[np.isfinite(values)]) if values.size else 0.0 for values in (_all(panel, "x"), _all(panel, "y"))
-    ]
+    """How much of both axes the curves of a panel take; of one with a constant, what it shows."""
+    return [np.ptp(range_of(values) or values[np.isfinite(values)]) for values in (_all(panel, "x"), _all(panel, "y"))]
 
 
 def _width(curve, later, spans):

@@ -67,6 +67,9 @@ def _sheet(name, when, runs, rows):
     axis = runs[0].results.axis
     places = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
     heading = f"Section forces along members {when}, {axis.path} {' and '.join(sorted(places))} {axis.unit}".rstrip()
+    count = max(len(_members(run)) for run in runs)
+    if count > most:
+        heading += f" ({most} of {count}, those with the largest moments)"
     return Sheet(name, heading, tuple(worth_showing(panels, runs)), lead=0)
 
 
