@@ -515,6 +515,9 @@ def test_places_of_pictures(path, tmp_path):
     assert [p.name for p in inside] == ["each_one_hinge.angle.png", "each_one_hinge.angle_2.png"]
     with pytest.raises(UsageError, match="names one picture"):
         list(post([path], plots, output=tmp_path / "one.png"))
+    for name, picture in (("one.JPG", plots[:1]), ("all.pdf", ())):
+        with pytest.raises(UsageError, match="pictures are written as png or svg"):
+            list(post([path], picture, output=tmp_path / name))
     blocked = tmp_path / "file"
     blocked.write_text("")
     with pytest.raises(ResultsError, match="cannot make the folder .*file: File exists"):
@@ -538,6 +541,13 @@ def test_places_of_pictures(path, tmp_path):
 def test_units_suit_the_numbers(unit, largest, factor, shown):
     found, text = style.shown_unit(unit, np.array([0.0, -largest, math.nan]))
     assert (math.isclose(found, factor, rel_tol=1e-12), text) == (True, shown)
+
+
+def test_a_peak_without_a_unit_is_told_without_a_gap(runs):
+    (ratio,) = find(runs[0].results, "one_wheel.friction_coefficient")
+    panel = Panel("friction", (Curve(time_of(ratio), ratio, 0, "one_wheel"),), peak=(0.5, 1.25))
+    (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
+    assert "max 0.5 at 1.25 s" in [text.get_text() for text in ax.texts]
 
 
 def test_what_is_constant_but_for_rounding_looks_constant():
