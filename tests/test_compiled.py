@@ -2,6 +2,7 @@
 
 import math
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -13,11 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mecano.compiled import store
+from mecano.compiled import compiler, store
 from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.compiled.kernel import kernel
 
 Spec = namedtuple("Spec", "origin")
+SYMBOLS = 2  # a section of symbols
+HIDDEN = 2
 POINT = np.dtype([("x", "f8"), ("n", "i8")])
 
 
@@ -262,3 +265,20 @@ class TestStore:
         here = store._key()
         monkeypatch.setattr(of, name, value if name != "find_spec" else lambda _: Spec(str(tmp_path / "__init__.py")))
         assert store._key() != here
+
+
+def _symbols(code):
+    """Name and visibility of the symbols of an ELF object of 64 bits (ELF-64 Object File Format 1.5, 1998)."""
+    sections, size, count = (*struct.unpack_from("<Q", code, 40), *struct.unpack_from("<HH", code, 58))
+    heads = [struct.unpack_from("<IIQQQQIIQQ", code, sections + i * size) for i in range(count)]
+    (start, length, link) = next((head[4], head[5], head[6]) for head in heads if head[1] == SYMBOLS)
+    for name, _, other, _, _, _ in struct.iter_unpack("<IBBHQQ", code[start : start + length]):
+        at = heads[link][4] + name
+        yield code[at : code.index(b"\0", at)].decode(), other & 3
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="objects have another form")
+def test_code_needs_no_table_of_addresses():
+    """On 64-bit Arm the loader may put one farther away than code reaches: it then ended the process."""
+    of_python = {name: seen for name, seen in _symbols(compiler.entry_code(mixed)[1]) if name.startswith("PyExc_")}
+    assert of_python and set(of_python.values()) == {HIDDEN}

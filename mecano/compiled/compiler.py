@@ -104,6 +104,8 @@ def _machine_code(function):
         raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
     variables = [variable.name for variable in module.global_variables if variable.is_declaration]
     module.link_in(llvm.parse_assembly(str(_ending(sorted(missing), variables))))
+    for name in variables:  # no table of addresses is needed then, which a loader may put too far away
+        module.get_global_variable(name).visibility = "hidden"
     return function.native_name, _target().emit_object(module)
 
 
