@@ -15,7 +15,7 @@ from marching import INPUTS, deck, input_deck
 
 from mecano.errors import ConvergenceError, UsageError
 from mecano.modes_run import about
-from mecano.post.loci import real_range
+from mecano.post.loci import real_range, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
@@ -249,6 +249,11 @@ def test_map_files_and_pictures(tmp_path):
         rows = list(csv.reader(table))
     assert rows[0][:3] == ["damping", "speed", "growth [1/s]"] and len(rows) == 7
     assert float(rows[1][2]) == file.map["growth"][0, 0]
+    ax, bar = sweep_figure(file).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed [m/s]", "damping [N m s/rad]")
+    low, high = (min(file.map["growth"].flat), max(file.map["growth"].flat))
+    ticks = [tick for tick in bar.get_yticks() if low <= tick <= high]
+    assert min(ticks) < 0.0 < max(ticks)
     assert [p.name for p in post([path], output=str(tmp_path))] == ["map.png"]
     assert (tmp_path / "map.png").stat().st_size > 20_000
 
@@ -313,6 +318,7 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     out, errors = capsys.readouterr()
     assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
     file = read_sweep("bicycle_sweep.h5")
+    assert [ax.get_xlabel() for ax in sweep_figure(file).axes] == ["real part [1/s]", *["speed [m/s]"] * 3]
     assert file.title == "Benchmark bicycle" and file.modes["real_part"].shape == (3, 3)
     assert file.modes["damping_ratio"].max() == 1.0 and len(file.motions) == 3
     with h5py.File("bicycle_sweep.h5") as h5:

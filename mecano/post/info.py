@@ -41,7 +41,7 @@ def info(path, pattern=None, every_event=False):
 def one_line(runs):
     """How one run went, or what several are, in a line for the head of a picture."""
     if len(runs) > 1:
-        return f"{len(runs)} runs"
+        return f"{len(runs)} runs: {', '.join(run.results.path.name for run in runs)}"
     results = runs[0].results
     return "; ".join(
         [_status(results).partition(";")[0], count(results), f"mecano {results.metadata['version_mecano']}"]
