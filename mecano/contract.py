@@ -136,6 +136,7 @@ class Kind:
     """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
     scalars: tuple = ()  # names of own scalar unknowns
     relaxing: tuple = ()  # those of them, without inertia, whose rates follow from their own equations alone
+    flexible: bool = False  # its nodes, each with a position and a rotation, are those of one body that deforms
     multipliers: tuple = ()  # Row
     borrowed: tuple = ()  # Row: multipliers of other parts of the same owner
     modes: tuple = ("",)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.deck import seldom
 from mecano.deck.amounts import warnings
-from mecano.deck.build import build, set_velocities, time_breakpoints
+from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.sampler import row_size
 from mecano.model.system import System
@@ -110,6 +111,9 @@ def remarks(prepared, start=None):
             f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
             "and the run allows for any"
         )
+    texts += seldom.remarks(prepared.deck.values)
+    if prepared.deck.values["time"] and not mass_of(prepared.system):
+        texts.append("nothing in the model has a mass: is it meant so?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 
@@ -155,21 +159,33 @@ def _friction_of(system, group):
 
 
 def _changed_velocities(prepared, motion):
-    """The node whose velocity the constraints changed most from what the deck asks, as a text."""
-    system, of, asked = prepared.system, prepared.system.numbering, prepared.state.v
-    entries = prepared.deck.values["initial"]["velocities"]
-    named = {name for entry in entries if entry["nodes"] != "all" for name in entry["nodes"]}
-    rows = [i for i, node in enumerate(system.nodes) if node.name in named]
-    change = [np.linalg.norm((motion.v - asked)[of.x[i] : of.x[i] + 3]) for i in rows]
-    fastest = max((np.linalg.norm(v[of.x[i] : of.x[i] + 3]) for v in (motion.v, asked) for i in rows), default=0.0)
-    if not rows or max(change) <= 1e-6 * fastest:
-        return []
-    i = rows[int(np.argmax(change))]
-    was, is_ = (", ".join(f"{c:.4g}" for c in v[of.x[i] : of.x[i] + 3]) for v in (asked, motion.v))
-    return [
-        f"the initial velocities do not fit the constraints and were changed to the nearest that do (momenta kept): "
-        f"node '{system.nodes[i].name}' from [{was}] to [{is_}] m/s"
-    ]
+    """The node whose velocity the constraints changed most from what the deck asks, or else its turning, as a text."""
+    deck, system, of = prepared.deck, prepared.system, prepared.system.numbering
+    entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
+    named = {name for entry in entries for name in entry["nodes"]}
+    turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
+    for names, first, asked, before, reached, unit in zip(
+        (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
+        _rates(system, motion), ("m/s", "rad/s"), strict=False,
+    ):  # fmt: skip
+        asked = np.where((first < of.n_q)[:, None], before, asked)  # what is fixed has not been given what is asked
+        rows = [i for i, node in enumerate(system.nodes) if node.name in names]
+        change = np.linalg.norm((reached - asked)[rows], axis=1)
+        fastest = np.linalg.norm(np.concatenate([asked[rows], reached[rows]]), axis=1).max(initial=0.0)
+        if change.max(initial=0.0) > 1e-6 * fastest:
+            i = rows[int(np.argmax(change))]
+            was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
+            return [
+                "the initial velocities do not fit the constraints and were changed to the nearest that do (momenta "
+                f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}"
+            ]
+    return []
+
+
+def _rates(system, s):
+    """Velocities and angular velocities (n_nodes, 3) of all nodes, inertial."""
+    of, three = system.numbering, np.arange(3)
+    return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
 def chosen(prepared, march, start):

@@ -6,12 +6,14 @@ import sys
 import time
 from textwrap import wrap
 
+from mecano.compiled.store import compile_time
 from mecano.model.loops import compiled_before
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
 WIDTH = 110  # characters of a note, or the width of the terminal
+NOTICED = 0.01  # s for compiling
 
 
 class Progress:
@@ -21,6 +23,7 @@ class Progress:
         self.start, self.end, self.path = values["start"], values["end"], path
         self.quiet, self.terminal = quiet, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
+        self.compiled = compile_time()
         self.tenths, self.marching = 0, None
 
     def compiling(self, kinds):
@@ -62,7 +65,9 @@ class Progress:
 
     def finished(self, text):
         """The last lines: what was done, in how long, and where the results are."""
-        self.note(f"{text}, in {time.monotonic() - self.begun:.2f} s")
+        compiling = compile_time() - self.compiled
+        more = f" and {compiling:.2f} s for compiling" if compiling >= NOTICED else ""
+        self.note(f"{text}, in {time.monotonic() - self.begun - compiling:.2f} s{more}")
         self.note(f"results in {self.path}")
 
     def _share(self, run):

@@ -4,9 +4,11 @@ from collections import Counter
 from textwrap import wrap
 
 from mecano.contract import SECTIONS
+from mecano.deck import seldom
 from mecano.deck.amounts import saved_times, steps
 from mecano.prepare import amount_warnings, mass_of, prepare, some
 from mecano.solve.analysis import DENSE_ROWS
+from mecano.solve.rigidity import stiff_mechanisms
 from mecano.start import words as words_of_start
 from mecano.statics import start_in_words
 
@@ -33,15 +35,12 @@ def summary(deck, every=False):
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(line for text in seldom.remarks(values) for line in _labelled("remark", text)),
     ]
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
         return "\n".join([*lines, text])
-    lines.append(f"mobility         {analysis.mobility}")
-    if analysis.mechanisms is None:
-        lines.append(f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom")
-    for text in _free(analysis.mechanisms or (), every):
-        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    lines += _mobility(prepared, every)
     redundant = sum(group.count for group in analysis.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in analysis.redundant:
@@ -52,12 +51,29 @@ def summary(deck, every=False):
     return "\n".join(lines)
 
 
+def _mobility(prepared, every):
+    """How much can move, and what; of a flexible structure, what could if it were stiff."""
+    system, analysis = prepared.system, prepared.analysis
+    stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
+    text = f"mobility         {analysis.mobility}"
+    if stiff is not None:
+        rigid = sum(group.count for group in stiff)
+        what = "flexible members and tyres" if system.relaxing.any() else "flexible members"
+        text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
+    yield text
+    found = analysis.mechanisms if stiff is None else stiff
+    if found is None:
+        yield f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom"
+    for text in _free(found or (), every):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
 def _free(mechanisms, every):
-    """What can move, in words: unknowns that nothing ties, and mechanisms."""
+    """What can move, in words: unknowns alone, and mechanisms."""
     most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
     alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
     if alone:
-        yield f"{len(alone)} unknown(s) that no constraint ties: {some(_by_nodes(alone), most)}"
+        yield f"{len(alone)} free, each by itself: {some(_by_nodes(alone), most)}"
     groups = [group for group in mechanisms if len(group.names) > 1]
     for group in groups[:shown]:
         yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"
@@ -137,4 +153,8 @@ def _amounts(prepared):
     if values["initial"]["steady"]:
         yield f"initial          {words_of_start(prepared.deck)}, found when it begins"
     for text in amount_warnings(prepared):
-        yield from wrap(text, WIDTH, initial_indent="warning          ", subsequent_indent=INDENT)
+        yield from _labelled("warning", text)
+
+
+def _labelled(label, text):
+    return wrap(text, WIDTH, initial_indent=f"{label:<17}", subsequent_indent=INDENT)

@@ -17,7 +17,7 @@ from mecano.solve.critical import critical
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
-from mecano.solve.tracking import Spectrum, loci, track, unstable
+from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
 from mecano.sweep_text import lines
 
 MOST = 100_000  # states in one sweep
@@ -72,9 +72,10 @@ class Locus:
     values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
     motions: list  # (branches,) what moves most, in words
     critical: list  # of Critical
-    growth: np.ndarray  # (n,) largest real part [1/s]; nan where nothing was found
+    growth: np.ndarray  # (n,) largest real part [1/s] of what means more than zero; nan where nothing was found
     count: np.ndarray  # (n,) how many branches grow; -1 where nothing was found
-    fastest: np.ndarray  # (n,) complex: the eigenvalue of the largest real part
+    fastest: np.ndarray  # (n,) complex: the eigenvalue of that real part
+    least: np.ndarray  # (n,) [1/s]: smaller eigenvalues mean no more than zero
     variation: np.ndarray  # (n,) that of a Linearization; 0 where nothing was found
 
     def of_instant(self, found):
@@ -141,7 +142,7 @@ class Case:
         def motion(shape):
             return words(system, base.state, (shape / lin.root).real, length, inertial=True, most=2)
 
-        return Spectrum.of(found, lin.root), motion, lin.variation
+        return Spectrum.of(found, lin.root, lin.pace), motion, lin.variation
 
 
 def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
@@ -187,7 +188,8 @@ def _locus(case, axis, other, told):
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
     found = _criticals(case, axis, other, rows, spectra)
-    return Locus(axis, values, described, found, *_growth(spectra), np.array(variations))
+    least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
+    return Locus(axis, values, described, found, *_growth(spectra), least, np.array(variations))
 
 
 def _described(row, spectra, motions):
@@ -205,10 +207,10 @@ def _growth(spectra):
         if spectrum is None:
             continue
         growth[i], count[i], fastest[i] = 0.0, 0, 0.0
-        upper = spectrum.values[spectrum.values.imag >= 0.0]
-        if len(upper):
-            fastest[i] = upper[np.argmax(upper.real)]
-            growth[i], count[i] = fastest[i].real, int(np.sum(unstable(upper)))
+        values = spectrum.counting
+        if len(values):
+            fastest[i] = values[np.argmax(values.real)]
+            growth[i], count[i] = fastest[i].real, int(np.sum(unstable(values)))
     return growth, count, fastest
 
 
@@ -220,10 +222,9 @@ def _criticals(case, axis, other, rows, spectra):
         return case.spectrum((*other, (axis.path, float(place))))[0]
 
     for branch, row in enumerate(rows):
-        for i in np.flatnonzero((row[:-1] >= 0) & (row[1:] >= 0)):
+        known = (row[:-1] >= 0) & (row[1:] >= 0)
+        for i in np.flatnonzero(known & np.diff(growing(row, spectra))):
             ends = [(float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)]
-            if unstable(ends[0][1]) == unstable(ends[1][1]):
-                continue
             try:
                 found.append(critical(spectrum_at, *ends, branch))
             except FAILED as error:

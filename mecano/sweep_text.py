@@ -1,8 +1,10 @@
 """What a sweep of modes found, as lines for a terminal."""
 
+import math
+
 import numpy as np
 
-MOST_ROWS = 200
+MOST_ROWS, MOST_DIGITS = 200, 11
 
 
 def lines(sweep):
@@ -28,7 +30,7 @@ def _states(axis, locus):
         if locus.count[i] < 0:
             rows.append((f"{value:.9g}", "-", "-", "no state", "-", "-"))
             continue
-        of = locus.values[:, i]
+        of = np.where(np.abs(locus.values[:, i]) > locus.least[i], locus.values[:, i], np.nan)
         if not np.any(np.isfinite(of)):
             rows.append((f"{value:.9g}", "0", "-", "-", "-", "-"))
             continue
@@ -54,7 +56,15 @@ def _critical(name, locus):
         if locus.of_instant(c):
             yield f"critical {name} about {c.place:.3g}: {grows}, of an instant only: the states there are not steady"
         else:
-            yield f"critical {name} {c.place:.11g}: {grows}"
+            yield f"critical {name} {known(c.place, c.error)}: {grows}"
+
+
+def known(value, error):
+    """The digits of a value that hold, at most 11: half a unit of the last one is no less than the ``error``."""
+    if not (value and error):
+        return f"{value:.{MOST_DIGITS}g}"
+    digits = math.floor(math.log10(abs(value))) - math.ceil(math.log10(2.0 * error)) + 1
+    return f"{value:.{min(max(digits, 1), MOST_DIGITS)}g}"
 
 
 def _stretches(axis, locus):

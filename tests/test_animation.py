@@ -62,6 +62,17 @@ def test_a_wheel_has_its_ground_and_its_events(results):
     assert len(floats(data["times"])) <= MOST_FRAMES and page.stat().st_size < 500_000
 
 
+def test_what_others_are_compared_with_lies_behind_them(results):
+    """The rate at which the wheel would roll; it is unknown until the wheel touches down."""
+    data = data_of(animate(results / "wheel_drop.h5", results / "sheets.html"))
+    spin = next(plot for plot in data["plots"] if "spin rate" in plot["label"])
+    assert [(name, reference) for name, _, reference in spin["curves"]] == [
+        ("tire rolling rate", True), ("tire spin rate", False)
+    ]  # fmt: skip
+    (_, rolling, _), (_, spinning, _) = spin["curves"]
+    assert np.isnan(floats(rolling)[0]) and np.isfinite(floats(rolling)).any() and np.isfinite(floats(spinning)).all()
+
+
 def test_what_is_zero_throughout_colours_nothing(results):
     """A cable without area has the stress zero: its page begins with its tension."""
     data = data_of(animate(results / "winder.h5", results / "winder.html"))

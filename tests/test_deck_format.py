@@ -51,6 +51,10 @@ def test_long_lines_and_tabs():
     line = "a" * 500 + "\tb\x07" + "c" * 500
     _, shown, caret = problem_text(Problem("wrong", Mark("d", 1, 502, (), line))).split("\n")
     assert len(shown) <= 104 and shown[caret.index("^")] == "b"
+    assert shown == "    …" + 48 * "a" + " b?" + 47 * "c" + "…"
+    for column, wanted in ((3, 99 * "x" + "…"), (250, "…" + 50 * "x")):
+        assert problem_text(Problem("wrong", Mark("d", 1, column, (), 250 * "x"))).split("\n")[1] == f"    {wanted}"
+    assert problem_text(Problem("wrong", Mark("d", 1, 1, (), 100 * "x" + "  "))).split("\n")[1].endswith("xx")
     _, shown, caret = problem_text(Problem("wrong", Mark("d", 1, 3, (), "\t\tb\x07"))).split("\n")
     assert (shown, caret) == ("      b?", "      ^")
 

@@ -75,7 +75,11 @@ def test_an_optional_field_set_to_null_is_absent(null):
         ("elements.hub.mass=null", "1:19 body 'hub': 'mass' must be a number [kg], got nothing"),
         ("time.adaptive=", "1:15 'time.adaptive' must be a mapping, got nothing"),
         ("gravity=[0, 0, x]", "1:16 'gravity[2]' must be a number [m/s2], got the text 'x'"),
-        ("gravity=[0, 0", "1:14 not valid YAML: while parsing a flow sequence, did not find expected ',' or ']'"),
+        (
+            "gravity=[0, 0",
+            "1:14 not valid YAML: while parsing a flow sequence, did not find expected ',' or ']'; the bracket opened "
+            "in line 1 is not closed before this",
+        ),
         ("gravity={a: 1, a: 2}", "1:16 duplicate key 'a', first given in line 1"),
         ("elements.wheel.ground=sea", "1:23 wheel 'wheel': unknown ground 'sea'; known: runway"),
         ("mecano=2", "1:8 this program reads decks of version 1, got 2; write 'mecano: 1'"),

@@ -70,6 +70,51 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "words", "hint"),
+    [
+        ("type: hinge", "type: Revolute_joint", "unknown type 'Revolute_joint'", "here it is called 'hinge'"),
+        ("type: hinge", "type: clockwork", "unknown type 'clockwork'", "`mecano list` names all"),
+        ("mass: 1,", "mass: 1/2,", "got the text '1/2'", "an expression begins with '=': '=1/2'"),
+        ("value: 1.0", "value: {linear: 3 rad/s}", "'value.linear' must be a mapping", "write {slope: 3 rad/s}"),
+        ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),
+        ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "a space stands behind ':'"),
+        ("mass: 1,", "mass: 1,5,", "a key must be a name, and '5' is none", "a decimal point, not a comma: 1.5"),
+        ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 7 is not closed before this"),
+        ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
+        ("mecano: 1", "mecano: 1\ntitle: a: b", "not valid YAML", "a text with ': ' stands in quotes"),
+    ],
+)
+def test_slips_are_answered_with_what_is_right(old, new, words, hint):
+    (problem,) = problems(MOTOR.replace(old, new, 1))
+    assert words in problem.message and problem.hint.startswith(hint)
+
+
+RAIL = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0]}}
+elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
+joints:
+  rail: {type: prismatic, nodes: [ground, a], axis: [0, 0, 1], latch: {displacement: -0.5}, stops: {lower: -500 mm}}
+time: {end: 1, step: 0.1}
+"""
+
+
+def test_a_latch_lies_before_the_stops():
+    """Otherwise the joint would never come to it; at the stop itself it does."""
+    hinge = RAIL.replace("prismatic", "hinge").replace("displacement: -0.5", "angle: 90 deg")
+    hinge = hinge.replace("lower: -500 mm", "upper: 90 deg")
+    assert problems(RAIL) == problems(hinge) == problems(hinge.replace("upper: 90 deg", "lower: -1")) == []
+    (problem,) = problems(RAIL.replace("-500 mm", "-499 mm"))
+    assert problem.message == (
+        "prismatic 'rail': 'latch.displacement' lies at -0.5 m, beyond the lower stop at -0.499 m: the joint would "
+        "never lock"
+    )
+    assert problem.mark.text[problem.mark.column - 1 :].startswith("-0.5}") and "to -0.5 m or beyond" in problem.hint
+    (problem,) = problems(hinge.replace("upper: 90 deg", "upper: 80 deg"))
+    assert "'latch.angle' lies at 1.5708 rad, beyond the upper stop at 1.39626 rad" in problem.message
+
+
+@pytest.mark.parametrize(
     ("value", "words", "hint"),
     [
         ("{type: sine, amplitude: 1}", "a law has no 'type'", "write {sine: {...}}"),

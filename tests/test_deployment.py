@@ -8,7 +8,7 @@ from marching import deck, input_deck
 
 from mecano.errors import ConvergenceError
 from mecano.post import pictures
-from mecano.post.deployment import deployment_sheet
+from mecano.post.deployment import deployment_sheet, margin_told
 from mecano.post.happenings import groups, shock_sheet
 from mecano.post.info import info
 from mecano.post.runs import open_runs
@@ -35,7 +35,18 @@ def test_margin_is_torque_over_weight(panel):
     np.testing.assert_allclose(resisting, 0.5 * np.cos(angle), rtol=0, atol=5e-3)
     wide = angle < 1.3
     np.testing.assert_allclose(margin.curves[0].y.values[wide], (motor / (0.5 * np.cos(angle)))[wide], rtol=0.01)
-    assert margin.note.startswith("least ") and margin.curves[0].y.unit == "-"
+    assert margin.curves[0].y.unit == "-"
+
+
+def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_end():
+    """4 - sin(pi a / 2.6) has its least value, 3, in the middle of 40 intervals; the last two bend members."""
+    angle = (np.arange(40) + 0.5) * 2.6 / 40
+    margin = 4.0 - np.sin(np.pi * angle / 2.6)
+    margin[-2:] = 9.0, 2.0
+    told = margin_told(angle, margin)
+    assert told == "least 3 at 1.27 rad; in the last 5% of the way 2 at 2.57 rad"
+    margin[-2:] = np.nan
+    assert margin_told(angle, margin).endswith("in the last 5% of the way nothing resists")
 
 
 def test_shocks_are_a_table_and_a_sheet(panel, tmp_path, monkeypatch):

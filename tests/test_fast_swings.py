@@ -48,6 +48,22 @@ def test_steps_of_a_slow_motion_are_not_held_by_a_small_fast_one():
     assert swinging.steps <= 1.1 * still.steps
 
 
+@pytest.mark.parametrize("phase", [0.03, 0.1, 0.3, 1.0])
+def test_a_mode_is_off_by_its_amplitude_at_most(phase):
+    """However well steps resolve it: about its amplitude is counted, where the sum of errors is 60 to 70,000 of it."""
+    frequency, amplitude, duration = 1e3, 1e-5, 1e3  # rad/s, m, s
+    h = phase / frequency
+    march = March(oscillator(frequency**2, amplitude, f"{{end: {20 * h}, step: {h}, rho_inf: 0.8}}"))
+    method, s = march.march.method, march.run.motion
+    history, sums = march.run.history, []
+    for _ in range(12):
+        s, history, info = method.step(s, history, h)
+        errors = np.array([method.bounded_error(s, history, info, duration), info.plain])
+        sums.append(errors * duration / h * method.length / amplitude)
+    counted, plain = np.max(sums, axis=0)
+    assert 0.5 <= counted <= 1.5 and plain > 40.0
+
+
 def pendulum(angle, end):
     """A bar of 1 m on a hinge, ``angle`` [rad] from where it hangs, with the error of its end [rad]."""
     march = March(

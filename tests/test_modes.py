@@ -211,6 +211,19 @@ def top(spin, process=TIME):
         """
 
 
+def test_a_free_body_that_is_pushed_does_not_flutter():
+    """m y'' = F phi, J phi'' = 0: a chain of four zeros, which rounding alone would spread to a circle of 1e-4."""
+    found = solve(linearized(f"""
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{hull: {{position: [0, 0, 0]}}}}
+    elements: {{body: {{type: rigid_body, node: hull, mass: 2, inertia: [1, 2, 2.5]}}}}
+    loads: {{push: {{type: follower_force, node: hull, direction: [1, 0.5, 0.2], value: 5}}}}
+    {TIME}
+    """))  # fmt: skip
+    assert found.kinds == ["free"] * 4  # three displacements, and the rotation about the push
+
+
 def test_sleeping_top():
     """Upright top: A s^2 - i C n s - m g l = 0, s = i w; stable from C n = 2 sqrt(A m g l); seen from it, less n."""
     A, C, mgl = 15.3, 0.5, 15 * G

@@ -5,7 +5,9 @@ import math
 from dataclasses import replace
 
 import every_kind
+import h5py
 import matplotlib
+import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
@@ -13,9 +15,10 @@ import pytest
 import mecano
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
-from mecano.post import draw_panel, figure, plans, sheets, style
+from mecano.post import draw_panel, figure, plans, sheets, style, wire
 from mecano.post.extremes import telling
 from mecano.post.info import info
+from mecano.post.look import Look
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
@@ -73,7 +76,38 @@ def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
     spin, rolling = by_label["spin rate"].curves
     assert rolling.reference and not spin.reference
     radius, slip = values(runs[0], "one_wheel.loaded_radius"), values(runs[0], "one_wheel.longitudinal_slip")
-    assert np.array_equal(rolling.y.values, values(runs[0], "one_wheel.spin_rate") + slip / radius)
+    known = np.isfinite(rolling.y.values)
+    assert np.array_equal(rolling.y.values[known], (values(runs[0], "one_wheel.spin_rate") + slip / radius)[known])
+
+
+def test_slip_has_gaps_where_the_wheel_is_in_the_air(shown, runs):
+    """With the value of its touch-down; a peak in the air is none. What does not need the ground has no gaps."""
+    by_label = {panel.label: panel for panel in shown["wheels"].panels}
+    pressed = values(runs[0], "one_wheel.normal_force") > 0.0
+    drawn = pressed | np.append(pressed[1:], False)
+    assert 3 < np.count_nonzero(~drawn) < 30
+    for curve in (*by_label["slip velocity"].curves, by_label["spin rate"].curves[1]):
+        assert np.array_equal(np.isfinite(curve.y.values), drawn)
+        assert not curve.peak or drawn[np.searchsorted(curve.y.time, curve.peak[1])]
+    assert np.isfinite(by_label["spin rate"].curves[0].y.values).all()
+    assert np.isfinite(find(runs[0].results, "one_wheel.longitudinal_slip")[0].values).all()
+
+
+def test_names_of_events_say_of_what_only_where_several_meet_the_same():
+    def names(*marks):
+        return [name for _, name in draw_panel._names([EventMark(t, who, what, 0) for t, who, what in marks], 0.0, 1.0)]
+
+    assert names((0.0, "wheel", "touch down"), (0.5, "strut", "stop closes")) == ["touch down", "stop closes"]
+    assert names((0.0, "left", "touch down"), (0.5, "right", "touch down")) == ["left: touch down", "right: touch down"]
+    assert names((0.5, "left", "touch down"), (2.0, "a_long_name_later", "touch down")) == ["touch down"]
+
+
+def test_names_of_late_events_do_not_leave_their_panel(runs):
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    panel = Panel("force", (Curve(time_of(force), force, 0, "a"),))
+    for time, side in ((0.1, "left"), (1.9, "right")):
+        (ax,) = figure.sheet_figure(Sheet("s", "", (panel,), (EventMark(time, "a", "locks", 0),)), "").axes
+        assert [t.get_ha() for t in ax.texts if t.get_text() == "locks"] == [side]
 
 
 def test_strut_force_is_shown_over_its_stroke(shown, runs):
@@ -166,7 +200,7 @@ def test_noise_beside_a_signal_is_not_shown(runs):
 
 
 def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
-    monkeypatch.setitem(style.SETTINGS, "savefig.dpi", 60)
+    monkeypatch.setitem(style.SETTINGS, "figure.dpi", 60)
     written = list(post([path], output=f"{tmp_path}/pictures/", columns=True))
     assert {p.name for p in written if p.suffix == ".png"} == {f"each_{name}.png" for name in ["overview", *shown]}
     assert {p.name for p in written if p.suffix == ".csv"} == {f"each_{n}.csv" for n in shown if n != "mechanism"}
@@ -224,6 +258,17 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
     drawn = figure.sheet_figure(wheels, "title")
     upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
     assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
+
+
+def test_lines_that_are_covered_are_wider(runs):
+    """By rounding alone none is told apart from another, whatever range of a constant the axis shows."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    for values in (np.full(41, 4.3), force.values):
+        covered = [replace(force, values=values * (1.0 + i * 1e-9)) for i in range(3)]
+        panel = Panel("force", tuple(Curve(time_of(y), y, 0, f"e{i}") for i, y in enumerate(covered)))
+        (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
+        widths = [line.get_linewidth() for line in ax.lines]
+        assert widths == sorted(widths, reverse=True) and len(set(widths)) == 3
 
 
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
@@ -366,10 +411,33 @@ def test_configurations_say_their_times_where_others_were_asked_for(runs):
     assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
 
 
+def test_configurations_that_travel_far_are_drawn_about_their_middle():
+    """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is there."""
+    square = np.array([[0.0, 0.0], [1.0, 1.0]])
+    shift, low, high = wire._frame(np.stack([square, square + (3.0, 0.0)]))
+    assert shift.tolist() == [[0.5, 0.5], [3.5, 0.5]] and low.tolist() == [-0.5, -0.5] and high.tolist() == [0.5, 0.5]
+    shift, low, high = wire._frame(np.stack([square, square + (0.5, 0.0)]))
+    assert not shift.any() and low.tolist() == [0.0, 0.0] and high.tolist() == [1.5, 1.0]
+
+
+def test_configurations_of_several_runs_say_whose_they_are(runs):
+    drawn = wire_figure(replace(runs[0], label="speed = 40"), [0.5], "")
+    assert any(text.get_text().startswith("configurations of speed = 40, all on one scale") for text in drawn.texts)
+
+
 def test_the_same_numbers_give_the_same_picture(path, tmp_path):
     (first,) = post([path], ["one_hinge.angle"], output=tmp_path / "a.svg")
     (second,) = post([path], ["one_hinge.angle"], output=tmp_path / "b.svg")
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_picture_is_drawn_once(tmp_path, runs, monkeypatch):
+    """savefig draws a figure that has a layout engine twice, which took a seventh of the time of all pictures."""
+    drawn = figure.sheet_figure(requested_sheet(Request.parse("one_wheel.spin_rate"), runs), "")
+    times, draw = [], matplotlib.figure.Figure.draw
+    monkeypatch.setattr(matplotlib.figure.Figure, "draw", lambda *given: (times.append(1), draw(*given)))
+    figure.save(drawn, tmp_path / "once.png")
+    assert len(times) == 1
 
 
 def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
@@ -380,11 +448,51 @@ def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
     wheels = next(sheet for sheet in shown if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
     assert [text.get_text() for text in drawn.legends[0].get_texts()] == [run.label for run in runs]
-    look = draw_panel.Look(wheels)
+    look = Look(wheels)
     colours = [look.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
     assert colours == list(style.COLOURS[:2])
     (mechanism,) = (sheet for sheet in shown if sheet.name == "mechanism")
     assert len(mechanism.panels) == 2
+
+
+TEN = tuple("abcdefghij")
+
+
+@pytest.mark.parametrize(
+    "names, whats, labels",
+    [(40, 1, ()), (5, 8, ()), (12, 3, ()), (1, 20, ()), (6, 2, ("a", "b")), (2, 1, TEN), (1, 1, TEN)],
+)
+def test_no_two_curves_look_the_same(runs, names, whats, labels):
+    """What there is no colour for is pale, and the legend counts it: the smallest."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    curves = []
+    for run, i, j in np.ndindex(len(labels) or 1, names, whats):
+        y = replace(force, path=f"elements/e{i}/what_{j}", values=(i + 1.0) * force.values)
+        curves.append(Curve(time_of(force), y, run, f"e{i}"))
+    panel = Panel("force", tuple(curves))
+    sheet = Sheet("s", "", (panel,), (), labels)
+    for look in (Look(sheet), Look(sheet, panel_by_panel=True)):
+        looks = [look.style(curve, panel) for curve in curves]
+        told = [(one["color"], str(one["linestyle"])) for one in looks if one["color"] != style.PALE]
+        assert len(set(told)) == len(told) >= min(len(curves), 6)
+        pale = {curve.subject for curve, one in zip(curves, looks, strict=True) if one["color"] == style.PALE}
+        if whats <= len(style.DASHES):
+            assert pale == {f"e{i}" for i in range(len(pale))}
+        texts = [handle.get_label() for handle in (*look.handles(), *look.legend(panel))]
+        assert any(text.endswith("others") for text in texts) == bool(pale)
+
+
+def test_an_overview_of_several_runs_says_whose_sketch_it_shows_and_keeps_events_at_the_axis(tmp_path):
+    events = tuple((0.2 * i, "touch_down") for i in range(1, 6))
+    written = [
+        every_kind.write(tmp_path / f"{i}.h5", events=events, overrides=(f"parameters.wave=0.{i}",)) for i in (5, 6)
+    ]
+    runs = open_runs(written)
+    chosen = [sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("mechanism", "wheels")]
+    first, *axes = figure.overview_figure(sheets.overview(chosen), "title", "").axes
+    assert first.get_title(loc="left") == "wave = 0.5"
+    upright = [line for ax in axes for line in ax.lines if len(set(line.get_xdata())) == 1]
+    assert upright and max(max(line.get_ydata()) for line in upright) < 0.1
 
 
 def test_labels_say_what_differs(path, tmp_path):
@@ -408,6 +516,9 @@ def test_places_of_pictures(path, tmp_path):
     assert [p.name for p in inside] == ["each_one_hinge.angle.png", "each_one_hinge.angle_2.png"]
     with pytest.raises(UsageError, match="names one picture"):
         list(post([path], plots, output=tmp_path / "one.png"))
+    for name, picture in (("one.JPG", plots[:1]), ("all.pdf", ())):
+        with pytest.raises(UsageError, match="pictures are written as png or svg"):
+            list(post([path], picture, output=tmp_path / name))
     blocked = tmp_path / "file"
     blocked.write_text("")
     with pytest.raises(ResultsError, match="cannot make the folder .*file: File exists"):
@@ -433,6 +544,13 @@ def test_units_suit_the_numbers(unit, largest, factor, shown):
     assert (math.isclose(found, factor, rel_tol=1e-12), text) == (True, shown)
 
 
+def test_a_peak_without_a_unit_is_told_without_a_gap(runs):
+    (ratio,) = find(runs[0].results, "one_wheel.friction_coefficient")
+    panel = Panel("friction", (Curve(time_of(ratio), ratio, 0, "one_wheel"),), peak=(0.5, 1.25))
+    (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
+    assert "max 0.5 at 1.25 s" in [text.get_text() for text in ax.texts]
+
+
 def test_what_is_constant_but_for_rounding_looks_constant():
     assert style.range_of(np.array([9.81, 9.81 + 1e-12])) == pytest.approx((8.829, 10.791), rel=1e-9)
     assert style.range_of(np.zeros(3)) == (-1.0, 1.0)
@@ -452,6 +570,12 @@ class TestInfo:
         text, data = " ".join(info(path).split()), runs[0].results.metadata
         assert f"{data['wall_time']:.2f} s by the clock for the march" in text
         assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
+
+    def test_compiling_is_told_apart(self, tmp_path):
+        path = every_kind.write(tmp_path / "compiled.h5")
+        with h5py.File(path, "a") as file:
+            file["run/compile_time"][()] = 12.5
+        assert "s by the clock for the march and 12.50 s for compiling;" in " ".join(info(path).split())
 
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))

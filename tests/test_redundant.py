@@ -5,6 +5,7 @@ import pytest
 from linkage import FourBar
 from marching import INPUTS, March, deck, input_deck
 
+from mecano.errors import AssemblyError, ConvergenceError
 from mecano.prepare import prepare, remarks
 from mecano.summary import summary
 
@@ -46,6 +47,42 @@ def test_the_group_and_the_mechanism_are_named():
     motions = analysis.mechanisms[0].names
     assert any("rocker" in name and "rotation about material y" in name for name in motions)
     assert not any("displacement y" in name for name in motions)
+
+
+BLOCKED = """
+    mecano: 1
+    nodes: {{pin: {{position: [0, 0, 0]}}}}
+    elements: {{bar: {{type: rigid_body, node: pin, mass: 1, inertia: [0.01, 0.1, 0.1]}}}}
+    joints:
+      hold: {{type: fixed, nodes: [ground, pin]}}
+      turn: {{type: prescribed_angle, nodes: [ground, pin], axis: [0, 1, 0], value: {}}}
+    time: {{end: 0.02, step: 1.0e-3}}
+"""
+
+
+def test_redundant_constraints_that_contradict_one_another_are_told():
+    """A motor on what is held, which gives way by 1e-11 only: from the start on, or from 5 ms on."""
+    March(deck(BLOCKED.format(0.0)))
+    motor = "to prescribed_angle 'turn': moment that holds the angle"
+    with pytest.raises(AssemblyError, match=f"contradict one another: the others leave a rate of -1 rad/s {motor}"):
+        March(deck(BLOCKED.format("{linear: {slope: 1}}")))
+    with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}") as error:
+        March(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
+    assert "what to try: leave one of these constraints out" in str(error.value)
+
+
+def test_a_moment_on_what_has_no_inertia_is_told():
+    """The rotation of a point mass: nothing resists the moment."""
+    text = """
+    mecano: 1
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {m: {type: point_mass, node: a, mass: 1}}
+    loads: {turn: {type: moment, node: a, direction: [0, 1, 0], value: 3}}
+    time: {end: 0.1, step: 0.01}
+    """
+    with pytest.raises(ConvergenceError, match="node a: moment about material y: residual 3;") as error:
+        March(deck(text))
+    assert "what to try: a mass, an inertia or a stiffness for what is named and has none" in str(error.value)
 
 
 def test_summary_and_remarks_say_so():

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import results_samples as samples
 
+from mecano.compiled import store
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.results import blank
 from mecano.results.layout import Layout, Series
@@ -65,6 +66,21 @@ def test_metadata(finished):
     assert metadata["threads"] == 1 and metadata["process"] == os.getpid() and metadata["format_version"] == 1
     assert metadata["command_line"] and metadata["host"] and metadata["started"] and metadata["processor"]
     assert 0 < metadata["wall_time"] < 60 and metadata["processor_time"] > 0
+
+
+def test_the_clock_of_the_march_leaves_compiling_out(tmp_path, monkeypatch):
+    """3 s before, 500 s while it runs; a file in which the latter are not told apart is an older one."""
+    monkeypatch.setattr(store, "_times", [3.0])
+    with samples.create(tmp_path / "r.h5") as writer:
+        writer._started -= 500.0
+        store._times.append(500.0)
+        samples.append(writer, 0)
+    with open_results(tmp_path / "r.h5") as results:
+        assert 0 < results.metadata["wall_time"] < 60 and results.metadata["compile_time"] == 503.0
+    with h5py.File(tmp_path / "r.h5", "a") as older:
+        del older["run/compile_time"]
+    with open_results(tmp_path / "r.h5") as results:
+        assert results.metadata["compile_time"] == 0.0
 
 
 def test_named_views_carry_units_meanings_and_time(finished):

@@ -212,6 +212,14 @@ def test_a_bouncing_ball_comes_to_rest(verify):
     assert np.abs(march["energy/balance"] / (2 * g) - 1).max() < 1e-9
 
 
+def test_a_ball_comes_to_rest_in_long_steps():
+    """Rebounds soon follow one another within a thousandth of a step, which no rest speed of the deck foresees."""
+    march = March(input_deck("bouncing_ball", "time.step=0.5", "time.rest_speed=1e-9"))
+    assert march.happenings[-1].after == "contact"
+    assert abs(math.sqrt(2 / g) * (1 + 0.8) / (1 - 0.8) - march.happenings[-1].t) < 0.01 * 0.5
+    assert march.run.dissipated == pytest.approx(2 * g, rel=1e-9)
+
+
 def test_a_pendulum_rebounds_from_a_stop(verify):
     """Closed form in the deck; it rises to the angle with a quarter of the height."""
     march = March(input_deck("pendulum_stop", "time.step=5e-4"))
@@ -437,6 +445,48 @@ def test_a_run_goes_on_across_shocks_with_the_same_bits(name, times, tmp_path):
             loaded = from_plain(load_state(file["middle"]))
         other = march_of(prepare(checked)).to(end, loaded)
         assert np.array_equal(other.motion.v, whole.motion.v) and other.dissipated == whole.dissipated
+
+
+PUSHED = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{a: {{position: [0, 0, 0]}}, m: {{position: [{apart}, 0, 0]}}, b: {{position: [{far}, 0, 0]}}}}
+    elements:
+      A: {{type: rigid_body, node: a, mass: 2, inertia: [1, 1, 1]}}
+      B: {{type: point_mass, node: b, mass: 3}}
+      spring: {{type: spring_damper, nodes: [m, b], law: {{spring: {{stiffness: 1000}}}}, natural_length: 1}}
+      {cable}
+    joints: {{{joint}}}
+    initial: {{velocities: [{{nodes: [a], velocity: [-1, 0, 0]}}, {{nodes: [b, m], velocity: [0.5, 0, 0]}}]}}
+    time: {{end: 0.15, step: 1.0e-3}}
+"""
+
+
+@pytest.mark.parametrize(
+    "apart, cable, joint",
+    [
+        (
+            1,
+            "rope: {type: cable, nodes: [a, m], axial_stiffness: 1.0e5, natural_length: 1.1, at_full_length: shock}",
+            "",
+        ),
+        (
+            1,
+            "rope: {type: cable, nodes: [a, m], axial_stiffness: 1.0e5, natural_length: 1.1, at_full_length: hold}",
+            "",
+        ),
+        (0, "", "slide: {type: prismatic, nodes: [a, m], axis: [1, 0, 0], stops: {upper: 0.1, restitution: 0.5}}"),
+    ],
+    ids=["shock", "hold", "stop"],
+)
+def test_what_has_no_mass_gives_way_to_any_impulse(apart, cable, joint):
+    """The limit of a small mass m between 2 and 3 kg: no impulse, no loss, momentum stays -0.5 N s."""
+    march = March(deck(PUSHED.format(apart=apart, far=apart + 1, cable=cable, joint=joint)))
+    (shock,) = march.happenings
+    assert abs(shock.t - 0.1 / 1.5) < 1e-9 and shock.impulse == 0.0 and shock.lost == 0.0
+    momentum = 2.0 * march["nodes/a/velocity"][:, 0] + 3.0 * march["nodes/b/velocity"][:, 0]
+    assert np.abs(momentum + 0.5).max() < 1e-12
+    assert march["nodes/a/velocity"][-1, 0] > -0.99  # the spring brakes it from then on
 
 
 def test_complementarity():

@@ -15,11 +15,12 @@ from marching import INPUTS, deck, input_deck
 
 from mecano.errors import ConvergenceError, UsageError
 from mecano.modes_run import about
-from mecano.post.loci import real_range
+from mecano.post.loci import real_range, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
-from mecano.solve.tracking import Spectrum, loci, track
+from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
 from mecano.sweep_run import Axis, sweep, sweep_into
+from mecano.sweep_text import known
 
 G = 9.81
 
@@ -158,6 +159,23 @@ def test_bicycle(verify):
     np.testing.assert_array_equal(locus.count, [1, 0, 0, 0, 0, 1])
 
 
+@pytest.mark.parametrize("speeds", ["1,5,300", "6.0242,6.0243"])
+def test_how_well_a_critical_value_is_known(speeds):
+    """Free motions hide a real eigenvalue within 1e-9 m/s of the capsize speed; what is told of it holds."""
+    (locus,) = sweep(INPUTS / "bicycle.yaml", (), [f"speed={speeds}"]).loci
+    for c, exact in zip(locus.critical[::-1], (6.024262015388837, 4.292382536341), strict=False):
+        assert abs(c.place - exact) < max(c.error, 5e-12) and c.error < 1e-9
+        told = known(c.place, c.error)
+        unit = 10.0 ** -len(told.partition(".")[2])
+        assert abs(float(told) - exact) < 0.5 * unit + c.error and 2.0 * c.error < unit < 1e-8
+
+
+def test_digits_that_hold():
+    assert known(6.02426201447, 1.1e-9) == "6.02426201" and known(6.02426201447, 1e-13) == "6.0242620145"
+    assert known(126.7200000, 2e-3) == "126.72" and known(-0.0456789, 4e-5) == "-0.0457"
+    assert known(3.14, 7.0) == "3" and known(0.0, 1e-3) == "0" and known(2.5, 0.0) == "2.5"
+
+
 def test_disc_that_stays_upright(tmp_path, verify):
     """Neutral above the critical speed: the border of growth, where a pair of real eigenvalues becomes imaginary."""
     from test_rigid_wheel import UPRIGHT
@@ -231,6 +249,11 @@ def test_map_files_and_pictures(tmp_path):
         rows = list(csv.reader(table))
     assert rows[0][:3] == ["damping", "speed", "growth [1/s]"] and len(rows) == 7
     assert float(rows[1][2]) == file.map["growth"][0, 0]
+    ax, bar = sweep_figure(file).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed [m/s]", "damping [N m s/rad]")
+    low, high = (min(file.map["growth"].flat), max(file.map["growth"].flat))
+    ticks = [tick for tick in bar.get_yticks() if low <= tick <= high]
+    assert min(ticks) < 0.0 < max(ticks)
     assert [p.name for p in post([path], output=str(tmp_path))] == ["map.png"]
     assert (tmp_path / "map.png").stat().st_size > 20_000
 
@@ -254,6 +277,29 @@ def test_critical_values_about_a_start_that_is_kicked(tmp_path):
     assert [p.name for p in post([path])] == ["kicked.png"]
 
 
+def test_a_motion_without_stiffness_has_no_critical_value():
+    """The spin of a wheel that swings at 0.3 rad/s: its eigenvalue is between -0.009 and 0.0015 /s, and means nothing.
+
+    Known critical speeds: the header of the deck.
+    """
+    (locus,) = sweep(INPUTS / "shimmy_freeplay.yaml", (), ["speed=1,20,50,80"]).loci
+    places = [c.place for c in locus.critical]
+    assert places == pytest.approx([1.56, 73.3], rel=1e-2)
+    np.testing.assert_array_equal(locus.count, [0, 1, 1, 0])
+    spin = [row for row in locus.values if np.all(np.abs(row) < 0.02)]
+    assert len(spin) == 1 and np.any(unstable(spin[0])) and not np.all(unstable(spin[0]))
+    np.testing.assert_allclose(locus.least, 0.3, rtol=0.3)
+
+
+def test_growth_counts_where_it_means_more_than_zero_before_it_ends():
+    """Three branches: about zero throughout; slow at first, then fast; a pair that parts into real eigenvalues."""
+    values = np.array([[-0.1, 0.1, 0.05, -0.1, -0.1], [-0.1, 0.1, 2.0, 2.0, -3.0], [0.1 + 9j, -0.1 + 9j, -1, 2, 3]])
+    spectra = [Spectrum(column, np.eye(3), 1.0) for column in values.T]
+    told = [growing(np.full(5, b), spectra) for b in range(3)]
+    np.testing.assert_array_equal(told, [5 * [False], [0, 1, 1, 1, 0], [1, 0, 0, 1, 1]])
+    np.testing.assert_array_equal(growing(np.array([-1, 1, 1, -1, 1]), spectra), [0, 1, 1, 0, 0])
+
+
 def test_pictures_show_what_is_near_the_limit_of_stability():
     """A mode that grows by 0.5 /s beside one that decays by 2000 /s: both cannot be seen on one axis."""
     real = np.array([[-0.3, 0.1, 0.5], [-40.0, -60.0, -2000.0], [-1.0, -2.0, -3.0]])
@@ -272,6 +318,7 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     out, errors = capsys.readouterr()
     assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
     file = read_sweep("bicycle_sweep.h5")
+    assert [ax.get_xlabel() for ax in sweep_figure(file).axes] == ["real part [1/s]", *["speed [m/s]"] * 3]
     assert file.title == "Benchmark bicycle" and file.modes["real_part"].shape == (3, 3)
     assert file.modes["damping_ratio"].max() == 1.0 and len(file.motions) == 3
     with h5py.File("bicycle_sweep.h5") as h5:

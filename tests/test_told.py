@@ -1,5 +1,6 @@
 """What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
 
+import re
 from types import SimpleNamespace
 
 import h5py
@@ -9,10 +10,15 @@ from marching import INPUTS, input_deck
 from process import flowing, mecano_process, settings
 
 import mecano
+from mecano.cli import commands
+from mecano.compiled import store
+from mecano.deck import seldom
 from mecano.deck.amounts import result_bytes, saved_times, steps
-from mecano.modes_run import modes
+from mecano.deck.read import deck_of_bytes
+from mecano.modes_run import about, modes
 from mecano.outcome import cut_short, unbalanced
 from mecano.prepare import prepare, remarks
+from mecano.progress import Progress
 from mecano.solve.scales import length_scale
 from mecano.summary import summary
 
@@ -65,6 +71,22 @@ def test_remarks_are_printed_once_and_stored(name, tmp_path):
     assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
     assert f"remark {remark}" in info(tmp_path)
     assert results.status == "complete" and results.reason == "the end was reached"
+
+
+@pytest.mark.parametrize(
+    ("name", "nodes", "motion", "told"),
+    [
+        ("pendulum", "[pin]", "velocity: [0, 0, 1]", "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s"),  # on the ground
+        ("pendulum", "[pin]", "angular_velocity: [2, 3, 0]", "node 'pin' from [2, 3, 0] to [0, 3, 0] rad/s"),
+        ("pendulum", "[pin]", "angular_velocity: [0, 3, 0]", ""),
+        ("pendulum", "all", "velocity: [0, 0, 1]", ""),
+        ("caster_shimmy", "[hub]", "angular_velocity: [0, 0.1, 0]", ""),  # beside steady running
+    ],
+)
+def test_initial_velocities_that_cannot_be_are_told(name, nodes, motion, told):
+    base = about(input_deck(name, f"initial.velocities=[{{nodes: {nodes}, {motion}}}]"))
+    said = [text for text in base.remarks if "initial velocities" in text]
+    assert [text.partition("(momenta kept): ")[2] for text in said] == ([told] if told else [])
 
 
 def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
@@ -152,6 +174,53 @@ def test_absurd_amounts_are_warned_of_before_the_run():
     assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
 
 
+def test_negative_stiffness_and_damping_are_remarked():
+    """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
+    bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
+    deck = input_deck("snap_through", *bars)
+    (said,) = remarks(prepare(deck))
+    assert said.startswith(
+        "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away from its"
+    )
+    assert f"remark {said}" in flowing(summary(deck))
+    assert remarks(prepare(input_deck("snap_through"))) == []
+    swings = "{linear: {slope: 1}, damper_polynomial: {coefficients: [0, -1, 0, 4]}}"
+    (said,) = seldom.remarks(input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").values)
+    assert said.startswith("hinge 'hinge': 'compliance.along_1.damper_polynomial.coefficients[1]' is negative (-1): it")
+
+
+@pytest.mark.parametrize(
+    ("name", "override", "told"),
+    [
+        ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
+        ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
+        ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
+        ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
+        ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),
+        (
+            "flexible_pendulum",
+            "sections.rubber.E=210000",
+            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it meant",
+        ),
+        ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load moves nothing"),
+        ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
+    ],
+)
+def test_what_is_seldom_meant_is_remarked(name, override, told):
+    said = list(seldom.remarks(input_deck(name, override).values))
+    assert len(said) == bool(told) and all(text.startswith(told) for text in said)
+
+
+def test_a_model_without_mass_is_remarked():
+    deck = deck_of_bytes(b"""
+mecano: 1
+nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
+elements: {spring: {type: spring_damper, nodes: [a, b], law: {spring: {stiffness: 10}, damper: {coefficient: 1}}}}
+time: {end: 1, step: 0.01}
+""", "light.yaml")  # fmt: skip
+    assert remarks(prepare(deck)) == ["nothing in the model has a mass: is it meant so?"]
+
+
 def test_a_fixed_step_that_newton_cannot_take_is_told():
     values = {"adaptive": None, "step": 0.1}
     (text,) = cut_short(values, [(0.0, 0.025), (0.3, 0.00625)], SimpleNamespace(steps=199))
@@ -192,6 +261,27 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, told):
     assert not list(unbalanced(values, sampler, extremes))
 
 
+@pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])
+def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
+    """As a run does: nothing else is said for a minute or two."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("mecano.progress.compiled_before", lambda kinds: "hinge" not in kinds)
+    for quiet in ((), ("-q",)):
+        commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
+        assert ("mecano: compiling what this deck is the first to use" in capsys.readouterr().err) == (not quiet)
+
+
+def test_time_for_compiling_is_told_apart(monkeypatch, capsys):
+    """100 s before and 500 s in between, which count as if they had passed."""
+    monkeypatch.setattr(store, "_times", [100.0])
+    progress = Progress({"start": 0.0, "end": 1.0}, False, "r.h5")
+    store._times.append(500.0)
+    progress.begun -= 500.0
+    progress.finished("3 steps")
+    told = capsys.readouterr().err
+    assert re.match(r"mecano: 3 steps, in 0\.\d\d s and 500\.00 s for compiling\n", told)
+
+
 def test_friction_at_rest_is_told_to_be_a_damper():
     """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
     at_rest = "joint sticks, and these are the modes with that damper"
@@ -205,14 +295,17 @@ def test_friction_at_rest_is_told_to_be_a_damper():
 @pytest.mark.parametrize(
     ("name", "mass", "loose"),
     [
-        ("superelement_arm", 12, "80 unknown(s) that no constraint ties: node n1: all; "),  # 1.2 kg/m over 10 m
-        ("beam_spin_up", 12, "ties: node tip: all; all of the 7 node(s) inside 'arm' redundant"),
-        ("hanging_chain", 1.5, "mechanism of 2 degree(s) of freedom"),
+        ("superelement_arm", 12, "80: 0 with flexible members held stiff, 80 deformations of these redundant 0"),
+        ("beam_spin_up", 12, "48: 0 with flexible members held stiff, 48 deformations of these redundant 0"),
+        ("flexible_pendulum", 0.0863938, "49: 1 with flexible members held stiff, 48 deformations of these mech"),
+        ("caster_shimmy", 12, "5: 2 with flexible members and tyres held stiff, 3 deformations of these 1 free, each"),
+        ("hanging_chain", 1.5, "5 3 free, each by itself: node p1: displacement y; node p2: displacement y; node p3"),
     ],
 )
 def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
-    said = " ".join(summary(input_deck(name)).split())
-    assert f" mass {mass} kg " in said and loose in said
+    """Masses: 1.2 kg/m over 10 m, twice; 1100 kg/m3 in a rod of 10 mm and 1 m; 2 + 10 kg; 3 times 0.5 kg."""
+    said = flowing(summary(input_deck(name)))
+    assert f" mass {mass} kg " in said and f" mobility {loose}" in said
 
 
 def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
@@ -227,9 +320,19 @@ def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
 
 
 def test_check_names_the_first_of_many_mechanisms():
-    deck = input_deck("reflector")
-    short, long = summary(deck), summary(deck, every=True)
-    assert "269 unknown(s) that no constraint ties: node post0_high, face0_1_high_a and 5 more: displacement" in short
-    assert "and 74 more mechanism(s) of 139 degree(s) of freedom together" in short.replace("\n    ", " ")
-    assert len(short.splitlines()) < 45 and "more" not in long.replace("5 more", "").replace("2 more", "")
-    assert long.count("mechanism of") == 78
+    """Six chains of three masses, each with two motions in its plane and three across it."""
+    links = "{repeat: {c: 1..6, i: 1..4}, type: rigid_rod, nodes: [p$(c)_$(i - 1), p$(c)_$i]}"
+    deck = deck_of_bytes(f"""
+mecano: 1
+nodes:
+  p$(c)_$i: {{repeat: {{c: 1..6, i: 0..4}}, position: [$i, '$c', '-0.1 * $i * (4 - $i)'], fixed: false}}
+elements: {{m$(c)_$i: {{repeat: {{c: 1..6, i: 1..3}}, type: point_mass, node: p$(c)_$i, mass: 1}}}}
+joints: {{rod$(c)_$i: {links}, a$(c): {{repeat: {{c: 1..6}}, type: spherical, nodes: [ground, p$(c)_0]}},
+  b$(c): {{repeat: {{c: 1..6}}, type: spherical, nodes: [ground, p$(c)_4]}}}}
+time: {{end: 1, step: 0.1}}
+""".encode(), "chains.yaml")  # fmt: skip
+    short, long = flowing(summary(deck)), flowing(summary(deck, every=True))
+    assert "18 free, each by itself: node p1_1: displacement y; node p1_2: displacement y;" in short
+    assert "and 12 more mechanism of 2 degree(s) of freedom" in short and "more" not in long
+    assert "and 2 more mechanism(s) of 4 degree(s) of freedom together" in short
+    assert short.count("mechanism of") == 4 and long.count("mechanism of") == 6

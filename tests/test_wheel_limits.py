@@ -1,11 +1,15 @@
 """Where wheels can go no further, or must not start: what the user is told, in the words of the deck."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from marching import deck, input_deck
 
 import mecano
 from mecano.constraints.ground import rim_above
+from mecano.deck.read import deck_of_bytes
+from mecano.elements import KINDS
 from mecano.errors import AssemblyError, ConvergenceError, DeckError
 from mecano.prepare import prepare, remarks
 from mecano.run import run
@@ -219,6 +223,15 @@ def test_a_hollow_counts_where_and_how_the_wheel_crosses_it():
     on(wave, direction="[1, 1.7320508, 0]", kind="flexible_wheel")
     with pytest.raises(DeckError, match="less than that of the wheel"):
         on(wave, direction="[1, 0.5, 0]", kind="flexible_wheel")
+
+
+def test_a_wheel_is_checked_once():
+    """Also one on waves, which are looked at for hollows behind the check of what the wheel says of itself."""
+    told, wheel = [], KINDS["rigid_wheel"]
+    counting = replace(wheel, check=lambda d, nodes: told.append(d) or wheel.check(d, nodes))
+    text = on("{sine: {amplitude: 0.02, frequency: 2.0}}").text
+    deck_of_bytes(text.encode(), "test.yaml", kinds={**KINDS, "rigid_wheel": counting})
+    assert len(told) == 1
 
 
 def test_of_a_random_road_the_way_of_the_run_counts():

@@ -72,7 +72,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
 @click.option("--csv", "columns", is_flag=True, help="Write the numbers of a sweep beside the file, too.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep.")
+@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep, and nothing of compiling.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
@@ -93,6 +93,9 @@ def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet,
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
     from mecano.modes_run import modes as find
+    from mecano.progress import SweepProgress
+
+    SweepProgress(quiet, path).compiling(checked.kinds)
 
     text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
     show(text)
@@ -103,12 +106,14 @@ def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet,
 
 
 def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
+    from mecano.deck.read import read_deck
     from mecano.progress import SweepProgress
     from mecano.sweep_run import sweep_into
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
     Interruption().listen((signal.SIGINT, signal.SIGTERM))
+    progress.compiling(read_deck(deck, overrides).kinds)
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
         progress=progress,

@@ -27,6 +27,7 @@ UNUSED = 90 * 86400.0  # s after which a folder is removed when a new one is mad
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
 
 _kept = []  # what LLVM has loaded, which lives as long as this
+_times = []  # s by the clock that each function took that this process has compiled
 
 
 @cache
@@ -70,11 +71,18 @@ def address(name, code):
     """Address of the C function ``name``; code(compiler) -> (symbol, machine code), if the disk has none."""
     found = _read(name)
     if found is None:
+        begun = time.monotonic()
         from mecano.compiled import compiler
 
         found = code(compiler)
         _write(name, *found)
+        _times.append(time.monotonic() - begun)
     return _load(name, *found)
+
+
+def compile_time():
+    """Time by the clock [s] that this process has spent on compiling."""
+    return sum(_times)
 
 
 def has(name):

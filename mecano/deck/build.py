@@ -23,12 +23,12 @@ def build(deck):
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
 
 
-def set_velocities(deck, system, s):
-    """Set the velocities of the state ``s`` in place from ``initial.velocities`` of the deck.
+def asked_velocities(deck, system):
+    """Velocities [m/s], angular velocities [rad/s] (n_nodes, 3), inertial, that ``initial.velocities`` asks for.
 
-    Entries add up. An unknown that several nodes share takes the mean over those that an entry names.
+    Entries add up. Also which nodes (n_nodes,) an entry names.
     """
-    of, n_nodes = system.numbering, len(system.nodes)
+    n_nodes = len(system.nodes)
     v, omega, named = np.zeros((n_nodes, 3)), np.zeros((n_nodes, 3)), np.zeros(n_nodes, bool)
     index = {node.name: i for i, node in enumerate(system.nodes)}
     for entry in deck.values["initial"]["velocities"]:
@@ -40,6 +40,15 @@ def set_velocities(deck, system, s):
             v[i] += np.array(entry["velocity"]) + np.cross(spin, x - about)
             omega[i] += spin
             named[i] = True
+    return v, omega, named
+
+
+def set_velocities(deck, system, s):
+    """Set the velocities of the state ``s`` in place to those that the deck asks for.
+
+    An unknown that several nodes share takes the mean over those that an entry names; what is fixed stays at rest.
+    """
+    of, (v, omega, named) = system.numbering, asked_velocities(deck, system)
     sums, counts = np.zeros_like(s.v), np.zeros_like(s.v)
     for i in np.flatnonzero(named):
         for first, value in ((of.x[i], v[i]), (of.r[i], system.nodes[i].R.T @ omega[i])):

@@ -171,7 +171,8 @@ class Composer:
         """A key must be a text, and new."""
         if type(key.value) is not str:
             shown = quoted(key.raw) if key.raw else "this"
-            self.problem(f"a key must be a name, and {shown} is none", key, "put names that look so in quotes")
+            hint = _decimal_comma(mapping, key) or "put names that look so in quotes"
+            self.problem(f"a key must be a name, and {shown} is none", key, hint)
         elif key.value in mapping:
             line = mapping[key.value][0].line + 1
             self.problem(f"duplicate key {quoted(key.value)}, first given in line {line}", key)
@@ -205,7 +206,7 @@ def compose(source, problems, loader=LOADER):
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Node(None, source, mark.line, mark.column) if mark else Node(None, source)
-        composer.stop(_syntax(error), place, _syntax_hint(place))
+        composer.stop(_syntax(error), place, _syntax_hint(error, place))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         composer.stop(f"not valid YAML: {error}".splitlines()[0], Node(None, source))
     return composer.root
@@ -216,10 +217,25 @@ def _syntax(error):
     return "not valid YAML: " + ", ".join(parts)
 
 
-def _syntax_hint(place):
-    rest = place.mark.text[place.column :]
+def _syntax_hint(error, place):
+    rest, problem = place.mark.text[place.column :], error.problem or ""
     if rest.startswith("\t"):
         return "indent with spaces, not with tabs"
     if rest[:1] in ("%", "@", "`"):
         return "put the text in quotes"
+    if "flow" in (error.context or "") and error.context_mark:
+        return f"the bracket opened in line {error.context_mark.line + 1} is not closed before this"
+    if "expected key" in problem:
+        return "keys that belong together begin in the same column"
+    if "mapping values are not allowed" in problem:
+        return "a text with ': ' stands in quotes, and keys that belong together begin in the same column"
     return ""
+
+
+def _decimal_comma(mapping, key):
+    """Hint for the digits behind a comma, which are read as a key, without a space after a number; or nothing."""
+    _, before = list(mapping.values())[-1] if mapping else (None, None)
+    if before is None or type(before.value) is not int or not key.raw.isdigit() or before.line != key.line:
+        return ""
+    behind = key.column == before.column + len(before.raw) + 1
+    return f"a decimal point, not a comma: {before.raw}.{key.raw}" if behind else ""

@@ -10,6 +10,12 @@ from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+CALLED_ELSEWHERE = {  # what other programs call some kinds
+    "revolute": "hinge", "pin": "hinge", "ball": "spherical", "slider": "prismatic", "translational": "prismatic",
+    "weld": "fixed", "rigid": "fixed", "hooke": "universal", "motor": "prescribed_angle", "gear": "gear_pair",
+    "spring": "spring_damper", "damper": "spring_damper", "mass": "point_mass", "body": "rigid_body",
+    "rod": "rigid_rod", "rope": "cable", "tire": "wheel", "tyre": "wheel",
+}  # fmt: skip
 RESERVED = {"nodes": ("ground", "all")}
 
 
@@ -53,7 +59,7 @@ def mapping(node, field, scope):
 def filled(node, field, fields, scope, given=None):
     """A dict of the given fields from a mapping; ``given`` are keys and values that the caller has read."""
     if type(node.value) is not dict:
-        return scope.refuse_value(node, field)
+        return scope.refuse_value(node, field, hint=_as_mapping(node, fields))
     before, owner = len(scope.problems), scope.owner or node
     values = dict(given or {})
     known = {inner.name for inner in fields}.union(values)
@@ -61,7 +67,7 @@ def filled(node, field, fields, scope, given=None):
         scope.path.append(field.name)
     for key, (key_node, _) in node.value.items():
         if key not in known:
-            hint = scope.suggest(key, sorted(known))
+            hint = scope.suggest(key, sorted(known)) if ":" not in key else "a space stands behind ':'"
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
     for inner in fields:
         pair = node.value.get(inner.name)
@@ -77,6 +83,13 @@ def filled(node, field, fields, scope, given=None):
     # a parameter that was refused elsewhere makes a value invalid without another problem
     refused = len(scope.problems) > before or any(value is INVALID for value in values.values())
     return INVALID if refused else values
+
+
+def _as_mapping(node, fields):
+    """Hint for a number, or its unit, where there must be a mapping that needs only one; or nothing."""
+    required = [field for field in fields if field.required]
+    number = len(required) == 1 and required[0].type.name == "number" and type(node.value) is not list
+    return f"write {{{required[0].name}: {node.raw}}}" if number and node.raw else ""
 
 
 def _left_out(node, field):
@@ -183,5 +196,7 @@ def _unknown_kind(type_node, found, section, scope):
     if found and found.section:
         text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
         return scope.refuse(type_node, text)
-    hint = scope.suggest(type_node.value, _kinds_of(section, scope))
+    known = CALLED_ELSEWHERE.get(type_node.value.lower().removesuffix("_joint"))
+    hint = f"here it is called {quoted(known)}" if known in scope.kinds else ""
+    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` names all"
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

@@ -2,6 +2,7 @@
 
 MAX_PRINTED = 50
 WINDOW = 100  # characters shown of a long line
+CUT = "…"  # in the place of the first or the last of them, where more stands before or behind
 
 
 def problem_text(problem, others=0):
@@ -24,8 +25,11 @@ def problem_text(problem, others=0):
 def _line_and_caret(mark):
     column = mark.column - 1
     begin = max(0, column - WINDOW // 2) if column > WINDOW - 10 else 0
-    line = mark.text[begin : begin + WINDOW].replace("\t", " ").rstrip()
+    text = mark.text.rstrip()
+    line = text[begin : begin + WINDOW].replace("\t", " ")
     line = "".join(c if c.isprintable() else "?" for c in line)
+    line = CUT + line[1:] if begin else line
+    line = line[:-1] + CUT if begin + WINDOW < len(text) else line
     return [f"    {line}", "    " + " " * (column - begin) + "^"]
 
 

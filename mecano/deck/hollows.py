@@ -10,22 +10,21 @@ from mecano.deck.wording import quoted
 from mecano.schema import GROUND
 
 
-def check_hollows(values, at, root, scope):
+def check_hollows(values, at, sound, root, scope):
     """Note the grounds, once each, with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
 
-    A wheel that is wrong otherwise is left out.
+    A wheel that is wrong otherwise, whose ("elements", name) is not in ``sound``, is left out.
     """
     wheels = {kind.name for kind in scope.kinds.values() if any(field.type is GROUND for field in kind.fields)}
     told, way = set(), _way(values)
     for name, d in values["elements"].items():
-        if d["type"] not in wheels or not d["ground"]["profile"] or d["node"] not in at or id(d["ground"]) in told:
+        if d["type"] not in wheels or ("elements", name) not in sound:
             continue
-        kind, pose = scope.kinds[d["type"]], at[d["node"]]
+        if not d["ground"]["profile"] or id(d["ground"]) in told:
+            continue
+        kind, radius = scope.kinds[d["type"]], d.get("tire_law", d)["radius"]
         with np.errstate(all="ignore"):
-            if kind.check(d, [pose]):
-                continue
-            radius = d.get("tire_law", d)["radius"]
-            hollow = narrowest_hollow(d["ground"], pose[0], d["axis"], radius, way)
+            hollow = narrowest_hollow(d["ground"], at[d["node"]][0], d["axis"], radius, way)
         if hollow:
             told.add(id(d["ground"]))
             scope.subject = f"{kind.name} {quoted(name)}"

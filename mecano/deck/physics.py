@@ -47,7 +47,7 @@ def poses(nodes):
 
 def check_model(values, root, scope):
     """Note everything in the elements, joints, loads and nodes that cannot be."""
-    at, used, owners, told = poses(values["nodes"]), set(), {}, set()
+    at, used, owners, told, sound = poses(values["nodes"]), set(), {}, set(), set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():
@@ -64,9 +64,11 @@ def check_model(values, root, scope):
             if name in left:
                 scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
             elif all(node in at for node in names if node != "ground"):
-                _check_element(kind, element, names, at, (key, node), root, scope, told)
-    check_hollows(values, at, root, scope)
+                if _check_element(kind, element, names, at, (key, node), root, scope, told):
+                    sound.add((section, name))
+    check_hollows(values, at, sound, root, scope)
     _check_axes(values["joints"], root, scope)
+    _check_latches(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
 
 
@@ -86,6 +88,22 @@ def _check_axes(joints, root, scope):
             scope.refuse(place_of(text, node, key), f"{text}, about which alone they can turn")
 
 
+def _check_latches(joints, root, scope):
+    """Note latches that lie beyond a stop of their joint, which can never reach them."""
+    for name, d in joints.items():
+        if not d.get("latch") or not d.get("stops"):
+            continue
+        ((quantity, value),) = d["latch"].items()
+        side, unit = "upper" if value > 0.0 else "lower", "rad" if quantity == "angle" else "m"
+        stop = d["stops"][side]
+        if abs(value) > abs(stop):
+            _, node = root.value["joints"][1].value[name]
+            scope.subject = f"{d['type']} {quoted(name)}"
+            text = f"'latch.{quantity}' lies at {value:g} {unit}, beyond the {side} stop at {stop:g} {unit}"
+            hint = f"move the stop to {value:g} {unit} or beyond, or let the latch come before it"
+            scope.refuse(node.value["latch"][1].value[quantity][1], f"{text}: the joint would never lock", hint)
+
+
 def _place_members(elements, at, kinds):
     """Add the nodes of members to ``at``; names of those that end at nodes of no member."""
     members = [
@@ -100,11 +118,11 @@ def _place_members(elements, at, kinds):
 
 
 def _check_element(kind, element, names, at, entry, root, scope, told):
-    """Note what the kind says is wrong; of a law or ground that several elements name, once (``told``)."""
+    """Whether nothing is wrong; notes what the kind says, of a law or ground of several elements once (``told``)."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
-        return
+        return False
     held = next((name for name in names if name != "ground"), None)
     given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
     with np.errstate(all="ignore"):
@@ -114,6 +132,7 @@ def _check_element(kind, element, names, at, entry, root, scope, told):
         if (id(place), text) not in told:
             told.add((id(place), text))
             scope.refuse(place, text)
+    return not texts
 
 
 def _check_unused(nodes, used, root, scope):

@@ -58,13 +58,13 @@ class Scope:
             raise DeckError(self.problems)
         return INVALID
 
-    def refuse_value(self, node, declared, what=None):
+    def refuse_value(self, node, declared, what=None, hint=""):
         """Note that the value of a field is not what it must be; returns INVALID."""
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
         expression = type(node.value) is str and is_expression(node.value)
-        hint = "" if expression else how_to_write(node, declared)
+        hint = hint or ("" if expression else how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
     def name_of(self, name):

@@ -184,7 +184,8 @@ def node_names(node, field, scope):
     """A list of names of nodes, as many as the type asks for, one of which may then be ``ground``."""
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
-        return scope.refuse_value(node, field)
+        hint = f"write [{node.value}]" if type(node.value) is str and not length else ""
+        return scope.refuse_value(node, field, hint=hint)
     values = []
     for i, item in enumerate(node.value):
         if length and item.value == "ground" and "ground" not in values:

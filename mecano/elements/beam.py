@@ -216,6 +216,7 @@ BEAM = Kind(
         Output("strain_energy", "J", "strain energy"),
         Output("kinetic_energy", "J", "kinetic energy"),
     ),
+    flexible=True,
     prepare=prepare,
     divide=divide,
     check=check,

@@ -255,6 +255,7 @@ DECLARED = {
         Field("mass_damping", NUMBER, "1/s", "damping per mass, of deformations only", 0.0, not_negative),
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),
+    "flexible": True,
     "prepare": prepare,
     "check": check,
     "force": force,

@@ -7,7 +7,10 @@ Motors are hinges with a law and a latch. Against the mean of their angles, from
                  taken by prescribed motion and winders; what is left of the torque accelerates
     margin       torque over resisting torque
 
-All are means over small intervals of the angle, between saved times, so that small swings do not matter.
+All are means over small intervals of the angle, between saved times, so that small swings do not matter. The least
+margin is told twice: on the way, and in its last LATCHING. There members of a flexible structure tighten and bend as it
+comes to its shape, by its momentum as much as by its motors, and would hide how near these were to stopping before.
+Of a structure that does not tighten, the smaller of both numbers counts.
 """
 
 import numpy as np
@@ -17,6 +20,7 @@ from mecano.post.sheet import Curve, Panel, Sheet
 
 ANGLES = "angles of the motors"  # to which quantities belong
 INTERVALS = 40
+LATCHING = 0.05  # of the way to the first lock
 LEAST = 1e-3  # of the largest torque: resistance below that is none
 
 
@@ -33,11 +37,21 @@ def deployment_sheet(runs):
             margin = np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
             if resists.any():
                 margins.append(curve.of("margin", "-", margin))
-                least = int(np.nanargmin(margin))
-                told.append(f"least {margin[least]:.3g} at {angle[least]:.3g} rad")
+                told.append(margin_told(angle, margin))
     panels = [Panel("torque of a motor", tuple(torques))] if torques else []
-    panels += [Panel("deployment margin", tuple(margins), note="; ".join(told))] if margins else []
+    panels += [Panel("deployment margin", tuple(margins), note="\n".join(told))] if margins else []
     return Sheet("deployment", "Deployment: motors over what resists, to the first lock", tuple(panels))
+
+
+def margin_told(angle, margin):
+    """The least margin (n,) on the way over angles (n,) [rad], and that of its last LATCHING, in words."""
+    last = np.arange(len(angle)) >= round((1.0 - LATCHING) * len(angle))
+    least = []
+    for rows in (~last, last):
+        known = np.flatnonzero(rows & np.isfinite(margin))
+        at = known[np.argmin(margin[known])] if len(known) else None
+        least.append("nothing resists" if at is None else f"{margin[at]:.3g} at {angle[at]:.3g} rad")
+    return f"least {least[0]}; in the last {LATCHING:.0%} of the way {least[1]}"
 
 
 def motors(run):

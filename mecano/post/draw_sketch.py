@@ -1,6 +1,7 @@
 """A side view of the mechanism drawn into axes of matplotlib."""
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from mecano.post.shapes import BODY, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
@@ -31,10 +32,11 @@ def draw_sketch(ax, sketch, title="", named=True):
     few = sum(shape.style == JOINT for shape in sketch.shapes) <= MOST_DOTS
     for i in range(count):
         opacity = FAINTEST + (1.0 - FAINTEST) * (i / max(count - 1, 1)) ** 2 if sketch.in_place else 1.0
-        for shape in sketch.shapes:
-            if few or shape.style != JOINT:
-                points = shape.points[i][:, (right, up)] + (sketch.shift[i], 0.0)
+        placed = [(shape, shape.points[i][:, (right, up)] + (sketch.shift[i], 0.0)) for shape in sketch.shapes]
+        for shape, points in placed:
+            if shape.style in DRAW and (few or shape.style != JOINT):
                 DRAW[shape.style](ax, points, colours.get(shape.name, INK), opacity)
+        _draw_rods(ax, [(points, colours[shape.name]) for shape, points in placed if shape.style in RODS], opacity)
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
     ax.set_ylabel(f"{LETTERS[up]} [m]")
@@ -92,8 +94,12 @@ def _draw_body(ax, points, colour, opacity):
     ax.plot(*np.vstack([outline, outline[:1]]).T, color=colour, alpha=opacity, linewidth=2.0, zorder=3)
 
 
-def _draw_rod(ax, points, colour, opacity):
-    ax.plot(*points.T, color=colour, alpha=opacity, linewidth=1.4, zorder=3)
+def _draw_rods(ax, rods, opacity):
+    """All at once: there may be hundreds, and lines of their own take a millisecond each."""
+    if rods:
+        lines, drawn = zip(*rods, strict=True)
+        ax.add_collection(LineCollection(lines, colors=drawn, alpha=opacity, linewidths=1.4, capstyle="projecting",
+                                         joinstyle="round", zorder=3))  # fmt: skip
 
 
 def _draw_spring(ax, points, colour, opacity):
@@ -121,11 +127,10 @@ def _draw_support(ax, points, colour, opacity):
         ax.plot(*points[0], marker=TRIANGLE, color=GREY, markersize=SUPPORT_SIZE, markeredgewidth=0, zorder=2.8)
 
 
+RODS = (ROD, GUIDE)
 DRAW = {
     BODY: _draw_body,
     MASS: _draw_mass,
-    ROD: _draw_rod,
-    GUIDE: _draw_rod,
     SPRING: _draw_spring,
     WHEEL: _draw_wheel,
     JOINT: _draw_joint,

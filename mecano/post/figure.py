@@ -5,10 +5,11 @@ import math
 import matplotlib
 from matplotlib.figure import Figure
 
-from mecano.post.draw_panel import Look, draw_panel, room_above
+from mecano.post.draw_panel import draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
+from mecano.post.look import Look
 from mecano.post.sheet import Panel
-from mecano.post.style import GREY, LINE_OF_TEXT, SETTINGS, legend_columns
+from mecano.post.style import GREY, LEGEND, LINE_OF_TEXT, SETTINGS, legend_columns
 
 PANEL = (4.6, 2.35)  # inches
 SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
@@ -54,10 +55,17 @@ def overview_figure(sheet, title, facts):
     return figure
 
 
-def save(figure, path):
-    """Write a figure; the same numbers give the same bytes. Raises OSError."""
+def save(figure, target, kind=""):
+    """Write a figure, once, to a path that tells the ``kind``, or to a stream; the same numbers give the same bytes.
+
+    Raises OSError.
+    """
+    kind = kind or target.suffix[1:]
     with matplotlib.rc_context(SETTINGS):
-        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+        figure.get_layout_engine().execute(figure)
+    with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
+        figure.set_layout_engine()  # none: to find the layout, savefig draws everything once more
+        figure.savefig(target, format=kind, metadata={"Date": None} if kind == "svg" else None)
 
 
 def _room(sheet, look, cells, width):
@@ -116,10 +124,10 @@ def _fill(figure, sheet, places, look):
     for place, panel in zip(places, sheet.panels, strict=True):
         ax = figure.add_subplot(place)
         if not isinstance(panel, Panel):
-            draw_sketch(ax, panel)
+            draw_sketch(ax, panel, panel.label if sheet.run_labels else "")
             continue
         draw_panel(ax, panel, look, sheet.events, place.rowspan.start == min(rows, default=None))
     handles = look.handles()
     if handles:
-        columns = legend_columns(handles, figure.get_figwidth())
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(columns, MOST_COLUMNS))
+        columns = min(legend_columns(handles, figure.get_figwidth()), MOST_COLUMNS)
+        figure.legend(handles=handles, loc="outside lower center", ncols=columns, **LEGEND)

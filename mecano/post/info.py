@@ -17,6 +17,7 @@ from mecano.results.writer import WRITING
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
+NOTICED = 0.01  # s for compiling
 RESUME = "--resume"
 ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
@@ -40,7 +41,7 @@ def info(path, pattern=None, every_event=False):
 def one_line(runs):
     """How one run went, or what several are, in a line for the head of a picture."""
     if len(runs) > 1:
-        return f"{len(runs)} runs"
+        return f"{len(runs)} runs: {', '.join(run.results.path.name for run in runs)}"
     results = runs[0].results
     return "; ".join(
         [_status(results).partition(";")[0], count(results), f"mecano {results.metadata['version_mecano']}"]
@@ -56,11 +57,7 @@ def facts(results):
         ("title", data["title"] or "none"),
         ("run", count(results)),
         ("saved", _saved(results)),
-        (
-            "time spent",
-            f"{data['wall_time']:.2f} s by the clock for the march; {data['processor_time']:.2f} s of CPU time for the "
-            "whole process, its start and compiling included",
-        ),
+        ("time spent", _spent(data)),
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
@@ -69,6 +66,15 @@ def facts(results):
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
     ]
+
+
+def _spent(data):
+    """The clock of the march, that of compiling where there was any, and the processor's of all."""
+    compiling = f" and {data['compile_time']:.2f} s for compiling" if data["compile_time"] >= NOTICED else ""
+    return (
+        f"{data['wall_time']:.2f} s by the clock for the march{compiling}; {data['processor_time']:.2f} s of CPU time "
+        "for the whole process, its start and compiling included"
+    )
 
 
 def _run(results):

@@ -1,16 +1,20 @@
 """Pictures of a sweep: root loci, growth, frequency and damping over a parameter; a map of stability over two."""
 
+import json
 from pathlib import Path
 
+import h5py
 import matplotlib
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
+from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import ResultsError
 from mecano.post.figure import save
-from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below
+from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.sweep_file import read_sweep
 
 SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
@@ -28,13 +32,31 @@ def draw_sweep(path, output=None, kind="png"):
     """Draw the picture of a file of a sweep beside it, or at ``output``; returns its path. Raises ResultsError."""
     file = read_sweep(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    with matplotlib.rc_context(SETTINGS):
-        figure = _map(file) if len(file.names) == 2 else _loci(file)
+    figure = sweep_figure(file)
     try:
         save(figure, target)
     except OSError as error:
         raise ResultsError(f"cannot write {target}: {error.strerror}") from error
     return target
+
+
+def sweep_figure(file):
+    """The figure of a SweepFile. Raises ResultsError."""
+    units = _units(file)
+    with matplotlib.rc_context(SETTINGS):
+        return _map(file, units) if len(file.names) == 2 else _loci(file, units[0])
+
+
+def _units(file):
+    """Units of the parameters, as far as the deck in the file tells them. Raises ResultsError."""
+    try:
+        with h5py.File(file.path, "r", locking=False) as opened:
+            text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
+    except (OSError, KeyError, ValueError) as error:
+        raise ResultsError(f"cannot read {file.path}: {error}") from error
+    written = parameters_of(str(file.path), text)
+    paths = [name if "." in name else f"parameters.{name}" for name in file.names]
+    return [unit_of(path, resolved, [written.get(path)]) for path in paths]
 
 
 def _headed(file, size):
@@ -45,22 +67,22 @@ def _headed(file, size):
     return figure
 
 
-def _loci(file):
+def _loci(file, unit):
     figure = _headed(file, SIZE)
     grid = figure.subplots(2, 2)
-    modes, x, name = file.modes, file.parameter, file.names[0]
+    modes, x = file.modes, file.parameter
     oscillates = modes["imaginary_part"] > 0.0
     frequency = np.where(oscillates, modes["frequency"], np.nan)
     damping = np.where(oscillates, modes["damping_ratio"], np.nan)
-    _plane(grid[0, 0], file)
-    for ax, values, label in (
+    _plane(grid[0, 0], file, unit)
+    for ax, values, what in (
         (grid[0, 1], modes["real_part"], "growth [1/s]"), (grid[1, 0], frequency, "damped frequency [Hz]"),
         (grid[1, 1], damping, "damping ratio"),
     ):  # fmt: skip
         for b, row in enumerate(values):
             marker = "." if np.isfinite(row).sum() < 3 else ""
             ax.plot(x, row, color=_colour(b), linestyle=_dashes(b), marker=marker)
-        ax.set(xlabel=name, ylabel=label)
+        ax.set(xlabel=with_unit(file.names[0], unit), ylabel=what)
         _mark(ax, file)
     for ax in (grid[0, 1], grid[1, 1]):
         ax.axhline(0.0, color=INK, linewidth=0.8)
@@ -88,7 +110,7 @@ def _handles(file):
     return handles
 
 
-def _plane(ax, file):
+def _plane(ax, file, unit):
     """Eigenvalues in the complex plane, from the open to the filled dot as the parameter grows."""
     real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
     low, high, beyond = real_range(file.modes)
@@ -99,7 +121,7 @@ def _plane(ax, file):
             ax.plot(real[b, i], imaginary[b, i], "o", color=_colour(b), markerfacecolor=fill, markersize=5)
     first, last = file.parameter[[0, -1]]
     ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
-    ax.set_title(f"root loci: {file.names[0]} from {first:g} (open dots) to {last:g}", loc="left")
+    ax.set_title(f"root loci: {file.names[0]} from {first:g} (open dots) to {last:g} {unit}".rstrip(), loc="left")
     _limited(ax, ax.set_xlim, low, high, beyond)
     if highest := imaginary[(real > low) & (real < high)].max(initial=0.0):
         ax.set_ylim(-0.05 * highest, 1.1 * highest)
@@ -157,7 +179,7 @@ def _dashes(b):
     return DASHES[b // len(COLOURS) % len(DASHES)]
 
 
-def _map(file):
+def _map(file, units):
     figure = _headed(file, MAP_SIZE)
     ax = figure.subplots()
     growth = np.ma.masked_invalid(file.map["growth"])
@@ -166,14 +188,16 @@ def _map(file):
     lowest = min(float(growth.min()), -1e-3 * size)
     image = ax.pcolormesh(file.parameter, file.other, growth, cmap="RdBu_r", shading="nearest",
                           norm=TwoSlopeNorm(0.0, lowest, largest))  # fmt: skip
-    figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable")
+    ticks = [tick for ends in ((lowest, 0.0), (0.0, largest)) for tick in MaxNLocator(4).tick_values(*ends)]
+    ticks = [tick for tick in ticks if lowest <= tick <= largest]  # the two sides differ in scale
+    figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable", ticks=ticks)
     if min(growth.shape) > 1 and growth.min() < 0.0 < growth.max():
         ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)
     for grows, marker in ((1.0, ">"), (0.0, "<")):
         own = file.critical["destabilizes"] == grows
         ax.plot(file.critical["parameter"][own], file.critical["other"][own], marker, color=INK, markersize=4,
                 label=f"border: unstable {'above' if grows else 'below'}")  # fmt: skip
-    ax.set(xlabel=file.names[0], ylabel=file.names[1])
+    ax.set(xlabel=with_unit(file.names[0], units[0]), ylabel=with_unit(file.names[1], units[1]))
     ax.grid(False)
     if len(file.critical["parameter"]):
         figure.legend(*ax.get_legend_handles_labels(), loc="outside lower left", ncols=2)

@@ -7,7 +7,7 @@ from mecano.post.panels import worth_showing
 from mecano.post.quantity import SAVED, Quantity
 from mecano.post.sheet import Curve, Panel, Sheet
 
-MOST = 4  # members shown of one run
+MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
 DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle, at the second node of each element
     ("axial force", "N", (0,), ("force", "force", "force")),
     ("shear force", "N", (1, 2), ("force", "force", "force")),
@@ -54,24 +54,29 @@ def _peak(run):
 
 def _sheet(name, when, runs, rows):
     panels = []
+    most = MOST if len(runs) == 1 else MOST_OF_SEVERAL
+    shown = [_shown(run, row, most) for run, row in zip(runs, rows, strict=True)]
     for label, unit, components, outputs in DIAGRAMS:
         curves = [
             curve
             for number, (run, row) in enumerate(zip(runs, rows, strict=True))
-            for member in _shown(run, row)
+            for member in shown[number]
             for curve in _curves(run, number, row, member, label, unit, components, outputs)
         ]
         panels.append(Panel(label, tuple(curves)))
     axis = runs[0].results.axis
     places = {f"{run.results.time[row]:.4g}" for run, row in zip(runs, rows, strict=True)}
     heading = f"Section forces along members {when}, {axis.path} {' and '.join(sorted(places))} {axis.unit}".rstrip()
+    count = max(len(_members(run)) for run in runs)
+    if count > most:
+        heading += f" ({most} of {count}, those with the largest moments)"
     return Sheet(name, heading, tuple(worth_showing(panels, runs)), lead=0)
 
 
-def _shown(run, row):
-    """The members with the largest moments at the instant, in the order of the deck."""
+def _shown(run, row, most):
+    """The ``most`` members with the largest moments at the instant, in the order of the deck."""
     members = _members(run)
-    ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:MOST]
+    ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:most]
     return [member for member in members if member in ranked]
 
 

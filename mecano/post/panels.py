@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.post.plans import ON_GROUND
 from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
-MOST_OF_SEVERAL = 3  # of each of several runs
+MOST_OF_SEVERAL = 2  # of each of several runs
 FAR_APART = 20.0  # ratio of sizes of curves that do not share a panel
 NOTHING = 1e-9  # of the largest value of the same unit: what is smaller is numerical noise
 
@@ -103,7 +104,16 @@ def _curves(view, thing, run, number):
 
 def _quantity(run, thing, output):
     name = _name_of(run, thing, output)
-    return find(run.results, name)[0] if name else None
+    quantity = find(run.results, name)[0] if name else None
+    if output in ON_GROUND and quantity and f"{thing}/normal_force" in run.paths:
+        return _while_pressed(quantity, run.results.find(f"{thing}/normal_force").values > 0.0)
+    return quantity
+
+
+def _while_pressed(quantity, pressed):
+    """The quantity with gaps where a wheel is in the air; with the value with which it touches down."""
+    begins = np.append(pressed[1:], False)
+    return replace(quantity, values=np.where(pressed | begins, quantity.values, np.nan))
 
 
 def _name_of(run, thing, output):
@@ -129,6 +139,12 @@ def with_peaks(panel, runs):
     """The panel with the peaks of its curves over all accepted steps, when they are shown over time."""
     if not panel.over_time:
         return panel
-    curves = tuple(replace(curve, peak=peak_of(runs[curve.run].results, curve.y)) for curve in panel.curves)
+    curves = tuple(replace(curve, peak=_peak(curve, runs[curve.run].results)) for curve in panel.curves)
     own = [curve for curve in curves if not curve.reference]
     return replace(panel, curves=curves, peak=own[0].peak if len(runs) == len(own) == 1 else ())
+
+
+def _peak(curve, results):
+    """Its peak, unless that is in a gap."""
+    peak = peak_of(results, curve.y)
+    return peak if peak and np.isfinite(np.interp(peak[1], curve.y.time, curve.y.values)) else ()

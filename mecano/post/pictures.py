@@ -20,6 +20,7 @@ from mecano.results.modes_file import format_of
 from mecano.results.whole_file import make_folder
 
 FORMATS = ("png", "svg")
+OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # else a name may hold a dot
 ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study}
 LONGEST_STEM = 60
 
@@ -119,6 +120,8 @@ def _targets(names, output, kind, runs):
         if len(names) > 1:
             raise UsageError(f"{output} names one picture, but there will be {len(names)}: give a folder or a prefix")
         return [whole]
+    if whole is not None and whole.suffix[1:].lower() in OTHER_FORMATS:
+        raise UsageError(f"{output}: pictures are written as {' or '.join(FORMATS)}")
     first = runs[0].results.path
     if whole is None:
         prefix = first.with_name(_stem(runs))

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from mecano.elements import KINDS
 
+ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say something only while a wheel is pressed
+
 
 @dataclass(frozen=True)
 class View:

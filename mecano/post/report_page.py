@@ -7,12 +7,10 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 
-import matplotlib
-
 from mecano.errors import UsageError
+from mecano.post.figure import save
 from mecano.post.report import Picture, Table, report_of
 from mecano.post.runs import open_runs
-from mecano.post.style import SETTINGS
 from mecano.results.whole_file import appearing, make_folder
 
 
@@ -86,6 +84,5 @@ def _table(table):
 def _image(figure):
     """The figure as an address that holds it: vector graphics, which stay sharp on paper."""
     stream = io.BytesIO()
-    with matplotlib.rc_context(SETTINGS):
-        figure.savefig(stream, format="svg", metadata={"Date": None})
+    save(figure, stream, "svg")
     return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}"

@@ -62,7 +62,7 @@ class Panel:
     @property
     def constant(self):
         """True when nothing in it changes."""
-        return all(np.ptp(curve.y.values) <= CONSTANT * np.abs(curve.y.values).max() for curve in self.curves)
+        return all(_constant(curve.y.values) for curve in self.curves)
 
     @property
     def subjects(self):
@@ -73,6 +73,11 @@ class Panel:
     def whats(self):
         """The different quantities that are not references, in words."""
         return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
+
+
+def _constant(values):
+    known = values[np.isfinite(values)]
+    return not known.size or np.ptp(known) <= CONSTANT * np.abs(known).max()
 
 
 @dataclass(frozen=True)

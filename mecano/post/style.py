@@ -8,6 +8,7 @@ from mecano.post.sheet import CONSTANT
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
 DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
+LEGEND = {"handlelength": 1.6, "columnspacing": 1.2}  # sizes of the font
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
 BESIDE = 24  # characters of small print that have room beside the label of an axis
@@ -37,7 +38,8 @@ SETTINGS = {
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-6, 7),
     "figure.constrained_layout.use": True,
-    "savefig.dpi": 150,
+    "figure.dpi": 150,
+    "savefig.dpi": "figure",
     "svg.hashsalt": "mecano",
 }
 
@@ -85,7 +87,7 @@ def with_unit(label, unit):
 def legend_columns(handles, inches):
     """How many columns of a legend fit into a width."""
     longest = max(len(handle.get_label()) for handle in handles)
-    return min(len(handles), max(1, int(inches / (0.072 * longest + 0.44))))
+    return min(len(handles), max(1, int(inches / (0.064 * longest + 0.44))))
 
 
 def legend_above(ax, handles, inches):
@@ -94,7 +96,7 @@ def legend_above(ax, handles, inches):
         return 0.0
     columns = legend_columns(handles, inches)
     ax.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2,
-              borderpad=0.2, handlelength=1.6, columnspacing=1.2, labelspacing=0.3)  # fmt: skip
+              borderpad=0.2, labelspacing=0.3, **LEGEND)  # fmt: skip
     return LINE_OF_TEXT * -(-len(handles) // columns)
 
 

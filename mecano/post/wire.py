@@ -17,6 +17,7 @@ TALLEST = 1.4  # height over width of a view
 MARGIN = 0.06  # of the size of what is shown
 THIN = ("cable", "bar")  # kinds drawn thinner
 SUPPORT_SIZE = 7
+FAR = 2.0  # sizes: what travels farther is drawn about its own middle each time, it would be too small
 
 
 def view(up=2):
@@ -37,34 +38,51 @@ def times_of(text):
 
 
 def wire_figure(run, times, title):
-    """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale."""
+    """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
-    lines = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL, GUIDE)]
-    if not lines:
+    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL, GUIDE)]
+    if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
     projection = view()
-    flat = [(_is_thin(run, shape.name), shape.points @ projection.T) for shape in lines]
-    every = np.concatenate([points.reshape(-1, 2) for _, points in flat])
-    low, high = every.min(axis=0), every.max(axis=0)
+    lines = [(_is_thin(run, shape.name), shape.points @ projection.T) for shape in shown]
+    fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
+    supports = [run.results.find(f"nodes/{name}/position").values[rows] @ projection.T for name in fixed]
+    shift, low, high = _frame(np.concatenate([points for _, points in lines], axis=1))
     room = MARGIN * (high - low).max()
     with matplotlib.rc_context(SETTINGS):
         columns = min(COLUMNS, len(rows))
         high_rows = math.ceil(len(rows) / columns)
         aspect = min((high[1] - low[1] + 2 * room) / (high[0] - low[0] + 2 * room), TALLEST)
-        heading = "configurations, all on one scale; dots: what is fixed"
+        heading = _heading(run, travels=bool(shift.any()), fixed=bool(fixed))
         figure = plain_figure(columns * WIDTH, high_rows * (WIDTH * aspect + 0.3), title, heading)
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            _draw(ax, [(thin, points[i]) for thin, points in flat])
-            _draw_supports(ax, run, row, projection)
+            _draw(ax, [(thin, points[i] - shift[i]) for thin, points in lines])
+            for place in supports:
+                ax.plot(*(place[i] - shift[i]), "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)
             ax.set_xlim(low[0] - room, high[0] + room)
             ax.set_ylim(low[1] - room, high[1] + room)
             ax.set_aspect("equal")
             ax.set_axis_off()
             ax.set_title(_named(saved[row], times[i]), color=INK, fontsize=10)
     return figure
+
+
+def _frame(points):
+    """Where each of the configurations (n, k, 2) is moved from (n, 2), and the corners of the frame of all (2,)."""
+    low, high = points.min(axis=1), points.max(axis=1)
+    middle = 0.5 * (low + high)
+    far = np.ptp(middle, axis=0).max() > FAR * (high - low).max()
+    shift = middle if far else np.zeros_like(middle)
+    return shift, (low - shift).min(axis=0), (high - shift).max(axis=0)
+
+
+def _heading(run, travels, fixed):
+    """What is shown, in words."""
+    of = f"configurations of {run.label}" if run.label else "configurations"
+    return of + ", all on one scale" + ", each about its middle" * travels + "; dots: what is fixed" * fixed
 
 
 def _named(saved, asked):
@@ -82,10 +100,3 @@ def _draw(ax, lines):
     for thin, colour, width in ((True, GREY, 0.6), (False, INK, 1.4)):
         some = [points for is_thin, points in lines if is_thin == thin]
         ax.add_collection(LineCollection(some, colors=colour, linewidths=width, capstyle="round"))
-
-
-def _draw_supports(ax, run, row, projection):
-    for name, node in run.deck.get("nodes", {}).items():
-        if node.get("fixed"):
-            place = projection @ run.results.find(f"nodes/{name}/position").values[row]
-            ax.plot(*place, "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)

@@ -21,7 +21,7 @@ from mecano.results.views import make_views
 
 RUNNING = "running"
 TEXT_LENGTHS = {"status": 16, "reason": 8000}
-CHANGING = ("run/status", "run/reason", "run/acknowledged", "run/clock")
+CHANGING = ("run/status", "run/reason", "run/acknowledged", "run/clock", "run/compile_time")
 """What is overwritten where it stands, besides the extremes."""
 LEAST_TEXT = 64  # bytes of the texts of events
 MOST_KEPT = 20
@@ -94,8 +94,10 @@ def _make_run(file, axes):
     describe(counters, long_name="saved times, steps, events, slot of the extremes; the others are reserved")
     name_axes(counters, axes.scale(8))
     clock = run.create_dataset("clock", data=np.zeros(2))
-    describe(clock, units="s", long_name="wall-clock time since the start, processor time of the process")
+    describe(clock, units="s", long_name="wall-clock time since the start, but for compiling; processor time of all")
     name_axes(clock, axes.scale(2))
+    compiling = run.create_dataset("compile_time", data=0.0)
+    describe(compiling, units="s", long_name="wall-clock time for compiling, also before the start")
 
 
 def _make_extremes(file, axes, layout):

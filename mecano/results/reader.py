@@ -251,6 +251,8 @@ class Results:
         metadata["includes"] = json.loads(self._text("deck/includes"))
         metadata["format_version"] = int(self._file.attrs["format_version"])
         metadata["wall_time"], metadata["processor_time"] = self._read("run/clock", slice(None)).tolist()
+        told = "compile_time" in self._file["run"]  # older files count it as wall time
+        metadata["compile_time"] = float(self._read("run/compile_time", ())) if told else 0.0
         return metadata
 
     def _text(self, name):

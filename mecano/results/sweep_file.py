@@ -30,6 +30,7 @@ CRITICAL = (
     ("other", "", "value of the second parameter; nan where there is none"),
     ("frequency", "Hz", "damped frequency of the mode there"),
     ("mode", "", "number of the mode, from 1"),
+    ("error", "", "of that value, at most, as far as rounding goes; not of an instant"),
     ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
     ("of_instant", "", "1 where the states there are not steady: the modes, and the value, are those of an instant"),
 )
@@ -66,7 +67,7 @@ def contents(sweep):
         "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
     }  # fmt: skip
     rows = [
-        (c.place, at, c.value.imag / (2.0 * np.pi), c.branch + 1, float(c.destabilizes), float(locus.of_instant(c)))
+        (c.place, at, c.value.imag / (2 * np.pi), c.branch + 1, c.error, float(c.destabilizes), locus.of_instant(c))
         for at, locus in zip(other, loci, strict=True)
         for c in locus.critical
     ]

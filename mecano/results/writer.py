@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mecano.compiled.store import compile_time
 from mecano.errors import ResultsError
 from mecano.results.blank import CHANGING, RUNNING, TEXT_LENGTHS, blank
 from mecano.results.checkpoints import Slots
@@ -90,8 +91,8 @@ class Writer:
         self.acknowledged = 0
         self._disk = disk
         self._interval = flush_interval
-        self._started, self._used = clocks.monotonic(), 0.0
-        self._due = self._started + flush_interval
+        self._started, self._used, self._compiled = clocks.monotonic() - compile_time(), 0.0, 0.0
+        self._due = clocks.monotonic() + flush_interval
         self._size = layout.size
         self._slot = 0
         self._last_time = self._safe_time = None
@@ -195,6 +196,7 @@ class Writer:
             "rows": np.array([table.written for table in tables]),
             "sums": np.array([table.sum for table in tables]),
             "clock": np.array(self._clock()),
+            "compile_time": np.array(self._compiled + compile_time()),
             "extremes": {name: values.copy() for name, values in extremes.items()},
         }
 
@@ -214,6 +216,7 @@ class Writer:
         vars(self.extremes).update(position["extremes"])
         self._started -= position["clock"][0]
         self._used += position["clock"][1]
+        self._compiled += position.get("compile_time", 0.0)
         self.checkpoint(checkpoint["run"])
 
     def _acknowledge(self):
@@ -226,10 +229,11 @@ class Writer:
         self.acknowledged, self._safe_time = self._outputs.written, self._last_time
 
     def _clock(self):
-        return clocks.monotonic() - self._started, self._used + clocks.process_time()
+        return clocks.monotonic() - self._started - compile_time(), self._used + clocks.process_time()
 
     def _patch_clock(self):
         self._disk.patch(self._offsets["run/clock"], np.array(self._clock()))
+        self._disk.patch(self._offsets["run/compile_time"], np.array(self._compiled + compile_time()))
 
     def _patch_extremes(self):
         """Write to the row that the counters do not name, so that a kill leaves those that belong to the counters."""

@@ -70,11 +70,19 @@ class Analysis:
 
         Found when it is asked for: a run does not, and the decomposition of all constraints takes time.
         """
-        B = self.gradient
-        if not self.complete or B.shape[1] > DENSE_ROWS:
+        if not self.small:
             return None
-        projector = _null_projector(B.dense(np.arange(B.shape[0])), self.rank)
-        return _groups(projector, [motion_name(name) for name in self.names])
+        return groups(_null_projector(self.gradient.dense(np.arange(self.gradient.shape[0])), self.rank), self.motions)
+
+    @property
+    def small(self):
+        """True where the rank is known, and the unknowns are few enough to tell what can move."""
+        return self.complete and self.gradient.shape[1] <= DENSE_ROWS
+
+    @property
+    def motions(self):
+        """Names of the unknowns (n_q,)."""
+        return [motion_name(name) for name in self.names]
 
     @property
     def released(self):
@@ -93,7 +101,7 @@ def analyse(system, s, length):
 
         return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, False)
     null = _left_null(B.dense(loops))
-    redundant, rank = _groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
+    redundant, rank = groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
     let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
     dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
@@ -233,7 +241,7 @@ def _directions(system, projector, loops, size):
     return found
 
 
-def _groups(projector, names):
+def groups(projector, names):
     """Groups of things that a projector couples, with the number of dimensions of each."""
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):

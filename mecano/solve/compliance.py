@@ -40,6 +40,11 @@ class Compliance:
         return np.unique(self.matrix.tocoo().row[self.let_go])
 
     @cached_property
+    def soft(self):
+        """Constraints (n,) that give way: those that repeat one another."""
+        return np.unique(self.matrix.tocoo().row[~self.let_go])
+
+    @cached_property
     def _in_tangent(self):
         """What the tangent has of ``values``, as factors (matrix.nnz,): the identity in the place of P."""
         entries = self.matrix.tocoo()

@@ -13,6 +13,7 @@ from mecano.compiled.entry import Vector, entry
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
 TOGETHER = 1e-6  # of its change in the step: an event that lacks no more happens with the one that is located
+NEAR = 0.01  # of the step: the first place that is tried is no nearer to its ends
 MAX_RESTEPS = 60
 
 
@@ -106,8 +107,9 @@ def _some_happened(g0: Vector, g1: Vector) -> bool:
 def locate(watch, step, s0, g0, trial, h):
     """The first event in a trial step as ``Located``, or None when there is none.
 
-    step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Illinois variant of the regula
-    falsi on the step size, for the largest of the event functions that crossed.
+    step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Chandrupatla's method (Adv. Eng.
+    Software 28, 1997, 145-149) on the step size, for the largest of the event functions that crossed, from both sides
+    of the event: five to eight steps where they are smooth.
     """
     g1 = watch.values(trial[0])
     if not _some_happened(g0, g1):
@@ -115,29 +117,43 @@ def locate(watch, step, s0, g0, trial, h):
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
         return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
-    lo, hi, best = 0.0, h, trial
-    G_lo, G_hi = g0[crossed].max(), g1[crossed].max()
-    side = 0
+    early, late, best = (0.0, float(g0[crossed].max())), (h, float(g1[crossed].max())), trial
+    newest, opposite, share = late, early, late[1] / (late[1] - early[1]) if np.isfinite(early[1]) else 0.5
+    share = min(max(share, NEAR), 1.0 - NEAR)  # what has just departed may come back
     for _ in range(MAX_RESTEPS):
-        if hi - lo <= TIME_TOLERANCE * h or hi <= AT_ONCE * h or G_hi == 0.0:
+        between = late[0] - early[0]
+        if between <= TIME_TOLERANCE * h or late[0] <= AT_ONCE * h or late[1] == 0.0:
             break
-        middle = hi - G_hi * (hi - lo) / (G_hi - G_lo) if np.isfinite(G_lo) else 0.5 * (lo + hi)
-        middle = min(max(middle, lo + 0.01 * (hi - lo)), hi - 0.1 * TIME_TOLERANCE * h)
+        least = 0.5 * TIME_TOLERANCE * h / between
+        middle = newest[0] + min(max(share, least), 1.0 - least) * (opposite[0] - newest[0])
         new = step(middle)
         if not new[2].ok:
             return Located(middle, new, crossed)
-        g = watch.values(new[0])[crossed].max()
-        if g >= 0:
-            hi, G_hi, best = middle, g, new
-            G_lo = G_lo * 0.5 if side == 1 else G_lo
-            side = 1
+        place = middle, float(watch.values(new[0])[crossed].max())
+        older, opposite = (newest, opposite) if (place[1] >= 0) == (newest[1] >= 0) else (opposite, newest)
+        newest = place
+        if place[1] >= 0:
+            late, best = place, new
         else:
-            lo, G_lo = middle, g
-            G_hi = G_hi * 0.5 if side == -1 else G_hi
-            side = -1
+            early = place
+        share = _share(newest, opposite, older)
     hit = crossed.copy()
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
     hit[crossed] = watch.values(best[0])[crossed] >= np.where(watch.within[crossed], 0.0, -TOGETHER * rise)
     # what happens within a mode is known to have happened by what a step commits: it takes a step, however short
-    at_once = hi <= AT_ONCE * h and not watch.within_a_mode(hit)
-    return Located(0.0, None, hit) if at_once else Located(hi, step(hi), hit)
+    at_once = late[0] <= AT_ONCE * h and not watch.within_a_mode(hit)
+    return Located(0.0, None, hit) if at_once else Located(late[0], best, hit)
+
+
+def _share(newest, opposite, older):
+    """How far on the way from the ``newest`` place to the ``opposite`` one, (step size, value), the value is zero.
+
+    By a parabola of the step size over the value where it is sure to be monotonous, else half of the way.
+    """
+    (a, f_a), (b, f_b), (c, f_c) = newest, opposite, older
+    if not np.isfinite([f_a, f_b, f_c]).all() or f_c == f_b:
+        return 0.5
+    x, f = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
+    if f * f >= x or (1.0 - f) ** 2 >= 1.0 - x:
+        return 0.5
+    return f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)

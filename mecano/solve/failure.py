@@ -10,10 +10,12 @@ REPORTED = 5  # equations named, the worst of each node, joint or element
 NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
 NAMED = 6  # elements named of one equation
 NOT_FINITE = "not finite"
-TRY = {
-    True: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a smaller "
-    "time.step or time.adaptive, if the motion so far is not what it should be",
-    False: "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; `mecano check` for "
+TRY = {  # what a message says: what to try
+    NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a "
+    "smaller time.step or time.adaptive, if the motion so far is not what it should be",
+    "contradict": "leave one of these constraints out, or let their laws of time agree",
+    "singular": "a mass, an inertia or a stiffness for what is named and has none; `mecano check` for mechanisms",
+    "": "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; `mecano check` for "
     "redundant constraints and mechanisms",
 }
 
@@ -21,12 +23,12 @@ TRY = {
 def no_step(system, info, t, h):
     """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
     force, constraint, increment = info.norms
-    infinite = NOT_FINITE in info.message
+    infinite, worst = NOT_FINITE in info.message, worst_equations(system)
     return (NonFiniteError if infinite else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
-        f"worst equations:\n{worst_equations(system)}\n"
-        f"what to try: {TRY[infinite]}"
+        + (f"worst equations:\n{worst}\n" if worst else "")
+        + f"what to try: {next(text for said, text in TRY.items() if said in info.message)}"
     )
 
 

@@ -10,7 +10,6 @@ Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theor
 with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
 """
 
-import math
 from dataclasses import dataclass
 from functools import partial
 
@@ -39,13 +38,15 @@ from mecano.solve.newton import (
     WORST,
     iterate,
 )
-from mecano.solve.resolved import resolved
+from mecano.solve.resolved import resolver
 from mecano.solve.scales import Tolerances, balance, norms
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+CONTRADICTION = "constraints contradict one another: {} of {} to {}"
+GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
 CREEPING = 1e-3  # of the length scale per second: no speeds count for less
@@ -122,6 +123,10 @@ class GeneralizedAlpha:
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, but for those that are let go
         self._released = NO_ROWS[1] if compliance is None else compliance.released
+        self._soft = NO_ROWS[1] if compliance is None else compliance.soft
+        of = self.system.numbering
+        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
+        self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         self._exact_rates = self.system.numbering.of_rates.copy()
         self._exact_rates[self._released] = False
         self._bind()
@@ -153,8 +158,12 @@ class GeneralizedAlpha:
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
-        if len(self._released) and (text := self._contradiction(s, h, self.system.levels(s)[:, 1], CONTRADICTS)):
-            raise AssemblyError(f"at t = {s.t:.9g} s {text}")
+        for rows, others in (
+            (self._released, "those on positions leave a slip"),
+            (self._soft, "the others leave a rate"),
+        ):
+            if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
+                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}")
         consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
@@ -208,36 +217,44 @@ class GeneralizedAlpha:
 
     def _followed(self, s, a, scales):
         """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
-        part = self._filtered(s, a, scales)
-        if part is None:
+        resolved = self._resolver(s, scales)
+        if resolved is None:
             return a
-        part = np.where(self.system.relaxing, a, part)  # scalars without inertia swing with nothing
+        part = np.where(self.system.relaxing, a, resolved(a))  # scalars without inertia swing with nothing
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
-    def _filtered(self, s, a, scales, times=1):
-        """Part (n_q,) of the accelerations ``a`` at ``s`` (resolved.py); None where the tangent is singular."""
+    def _resolver(self, s, scales):
+        """The function of resolved.py at ``s``; None where the tangent is singular."""
         here = s.copy()
         if not self._factor(here, scales).ok:
             return None
-        return resolved(self.system, self.linear, here, a, scales[-1], times)
+        return resolver(self.system, self.linear, here, scales[-1])
 
     def _size(self, a):
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._lasting, len(a), self.length)
 
-    def _contradiction(self, s, h, rates, share):
-        """Text on a constraint let go whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds, or none."""
-        of, rows = self.system.numbering, self._released
+    def _contradiction(self, s, h, rows, rates, share):
+        """Rate and name of one of the ``rows`` whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds."""
+        of = self.system.numbering
         kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
         speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
         linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
         slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
         worst = int(np.argmax(slip))
         if slip[worst] <= share:
-            return ""
-        row = of.n_q + rows[worst]
-        amount = f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}"
-        return f"constraints contradict one another: those on positions leave a slip of {amount} to {of.name[row]}"
+            return ()
+        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", of.name[of.n_q + rows[worst]]
+
+    def _gap(self, s):
+        """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
+        off = self.system.levels(s)[:, 0]
+        size = off * self._share_of_gap
+        if size @ size <= 1.0:
+            return ()
+        worst, of = int(np.abs(size).argmax()), self.system.numbering
+        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
+        return f"{off[worst]:.3g} {unit}", of.name[of.n_q + worst]
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
@@ -247,25 +264,29 @@ class GeneralizedAlpha:
     def bounded_error(self, s, history, info, duration):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
 
-        The errors of a run of ``duration`` [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
-        times the duration. Of a mode of circular frequency omega this may be too much: it can be off by its amplitude,
-        :math:`\Delta a/\omega^2` if the steps do not resolve it, :math:`\Delta a/(\omega^3 h)` if they do.
-        The error is reduced to the greater of the shares :math:`|P_1 \Delta a|` and :math:`|P_2^2 \Delta a|`,
-        with :math:`P_i = w_i (K + w_i M)^{-1} M` along the constraints, :math:`w_1 = \tau^{-2}`,
-        :math:`w_2^2 = c_M w_1`; not where the motion is unstable (docs/theory.md, 2.2).
-        """
-        h, change = history.h, (history.a - info.began.a)[: self.system.n_q]
-        w = 1.0 / (duration * self.coefficients.error * h)
-        cases = (FREE * w, 1), (w, 1), (math.sqrt(self._weights(h)[1] * w), 2)
-        (whole, stable), *bounded = (self._share(s, history, change, *case) for case in cases)
-        if not 0.0 < whole < np.inf or any(negative != stable for _, negative in bounded):
-            return info.plain
-        return info.plain * min(max(size for size, _ in bounded) / whole, 1.0)
+        The errors of a run of ``duration`` T [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
+        T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
+        :math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
 
-    def _share(self, s, history, change, w, times):
-        """Size of the ``change`` (n_q,) filtered by (K + w M)^-1 w M so many times; negative pivots of K + w M."""
-        part = self._filtered(s, change, (*self._scales(history, history.h)[:2], 0.0, w), times)
-        return (np.inf, -1) if part is None else (self._size(part), int(np.sum(self.linear.pivots() < 0.0)))
+        .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
+
+        along the constraints; but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
+        """
+        n_q, a0 = self.system.n_q, info.began.a
+        change, summed = (history.a - a0)[:n_q], duration * self.coefficients.error * history.h
+        limit = (summed * history.h) ** (-2.0 / 3.0)
+        of_masses, stable = self._below(s, history, FREE * limit)
+        whole = self._size(of_masses(change)) if of_masses else 0.0
+        slow, negative = self._below(s, history, limit)
+        if not 0.0 < whole < np.inf or slow is None or negative != stable:
+            return info.plain
+        swings = max(self._size(part - slow(part)) for part in (slow(a0[:n_q]), slow(history.a[:n_q])))
+        return info.plain * min((self._size(slow(slow(change))) + swings / (limit * summed)) / whole, 1.0)
+
+    def _below(self, s, history, limit):
+        """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
+        resolved = self._resolver(s, (*self._scales(history, history.h)[:2], 0.0, limit))
+        return resolved, int(np.sum(self.linear.pivots() < 0.0)) if resolved else -1
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""
@@ -303,8 +324,12 @@ class GeneralizedAlpha:
         if len(self._released):
             slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
             soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
-            if text := self._contradiction(s, h, slips, SLIPS):
+            if text := self._contradiction(s, h, self._released, slips, SLIPS):
+                text = CONTRADICTION.format("those on positions leave a slip", *text)
                 return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+        if len(self._soft) and (text := self._gap(s)):
+            text = CONTRADICTION.format("the others leave a gap", *text)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)

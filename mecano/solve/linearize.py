@@ -42,6 +42,7 @@ class Linearization:
     groups: np.ndarray  # (n_q,) motions of one node have one number
     root: np.ndarray  # (n_q,) 1, or the length scale [m] of rotations: makes motions comparable
     variation: float = 0.0  # relative change of the matrices by a turn of one radian; zero for an equilibrium
+    pace: float = 0.0  # [1/s] at which the matrices change: what moves more slowly has no eigenvalue of any meaning
 
 
 def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
@@ -54,14 +55,15 @@ def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, complianc
     w = np.asarray(frame, float)
     base = displaced(s, np.zeros(system.n_q), system.numbering)
     matrices = _matrices(system, base, w, np.eye(3), assemble)
-    variation = _variation(system, base, w, assemble, matrices)
+    rate = _fastest(system, base, w)
+    variation = _variation(system, base, w, rate, assemble, matrices)
     M, C, K = matrices
     if compliance is not None:
         corner = sp.coo_matrix(compliance.matrix)
         at = corner.row + system.n_q, corner.col + system.n_q
         K = (K - sp.csr_matrix((corner.data, at), shape=K.shape)).tocsr()
     root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
-    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation)
+    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate)
 
 
 def _matrices(system, s, w, Q, assemble):
@@ -106,11 +108,14 @@ def _diagonal(n, places, blocks, rest, value):
     return sp.csr_matrix((np.concatenate([data, np.full(len(rest), value)]), (rows, cols)), shape=(n, n))
 
 
-def _variation(system, s, w, assemble, now):
+def _fastest(system, s, w):
+    """Largest angular velocity [rad/s] of all bodies and of the axes."""
+    return max([np.linalg.norm(w), *(np.linalg.norm(s.v[d : d + 3]) for d in system.numbering.rotation_dof)])
+
+
+def _variation(system, s, w, rate, assemble, now):
     """Largest relative change of the matrices by a turn of one radian, or a displacement by one length unit of time."""
     of = system.numbering
-    spins = [np.linalg.norm(s.v[d : d + 3]) for d in of.rotation_dof]
-    rate = max([np.linalg.norm(w), *spins])
     if rate == 0.0:
         return 0.0
     dt = PROBE / rate

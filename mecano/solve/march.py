@@ -12,6 +12,7 @@ from mecano.solve.shocks import Shocks
 from mecano.solve.step_control import AFTER_FAILURE
 
 STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
+MOST_REBOUNDS = 10  # of one contact while time stands still: what rebounds so quickly has come to rest
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
 MOST_NAMES = 8  # named in a remark
@@ -95,6 +96,7 @@ class March:
         self.remarks, self.cuts = list(plain["remarks"]), [tuple(cut) for cut in plain["cuts"]]
         self._since = plain["since"]
         self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
+        self._tire()
 
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""
@@ -225,6 +227,10 @@ class March:
             count = self._at_once[happening.element, happening.name]
             if count > MOST_AT_ONCE:
                 raise failure.standstill(happening, count, t)
+        self._tire()
+
+    def _tire(self):
+        self.shocks.tire({element for (element, _), count in self._at_once.items() if count >= MOST_REBOUNDS})
 
     def _stepped(self, run, s, history, planned, h, reached=None):
         """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.

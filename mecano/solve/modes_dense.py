@@ -14,6 +14,7 @@ from mecano.solve.stability import null_space
 
 MASSLESS = 1e-13  # of the largest inertia
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest: singular values that are rounding; inertia that is none
+EXACT_ZERO = 2e-14  # of the largest, where stiff and soft motions stand side by side and nothing but rounding is zero
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
@@ -69,8 +70,14 @@ def _first_order(M, C, K):
     rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v): what has no inertia moves as its damping lets it
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
-    values, vectors = la.eig(np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)]))
+    A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
+    values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
     return values * rate, vectors[:r].T
+
+
+def _all(A, E):
+    """Eigenvalues of A x = value E x and their vectors, by QR; E is regular and well conditioned."""
+    return la.eig(np.linalg.solve(E, A))
 
 
 def _finite(A, E):
@@ -90,26 +97,30 @@ def _on_velocities(scaled, Z, M, C, K):
     mass = np.abs(M).max(initial=0.0) or 1.0
     rate = np.sqrt(np.abs(K).max(initial=0.0) / mass) or 1.0  # makes the rows, and p and r, comparable
     A = np.block([[G / rate, N], [-K / (mass * rate**2), -C @ N / (mass * rate)]])
-    values, vectors = _without_zeros(A, la.block_diag(np.eye(len(G)), M @ N / mass))
+    E = la.block_diag(np.eye(len(G)), M @ N / mass)
+    values, vectors = _without_zeros(A, E, ZERO * np.linalg.norm(A, 2), _finite)
     return values * rate, vectors[: len(G)].T
 
 
-def _without_zeros(A, E, chains=False):
+def _without_zeros(A, E, least, solve, chains=False):
     """Finite eigenvalues of A x = value E x and their vectors; zeros are taken out first, in exact zeros.
 
     Positions and headings that nothing determines come as chains (what turns runs away): vectors of the eigenvalue
     zero for which A x is E times another one. Left in, they blur all small eigenvalues to the root of the rounding.
     Vectors of the eigenvalue zero proper are returned; those further up the chains are not, with ``chains`` none.
+    Singular values up to ``least`` are zero; ``solve(A, E)`` finds the eigenvalues that are left.
     """
     _, sigma, Vt = np.linalg.svd(A)
-    rank = int(np.sum(sigma > ZERO * sigma.max(initial=0.0)))
+    rank = int(np.sum(sigma > least))
     X1, X2 = Vt[rank:].T, Vt[:rank].T
     Q, R = np.linalg.qr(E @ X1, mode="complete")
     count = X1.shape[1]
     if not count or np.abs(np.diag(R)).min() <= SINGULAR * np.abs(R).max():
-        return _finite(A, E)
+        return solve(A, E)
     Q1, Q2, E1 = Q[:, :count], Q[:, count:], R[:count]
-    values, y = _without_zeros(Q2.T @ A @ X2, Q2.T @ E @ X2, chains=True) if rank else (np.zeros(0), np.zeros((0, 0)))
+    values, y = np.zeros(0), np.zeros((0, 0))
+    if rank:
+        values, y = _without_zeros(Q2.T @ A @ X2, Q2.T @ E @ X2, least, solve, chains=True)
     x = X1 @ np.linalg.solve(E1, (Q1.T @ A @ X2) @ y / values - (Q1.T @ E @ X2) @ y) + X2 @ y
     if chains:
         return values, x

@@ -12,19 +12,21 @@ weights of K and M the limit lies at another frequency.
 import numpy as np
 
 
-def resolved(system, linear, s, a, cM, times=1):
-    """Part (n_q,) of the accelerations ``a`` (n_q,) that a step can follow, along the constraints; so many times.
+def resolver(system, linear, s, cM):
+    """The function that takes from accelerations (n_q,) the part that a step can follow, along the constraints.
 
-    ``linear`` holds the factored effective tangent, ``s`` is the state of the masses; cM [1/s^2] is their weight in it.
-    The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.
+    ``linear`` holds the factored effective tangent and is to keep it; ``s`` is the state of the masses; cM [1/s^2] is
+    their weight in it. The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.
     """
     n_q = system.n_q
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     among = (system.rows < n_q) & (system.cols < n_q)
     rows, columns, masses = system.rows[among], system.cols[among], system.data[:-1][among]
-    forces, x = np.zeros(system.n), np.zeros(system.n)
-    x[:n_q] = a
-    for _ in range(times):
-        forces[:n_q] = np.bincount(rows, masses * x[columns], n_q)
+
+    def resolved(a):
+        forces, x = np.zeros(system.n), np.zeros(system.n)
+        forces[:n_q] = np.bincount(rows, masses * a[columns], n_q)
         linear.resolve(cM * forces, x)
-    return x[:n_q]
+        return x[:n_q]
+
+    return resolved

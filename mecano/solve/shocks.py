@@ -47,11 +47,17 @@ class Shocks:
         self.system, self.linear, self.watch, self.length = system, method.linear, watch, method.length
         of = system.numbering
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
-        self.rest, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.catches = list(catches(system))
         self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
         self.events = np.array([catch.event for catch in self.catches], np.int64)
+
+    def tire(self, elements):
+        """Let the contacts of some elements, and of no others, not rebound at any speed."""
+        self.rest = self._least.copy()
+        self.rest[[catch.lead for catch in self.catches if catch.element in elements]] = np.inf
 
     def among(self, hit):
         """True when some of the events ``hit`` (n_events,) bool comes with a shock."""
@@ -168,7 +174,10 @@ class _Solution:
         return v
 
     def _gather_responses(self):
-        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n)."""
+        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n).
+
+        What has neither mass nor constraint gives way to any impulse: contacts of it are ``light``.
+        """
         system, n_q = self.system, self.system.n_q
         bare = replace(self.all_held, z=self.all_held.z.copy())
         bare.z[n_q : system.n] = 0.0
@@ -183,17 +192,17 @@ class _Solution:
         self.responses = np.array([change for change, _ in answers]).T
         self.reactions = np.array([reaction for _, reaction in answers]).T
         self.W = gradient.T @ self.responses
+        self.light = gradient[self.consistent.loose].any(axis=0)
 
     def _solve(self, b, at=None):
         """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass.
 
         ``at`` (n,) are the contacts that it is about; all of them when absent.
         """
-        W = self.W if at is None else self.W[np.ix_(at, at)]
-        weight = np.diag(W)
-        massive = np.flatnonzero(weight > MASSLESS * weight.max(initial=0.0))
-        x = np.zeros(len(b))
-        unit = self.shocks.unit[self.leads if at is None else self.leads[at]]
+        at = np.arange(len(self.leads)) if at is None else np.asarray(at)
+        W, weight = self.W[np.ix_(at, at)], np.diag(self.W)[at]
+        massive = np.flatnonzero((weight > MASSLESS * weight.max(initial=0.0)) & ~self.light[at])
+        x, unit = np.zeros(len(b)), self.shocks.unit[self.leads[at]]
         x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
         return x
 
@@ -247,7 +256,8 @@ class _Solution:
         )  # fmt: skip
 
     def _leaving(self, stay, h):
-        """Of the contacts that stay closed, those that the accelerations part at once."""
+        """Of the contacts that stay closed, those that the accelerations part at once; they tell none of light ones."""
+        stay = [c for c in stay if not self.light[self.lone[c]]]
         if not stay:
             return []
         moving = self.held.copy()

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 SHAPE = 0.5  # how much a shape that is quite another counts, beside an eigenvalue that is
 GROWS = 1e-7  # of an eigenvalue: a real part below it is rounding
+ROUNDED = 1e-12  # of the largest eigenvalue: smaller ones are rounding
 
 
 @dataclass(frozen=True)
@@ -18,14 +19,22 @@ class Spectrum:
 
     values: np.ndarray  # (m,) complex [1/s]
     shapes: np.ndarray  # (m, n_q) complex, rotations counted by the length scale
+    least: float = 0.0  # [1/s]: what is smaller means no more than zero
 
     @classmethod
-    def of(cls, found, root):
-        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) makes motions comparable."""
+    def of(cls, found, root, pace=0.0):
+        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) and ``pace`` as in Linearization."""
         moving = found.values != 0.0
         values, shapes = found.values[moving], found.shapes[moving] * root
         pairs = values.imag > 0.0
-        return cls(np.concatenate([values, values[pairs].conj()]), np.concatenate([shapes, shapes[pairs].conj()]))
+        least = max(pace, ROUNDED * np.abs(values).max(initial=0.0))
+        both = np.concatenate([values, values[pairs].conj()]), np.concatenate([shapes, shapes[pairs].conj()])
+        return cls(*both, least)
+
+    @property
+    def counting(self):
+        """The eigenvalues of positive or no imaginary part that mean more than zero."""
+        return self.values[(self.values.imag >= 0.0) & (np.abs(self.values) > self.least)]
 
     def costs(self, value, shape, largest):
         """How unlike each eigenvalue with its shape is to ``value`` with ``shape``, (m,)."""
@@ -42,6 +51,20 @@ class Spectrum:
 def unstable(value):
     """True where an eigenvalue, or each of an array, grows by more than rounding."""
     return np.real(value) > GROWS * np.abs(value)
+
+
+def growing(row, spectra):
+    """Whether a branch grows at each place (n,); a stretch of growth in which it nowhere means more than zero is none.
+
+    ``row`` (n,): its numbers in the ``spectra``, see ``track``.
+    """
+    known = np.flatnonzero(row >= 0)
+    values = np.array([spectra[i].values[row[i]] for i in known])
+    grows, means = unstable(values), np.abs(values) > [spectra[i].least for i in known]
+    told = np.zeros(len(row), bool)
+    for stretch in np.split(np.arange(len(known)), np.flatnonzero(np.diff(grows)) + 1):
+        told[known[stretch]] = np.any(grows[stretch] & means[stretch])
+    return told
 
 
 def track(spectra, places):

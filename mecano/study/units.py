@@ -1,19 +1,6 @@
 """Units of what a study varies, as far as they can be told: SI units, in which the table has its numbers."""
 
-from mecano.deck.compose import compose
-from mecano.deck.sections import SECTIONS
-from mecano.deck.source import Source
-from mecano.deck.units import is_quantity, si_unit
-from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
-from mecano.laws import TERMS
-from mecano.laws.term import VALUE
-from mecano.schema import mapping
-
-ALL_KINDS = {**KINDS, **SHAPES}
-EITHER = ("either", "shorthand")  # types of which the first option is another type
-LAWS = ("law", "curve", "law_in_place")
-SEVERAL = ("list", "vector", "numbers", "direction")
+from mecano.deck.unit_of import parameters_of, unit_of
 
 
 def units_of(study, deck):
@@ -21,49 +8,5 @@ def units_of(study, deck):
 
     Of a parameter, which is a number alone, the unit is that which a case or the deck gives it.
     """
-    in_deck = _parameters(deck)
-    return {
-        path: _declared(path.split("."), deck.values) or _written(path, [*study.given(path), in_deck.get(path)])
-        for path in study.paths
-    }
-
-
-def _declared(keys, values):
-    """The unit that is declared for what stands at the end of the keys in checked values of a deck."""
-    type_, unit, at = mapping(*SECTIONS), "-", values
-    for key in keys:
-        type_, unit = _inside(type_, unit, key, at)
-        if type_ is None:
-            return ""
-        at = at.get(key) if isinstance(at, dict) else None
-    return "" if unit == "-" or " or " in unit or "unit" in unit else unit
-
-
-def _inside(type_, unit, key, at):
-    """Type and unit of what has the key in a value ``at`` of a type; None and "" where that is not known."""
-    while type_.name in EITHER:
-        type_ = type_.options[0]
-    if type_.name == "named":
-        return type_.options[0], "-"
-    if type_.name in SEVERAL:
-        return type_.options[0] if type_.name == "list" else type_, unit
-    if type_.name in LAWS and key in TERMS:
-        return mapping(*TERMS[key].fields), unit
-    fields = type_.options if type_.name == "mapping" else ()
-    if type_.name == "kind" and isinstance(at, dict):
-        fields = ALL_KINDS[at["type"]].fields
-    field = next((field for field in fields if field.name == key), None)
-    return (field.type, unit if field.unit == VALUE else field.unit) if field else (None, "")
-
-
-def _written(path, values):
-    """The SI unit of the first of some values that is written with one."""
-    return next((si_unit(value) for value in values if type(value) is str and is_quantity(value)), "")
-
-
-def _parameters(deck):
-    """{path: value} of the parameters as they are written in the deck's own file."""
-    root = compose(Source(deck.file, deck.text), [])
-    _, section = root.value.get("parameters", (None, None))
-    written = section.value if section and type(section.value) is dict else {}
-    return {f"parameters.{name}": node.value for name, (_, node) in written.items()}
+    in_deck = parameters_of(deck.file, deck.text)
+    return {path: unit_of(path, deck.values, [*study.given(path), in_deck.get(path)]) for path in study.paths}

@@ -35,7 +35,7 @@ TIMES = {
         )
     },
 }  # fmt: skip
-REFERENCE = ADAPTIVE.format(3e-5, 0.05, 0.0)
+REFERENCE = ADAPTIVE.format(3e-4, 0.05, 0.0)
 MODULES = 1, 7, 19, 37
 WINDER = "payout_tension: $payout_tension, "
 COMPARED = re.compile("/rate$|ing/stress$")  # of hinges, and of rising and falling diagonals

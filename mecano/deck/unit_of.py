@@ -1,0 +1,66 @@
+"""The SI unit of a number of a deck, named by its path, as far as that can be told."""
+
+from mecano.deck.compose import compose
+from mecano.deck.sections import SECTIONS
+from mecano.deck.source import Source
+from mecano.deck.units import is_quantity, si_unit
+from mecano.elements import KINDS
+from mecano.elements.cross_section import SHAPES
+from mecano.laws import TERMS
+from mecano.laws.term import VALUE
+from mecano.schema import mapping
+
+ALL_KINDS = {**KINDS, **SHAPES}
+EITHER = ("either", "shorthand")  # types of which the first option is another type
+LAWS = ("law", "curve", "law_in_place")
+SEVERAL = ("list", "vector", "numbers", "direction")
+
+
+def unit_of(path, values, texts=()):
+    """The SI unit of what stands at a ``path`` as of ``--set`` in checked values of a deck, or in resolved ones.
+
+    "" where it has none, or where it is not known: a parameter is a number alone, whose unit is that of the first of
+    the ``texts`` with which it is given that has one.
+    """
+    return _declared(path.split("."), values) or _written(texts)
+
+
+def parameters_of(file, text):
+    """{path: value} of the parameters as they are written in the ``text`` of a deck's own ``file``."""
+    root = compose(Source(file, text), [])
+    _, section = root.value.get("parameters", (None, None))
+    written = section.value if section and type(section.value) is dict else {}
+    return {f"parameters.{name}": node.value for name, (_, node) in written.items()}
+
+
+def _declared(keys, values):
+    """The unit that is declared for what stands at the end of the keys in checked values of a deck."""
+    type_, unit, at = mapping(*SECTIONS), "-", values
+    for key in keys:
+        type_, unit = _inside(type_, unit, key, at)
+        if type_ is None:
+            return ""
+        at = at.get(key) if isinstance(at, dict) else None
+    return "" if unit == "-" or " or " in unit or "unit" in unit else unit
+
+
+def _inside(type_, unit, key, at):
+    """Type and unit of what has the key in a value ``at`` of a type; None and "" where that is not known."""
+    while type_.name in EITHER:
+        type_ = type_.options[0]
+    if type_.name == "named":
+        return type_.options[0], "-"
+    if type_.name in SEVERAL:
+        return type_.options[0] if type_.name == "list" else type_, unit
+    if type_.name in LAWS and key in TERMS:
+        return mapping(*TERMS[key].fields), unit
+    fields = type_.options if type_.name == "mapping" else ()
+    if type_.name == "kind" and isinstance(at, dict):
+        fields = ALL_KINDS[at["type"]].fields
+    field = next((field for field in fields if field.name == key), None)
+    return (field.type, unit if field.unit == VALUE else field.unit) if field else (None, "")
+
+
+def _written(values):
+    """The SI unit of the first of some values that is written with one."""
+    return next((si_unit(value) for value in values if type(value) is str and is_quantity(value)), "")

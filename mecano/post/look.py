@@ -1,0 +1,115 @@
+"""What tells curves apart in a panel: colours, dashes, and the legends that explain them."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from mecano.post.sheet import Panel
+from mecano.post.style import COLOURS, DASHES, INK, PALE
+
+REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
+OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
+MOST_TOLD = 16  # elements with a colour or dashes of their own: more would not be found in the legend
+
+
+class Look:
+    """Colours tell runs apart, else elements, else quantities; dashes what is left. No two curves look the same.
+
+    Elements are told apart in the whole sheet alike, with one legend for all panels, or in each panel by itself. Where
+    there are more than colours and dashes, those with the largest values have them and all others are pale.
+    """
+
+    def __init__(self, sheet, panel_by_panel=False):
+        self.runs = sheet.run_labels
+        panels = [panel for panel in sheet.panels if isinstance(panel, Panel)]
+        whats = max((len(panel.whats) for panel in panels), default=1)
+        alone = all(len(panel.subjects) * len(panel.whats) == 1 for panel in panels)
+        self._told_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
+        self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, whats)
+        self._owners = None if panel_by_panel else sheet.subjects
+
+    def owners(self, panel):
+        """The elements whose events are to be named: those of the sheet, or of a panel by itself."""
+        return panel.subjects if self._owners is None else self._owners
+
+    def style(self, curve, panel):
+        """Options of ``plot`` for a curve."""
+        colour, dashes = self._key(curve, panel)
+        if dashes >= len(DASHES):
+            return OTHERS
+        style = {"color": COLOURS[colour], "linestyle": DASHES[dashes]}
+        return style | REFERENCE if curve.reference else style
+
+    def _key(self, curve, panel):
+        """Numbers of colour and dashes; of the latter more than there are for a curve that is not told apart."""
+        subjects = self._subjects(panel)
+        if curve.subject not in subjects or curve.run >= len(self._told_runs or [0]):
+            return 0, len(DASHES)
+        many = max(len(panel.whats), 1)
+        what = panel.whats.index(curve.y.what) if curve.y.what in panel.whats else 0
+        subject = subjects.index(curve.subject)
+        if self.runs:
+            main, other, others = curve.run, subject * many + what, 1
+        elif len(subjects) > 1:
+            main, other, others = subject, what, many
+        else:
+            main, other, others = what, 0, 1
+        return main % len(COLOURS), other + others * (main // len(COLOURS))
+
+    def _subjects(self, panel):
+        """The elements that are told apart in a panel."""
+        if self._sheet is not None:
+            return self._sheet
+        return self._largest([panel], panel.subjects, len(panel.whats))
+
+    def _largest(self, panels, subjects, whats):
+        """Those of the subjects with the largest values that can be told apart, with so many quantities each."""
+        rounds = max(1, len(DASHES) // max(whats, 1))
+        most = rounds if self.runs else min(MOST_TOLD, rounds * len(COLOURS))
+        if len(subjects) <= most:
+            return subjects
+        sizes = dict.fromkeys(subjects, 0.0)
+        for panel in panels:
+            own = [_size(curve.y.values) for curve in panel.curves]
+            for curve, size in zip(panel.curves, own, strict=True):
+                sizes[curve.subject] = max(sizes[curve.subject], size / (max(own) or 1.0))
+        chosen = sorted(subjects, key=sizes.get, reverse=True)[:most]
+        return tuple(subject for subject in subjects if subject in chosen)
+
+    def handles(self):
+        """Legend of the whole sheet: runs, or elements when there are several."""
+        if self.runs:
+            handles = [_handle(i, name) for i, name in enumerate(self._told_runs)]
+            return handles + _others(len(self.runs) - len(self._told_runs))
+        if self._sheet is None or len(self._owners) < 2:
+            return []
+        handles = [_handle(i, name) for i, name in enumerate(self._sheet)]
+        return handles + _others(len(self._owners) - len(self._sheet))
+
+    def legend(self, panel):
+        """Legend of the panel: what the one of the sheet does not say."""
+        several = len(panel.subjects) > 1 and self._sheet is None
+        named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)
+        handles, others = {}, set()
+        for curve in panel.curves:
+            style = self.style(curve, panel)
+            text = ": ".join([curve.subject] * several + [curve.y.what] * named)
+            if style is OTHERS:
+                told = several or curve.subject in self._subjects(panel)
+                others |= {text} if told and text else set()
+            elif text and text not in handles:
+                if self.handles() and not curve.reference:
+                    style["color"] = INK
+                handles[text] = Line2D([], [], label=text, **style)
+        return list(handles.values()) + _others(len(others - set(handles)))
+
+
+def _handle(i, name):
+    return Line2D([], [], color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i // len(COLOURS)], label=name)
+
+
+def _others(count):
+    return [Line2D([], [], label=f"{count} others", **OTHERS)] if count else []
+
+
+def _size(values):
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
