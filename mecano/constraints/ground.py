@@ -182,3 +182,8 @@ def slope_below(rng, height=None):
     normal, level = normal_and_level(rng)
     profile = None if height is None else {"direction": rng.normal(size=3), "height": height}
     return {"plane": {"point": -8.0 * normal, "normal": normal}, "profile": profile}, normal, level
+
+
+def on_the_slope(rng, normal):
+    """For samples: the node of a wheel some 8 m large that nearly stands on the ground of ``slope_below``."""
+    return [(np.cross(normal, rng.normal(size=3)) + 0.2 * normal, np.eye(3))]

@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, check_touching, put_outputs
-from mecano.constraints.ground import check_axle, ends, lean_of, slope_below, unit
+from mecano.constraints.ground import check_axle, ends, lean_of, on_the_slope, slope_below, unit
 from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
@@ -66,7 +66,7 @@ def _check_height(d, x):
 def sample(rng):
     """A wheel that leans on a slope."""
     ground, normal, level = slope_below(rng)
-    return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, 1, "")]
+    return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, on_the_slope(rng, normal), "")]
 
 
 PAPER_WHEEL = Kind(

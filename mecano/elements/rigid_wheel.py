@@ -35,6 +35,7 @@ from mecano.constraints.ground import (
     check_ground,
     ends,
     lean_of,
+    on_the_slope,
     rim_above,
     slope_below,
     too_low,
@@ -167,7 +168,7 @@ def sample(rng):
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
         }  # fmt: skip
-        found.append((values, 1, mode))
+        found.append((values, on_the_slope(rng, normal), mode))
     return found
 
 
