@@ -40,7 +40,12 @@ def options(arguments=None):
     add("--end", type=float, default=4.0, help="end of the run [%(default)s s]")
     add("--step", type=float, default=0.01, help="time step [%(default)s s]")
     add("--free", action="store_true", help="floats freely; else the foot of the middle longeron is clamped")
-    return parser.parse_args(arguments)
+    given = parser.parse_args(arguments)
+    if given.modules < 1 or given.curvature == 0.0 or not 0.0 < given.fold < 90.0:
+        parser.error("--modules must be 1 or more, --curvature not zero, --fold between 0 and 90")
+    if min(given.height, given.batten, given.torque, given.end, given.step) <= 0.0:
+        parser.error("--height, --batten, --torque, --end and --step must be greater than zero")
+    return given
 
 
 class Reflector:

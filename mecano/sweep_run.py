@@ -11,7 +11,7 @@ from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.modes_run import about, doubts, turning_of
 from mecano.results.provenance import Source
-from mecano.results.sweep_file import contents, write_sweep, write_table
+from mecano.results.sweep_file import contents, write_sweep, write_tables
 from mecano.results.writer import refuse_existing
 from mecano.solve.critical import critical
 from mecano.solve.linearize import linearize
@@ -243,7 +243,7 @@ def _distinct(criticals):
 
 
 def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
-    """``sweep`` into a file, with ``columns`` into a table of comma-separated values beside it: (text, states)."""
+    """``sweep`` into a file, with ``columns`` into tables of comma-separated values beside it: (text, states)."""
     refuse_existing(file, force)
     found = sweep(path, overrides, texts, **options)
     deck, plain = found.deck, contents(found)
@@ -251,6 +251,6 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
                     remarks=found.remarks)  # fmt: skip
     write_sweep(file, plain, source, force=force)
     if columns:
-        write_table(Path(file).with_suffix(".csv"), plain)
+        write_tables(Path(file).with_suffix(".csv"), plain)
     text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.remarks)])
     return text, sum(len(locus.count) for locus in found.loci)

@@ -33,6 +33,13 @@ def test_the_deck_is_what_its_writer_writes():
     assert module.deck(module.options([])) == (INPUTS / "reflector.yaml").read_text()
 
 
+@pytest.mark.parametrize("wrong", ["--modules -1", "--curvature 0", "--fold 90", "--height 0", "--batten -1"])
+def test_what_no_reflector_can_have_is_refused(wrong, capsys):
+    with pytest.raises(SystemExit) as stop:
+        writer().options(wrong.split())
+    assert stop.value.code == 2 and wrong.split()[0] in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("modules, longerons, faces", [(1, 7, 12), (2, 12, 23), (7, 31, 72), (19, 73, 186)])
 def test_modules_share_longerons_and_faces(modules, longerons, faces):
     """Counted on the triangular lattice, and by Euler's formula."""

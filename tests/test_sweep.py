@@ -249,6 +249,8 @@ def test_map_files_and_pictures(tmp_path):
         rows = list(csv.reader(table))
     assert rows[0][:3] == ["damping", "speed", "growth [1/s]"] and len(rows) == 7
     assert float(rows[1][2]) == file.map["growth"][0, 0]
+    with open(path.with_name("map_critical.csv"), newline="") as table:
+        assert [row[:2] for row in csv.reader(table)] == [["speed", "damping"], [repr(float(border)), "24.0"]]
     ax, bar = sweep_figure(file).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed [m/s]", "damping [N m s/rad]")
     low, high = (min(file.map["growth"].flat), max(file.map["growth"].flat))
@@ -326,7 +328,12 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     with open("bicycle_sweep.csv", newline="") as table:
         rows = list(csv.reader(table))
     assert rows[0][:2] == ["speed", "mode 1 real_part [1/s]"] and [row[0] for row in rows[1:]] == ["4.0", "4.5", "5.0"]
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["bicycle_sweep.csv", "bicycle_sweep.h5", "bicycle_sweep.png"]
+    with open("bicycle_sweep_critical.csv", newline="") as table:
+        heads, *rows = csv.reader(table)
+    assert heads[:3] == ["speed", "frequency [Hz]", "mode"] and abs(float(rows[0][0]) - 4.2923825363) < 1e-8
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        f"bicycle_sweep{ending}" for ending in (".csv", ".h5", ".png", "_critical.csv")
+    ]
 
 
 def test_states_that_are_not_found_are_left_out(tmp_path):

@@ -124,13 +124,24 @@ def _columns(group, columns):
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
-def write_table(path, plain):
-    """Write all numbers as comma-separated values: a row for each state. Raises ResultsError."""
-    try:
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows(_rows(plain))
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+def write_tables(path, plain):
+    """Write comma-separated values: a row for each state, and beside it ``..._critical.csv``. Raises ResultsError."""
+    path = Path(path)
+    for target, rows in ((path, _rows(plain)), (path.with_name(f"{path.stem}_critical.csv"), _critical_rows(plain))):
+        try:
+            with open(target, "w", newline="", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerows(rows)
+        except OSError as error:
+            raise ResultsError(f"cannot write {target}: {error.strerror or error}") from error
+
+
+def _critical_rows(plain):
+    """A row for each critical value; of what has no value an empty field."""
+    names = dict(zip(("parameter", "other"), plain["names"], strict=False))
+    kept = [(name, unit) for name, unit, _ in CRITICAL if name != "other" or "other" in names]
+    yield [names.get(name, name) + (f" [{unit}]" if unit else "") for name, unit in kept]
+    for row in zip(*(plain["critical"][name] for name, _ in kept), strict=True):
+        yield ["" if np.isnan(x) else repr(float(x)) for x in row]
 
 
 def _rows(plain):

@@ -1,0 +1,59 @@
+"""Newton's iteration converges quadratically with the tangents of wheels, in every regime that a drop passes."""
+
+import numpy as np
+import pytest
+from marching import deck, input_deck
+from test_flexible_wheel import DROP, LATERAL
+
+from mecano.prepare import march_of, prepare
+from mecano.solve.newton import FIRST, WORST
+from mecano.start import bring_to_start
+
+TIGHT = "newton: {force_tolerance: 1.0e-13, constraint_tolerance: 1.0e-13}"
+KEPT, USABLE = 7, 8  # arguments of ``iterate``
+ROUNDING = 10.0  # of the tolerance: residuals below are rounding
+NEAR = 0.05  # residuals fall by more than that where the iteration is near the solution
+
+
+def residuals(checked, monkeypatch):
+    """Residuals (over their tolerance) of each attempt of a run, with a new tangent for every correction."""
+    prepared = prepare(checked)
+    bring_to_start(prepared)
+    march, attempts = march_of(prepared), {}
+    iterate = march.method._iterate
+
+    def corrected(*arguments):
+        report = arguments[-1]
+        code = iterate(*arguments[:KEPT], False, False, *arguments[USABLE + 1 :])
+        attempts.setdefault(id(report), (report, [report[FIRST]]))[1].append(report[WORST])
+        return code
+
+    monkeypatch.setattr(march.method, "_iterate", corrected)
+    times = checked.values["time"]
+    march.to(times["end"], march.begin(prepared.state, times["step"]))
+    return [np.array(found) for _, found in attempts.values()]
+
+
+def orders(found):
+    """log(r2/r1)/log(r1/r0) of the last three residuals above rounding, of attempts that come near the solution."""
+    for r in found:
+        r = r[r > ROUNDING]
+        if len(r) >= 3 and r[-2] < NEAR * r[-3] and r[-1] < NEAR * r[-2]:
+            yield np.log(r[-1] / r[-2]) / np.log(r[-2] / r[-3])
+
+
+CASES = {
+    "flexible": lambda: deck(
+        DROP.format(kind="flexible_wheel", rough=1e-5, step=5e-3, control="rho_inf: 0.8, " + TIGHT, lateral=LATERAL)
+    ),
+    "adhesive": lambda: deck(
+        DROP.format(kind="adhesive_wheel", rough=0, step=5e-3, control="rho_inf: 0.8, " + TIGHT, lateral=LATERAL)
+    ),
+    "rigid": lambda: input_deck("rolling_disc", f"time={{end: 0.5, step: 0.1, {TIGHT}}}"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_newton_converges_quadratically(case, monkeypatch):
+    measured = list(orders(residuals(CASES[case](), monkeypatch)))
+    assert len(measured) >= 5 and np.median(measured) > 1.8
