@@ -280,5 +280,6 @@ def _symbols(code):
 @pytest.mark.skipif(sys.platform != "linux", reason="objects have another form")
 def test_code_needs_no_table_of_addresses():
     """On 64-bit Arm the loader may put one farther away than code reaches: it then ended the process."""
-    of_python = {name: seen for name, seen in _symbols(compiler.entry_code(mixed)[1]) if name.startswith("PyExc_")}
-    assert of_python and set(of_python.values()) == {HIDDEN}
+    symbols = dict(_symbols(compiler.entry_code(mixed)[1]))
+    assert "Py_FatalError" in symbols
+    assert {seen for name, seen in symbols.items() if name.startswith("PyExc_")} <= {HIDDEN}  # old numba has none
