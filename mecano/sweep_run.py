@@ -145,14 +145,19 @@ class Case:
         return Spectrum.of(found, lin.root, lin.pace), motion, lin.variation
 
 
-def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
+def sweep(
+    path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None,
+    begins=lambda kinds: None,
+):  # fmt: skip
     """Find the modes of a deck file over one or two ``texts`` "parameter=from:to:step"; returns a Sweep.
 
-    ``progress(done, total, text)`` is told of every state. Values where no state is found are left out, with a remark.
+    ``progress(done, total, text)`` is told of every state, ``begins(kinds)`` of the kinds of elements before the first.
+    Values where no state is found are left out, with a remark.
     Raises UsageError, DeckError, and the error of the last state where none is found.
     """
     case = Case(path, tuple(overrides), number or 1_000_000, frame, method)
     deck = case.deck()
+    begins(deck.kinds)
     if len(texts) > 2:
         raise UsageError("--sweep may be given once, or twice for a map of stability")
     axes = tuple(Axis.parse(text, deck.values["parameters"]) for text in texts)

@@ -106,17 +106,15 @@ def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet,
 
 
 def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
-    from mecano.deck.read import read_deck
     from mecano.progress import SweepProgress
     from mecano.sweep_run import sweep_into
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
     Interruption().listen((signal.SIGINT, signal.SIGTERM))
-    progress.compiling(read_deck(deck, overrides).kinds)
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-        progress=progress,
+        progress=progress, begins=progress.compiling,
     )  # fmt: skip
     progress.done(total)
     show(text)
