@@ -6,14 +6,14 @@ import sys
 import time
 from textwrap import wrap
 
-from mecano.compiled.store import compile_time
-from mecano.model.loops import compiled_before
+from mecano.compiled.store import before_compiling, compile_time
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
 WIDTH = 110  # characters of a note, or the width of the terminal
 NOTICED = 0.01  # s for compiling
+COMPILING = "compiling elements used for the first time: this takes a minute or two, once"
 
 
 class Progress:
@@ -26,10 +26,9 @@ class Progress:
         self.compiled = compile_time()
         self.tenths, self.marching = 0, None
 
-    def compiling(self, kinds):
-        """Say that kinds of elements are compiled when they are used first; nothing when they all were."""
-        if not compiled_before(kinds):
-            self.note("compiling what this deck is the first to use: this takes a minute or two, once")
+    def announce_compiling(self):
+        """Report, before the first function is compiled, that this takes a while; nothing where none is."""
+        before_compiling(lambda: self.note(COMPILING))
 
     def note(self, text):
         """A text on lines of its own."""

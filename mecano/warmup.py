@@ -3,6 +3,7 @@
 import os
 import tempfile
 from importlib import import_module
+from pathlib import Path
 from pkgutil import iter_modules
 
 from mecano import constraints, elements
@@ -10,6 +11,7 @@ from mecano.compiled import store
 from mecano.contract import Kind
 from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.errors import ResultsError
 from mecano.model.loops import PURPOSES, loop_of
 from mecano.prepare import prepare
 from mecano.run import run
@@ -39,6 +41,20 @@ def warmup(decks=(), overrides=()):
             _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
     after = store.size()
     yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
+
+
+def share(folder):
+    """Copy all compiled code of this user into a shared store below ``folder``; return what to do with it, as text.
+
+    Raises ResultsError where it cannot be written, or untrusted users can write there.
+    """
+    try:
+        target, size = store.share(folder)
+    except OSError as error:
+        raise ResultsError(f"cannot write compiled code to {folder}: {error.strerror or error}") from None
+    return (
+        f"{size / 1e6:.0f} MB of compiled code are in {target}: let users set {store.SHARED}={Path(folder).absolute()}"
+    )
 
 
 def all_kinds():

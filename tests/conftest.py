@@ -3,14 +3,19 @@
 And the fixture with which tests tell the verification manual what they found.
 """
 
+import hashlib
 import os
+from pathlib import Path
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
+import mecano  # noqa: E402
 from mecano.compiled.store import folder  # noqa: E402
 
-os.environ["NUMBA_CACHE_DIR"] = str(folder() / "tests")  # of functions that only tests call, see instances.py
+SOURCES = sorted(Path(mecano.__file__).parent.rglob("*.py"))
+KEY = hashlib.sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:16]
+os.environ["NUMBA_CACHE_DIR"] = str(folder() / f"tests-{KEY}")  # of functions that only tests call, see instances.py
 
 import pytest  # noqa: E402
 

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -14,9 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mecano.compiled import compiler, store
+from mecano.compiled import compiler, store, trust
+from mecano.compiled.closure import digest
 from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.compiled.kernel import kernel
+from mecano.errors import ResultsError
 
 Spec = namedtuple("Spec", "origin")
 SYMBOLS = 2  # a section of symbols
@@ -93,9 +96,12 @@ def own_store(tmp_path_factory):
     """A store of its own: the code of this file does not belong to that of mecano."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(store.FOLDER, str(tmp_path_factory.mktemp("store")))
-        store.folder.cache_clear()
+        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("secret")))
+        for known in (store.folder, store._secret):
+            known.cache_clear()
         yield store.folder()
-    store.folder.cache_clear()
+    for known in (store.folder, store._secret):
+        known.cache_clear()
 
 
 def refuse(*_, **__):
@@ -214,12 +220,72 @@ class TestStore:
         loaded, second = run_script(SCRIPT, tmp_path).stdout.split()
         assert (compiled, loaded) == ("True", "False") and first == second
         (path,) = tmp_path.rglob("*.o")
-        assert path.name == "mecano.solve.increments.place_rotations.o"
+        assert re.fullmatch(r"mecano\.solve\.increments\.place_rotations-[0-9a-f]{32}\.o", path.name)
         for damage in (lambda data: data[:-100], lambda data: b"name check\n" + data):
             path.write_bytes(damage(path.read_bytes()))
             again, third = run_script(SCRIPT, tmp_path).stdout.split()
             assert (again, third) == ("True", first)
             assert list(path.parent.iterdir()) == [path]
+
+    def test_code_that_the_user_has_not_signed_is_not_loaded(self, tmp_path, monkeypatch):
+        """Another user can compute any hash without the secret; the object is compiled again."""
+        first = run_script(SCRIPT, tmp_path).stdout.split()[1]
+        (path,) = tmp_path.rglob("*.o")
+        _, data = path.read_bytes().split(b"\n", 1)
+        path.write_bytes(trust.sign(bytes(32), path.name, data).encode() + b"\n" + data)
+        assert run_script(SCRIPT, tmp_path).stdout.split() == ["True", first]
+        path.rename(path.with_name(path.name.replace("-", "-0", 1)))
+        assert run_script(SCRIPT, tmp_path).stdout.split() == ["True", first]
+
+    def test_folders_are_private_and_those_of_others_are_refused(self, tmp_path, monkeypatch):
+        monkeypatch.setenv(store.FOLDER, str(tmp_path / "new" / "base"))
+        found = store.folder.__wrapped__()
+        assert found.stat().st_mode & 0o777 == 0o700
+        found.chmod(0o770)
+        with pytest.raises(ResultsError, match=f"{found} can be written by other users: .* MECANO_CACHE_DIR"):
+            store.folder.__wrapped__()
+        found.chmod(0o700)
+        monkeypatch.setattr(os, "getuid", lambda: 4711)
+        with pytest.raises(ResultsError, match=r"belongs to another user \(uid \d+\): it is not used"):
+            store.folder.__wrapped__()
+        monkeypatch.undo()
+        monkeypatch.setenv(store.FOLDER, str(tmp_path / "other"))
+        link = tmp_path / "other" / found.name
+        link.parent.mkdir()
+        link.symlink_to(found)
+        with pytest.raises(ResultsError, match="is a symbolic link"):
+            store.folder.__wrapped__()
+
+    def test_a_shared_store_is_read_where_only_trusted_users_can_write(self, tmp_path, monkeypatch):
+        """Without a compiler; objects that others could have written are not used."""
+        shared, own = tmp_path / "shared", tmp_path / "own"
+        first = run_script(SCRIPT, tmp_path / "admin").stdout.split()[1]
+        run_script(f"from mecano.compiled import store; store.share({str(shared)!r})", tmp_path / "admin")
+        monkeypatch.setenv(store.SHARED, str(shared))
+        assert run_script(SCRIPT, own).stdout.split() == ["False", first]
+        (path,) = shared.rglob("*.o")
+        assert path.stat().st_mode & 0o777 == 0o644 and not list(own.rglob("*.o"))
+        path.chmod(0o666)
+        assert run_script(SCRIPT, own).stdout.split() == ["True", first]
+        path.parent.chmod(0o777)
+        found = run_script(SCRIPT, own, check=False)
+        assert found.returncode and "can be written by other users" in found.stderr
+
+    def test_a_secret_that_others_can_read_is_replaced(self, tmp_path, monkeypatch):
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        first = trust.secret()
+        assert trust.secret() == first and len(first) == 32
+        (tmp_path / "mecano" / "store.key").chmod(0o644)
+        assert trust.secret() != first and trust.secret() == trust.secret()
+        (tmp_path / "file").write_text("")
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "file"))
+        assert trust.secret() != trust.secret()
+
+    def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
+        script = "from mecano.compiled import store; store.before_compiling(lambda: print('compiling'))\n"
+        script += textwrap.dedent(SCRIPT)
+        assert run_script(script, tmp_path).stdout.split()[0] == "compiling"
+        assert "compiling" not in run_script(script, tmp_path).stdout
 
     def test_where_no_folder_can_be_made_one_lives_as_long_as_the_process(self, tmp_path):
         (tmp_path / "file").write_text("")
@@ -256,15 +322,68 @@ class TestStore:
             (store.llvm, "get_process_triple", lambda: "another"),
             (store.llvmlite, "__version__", "0.0"),
             (sys, "abiflags", "t"),
-            (store, "RECORDS", "errors.py"),
+            (store, "COMPILER", ("compiler",)),
             (store, "find_spec", None),
         ],
     )
     def test_what_code_depends_on_has_folders_of_its_own(self, monkeypatch, tmp_path, of, name, value):
         (tmp_path / "_version.py").write_text("")
-        here = store._key()
+        key = store._key.__wrapped__
+        here = key()
         monkeypatch.setattr(of, name, value if name != "find_spec" else lambda _: Spec(str(tmp_path / "__init__.py")))
-        assert store._key() != here
+        assert key() != here
+
+
+class TestDigest:
+    """Objects are compiled again where, and only where, what they are made of has changed."""
+
+    HEAD = """
+        from mecano.compiled.kernel import kernel
+        FACTOR = 2.0
+
+        @kernel
+        def inner(x):
+            return FACTOR * x
+
+        def outer(x):
+            \"\"\"The doubled square.\"\"\"
+            return inner(x) * x  # here
+    """
+
+    def digest(self, text):
+        names = {"__name__": "mecano.made_up"}
+        exec(compile(textwrap.dedent(text), "made up", "exec"), names)
+        return digest(names["outer"])
+
+    @pytest.mark.parametrize(
+        ("old", "new"),
+        [
+            ("FACTOR = 2.0", "FACTOR = 3.0"),
+            ("FACTOR * x", "FACTOR + x"),
+            ("(x) * x", "(x) - x"),
+            ("@kernel", "@inlined"),
+        ],
+    )
+    def test_code_and_constants_of_all_functions_called_count(self, old, new):
+        head = self.HEAD.replace("import kernel", "import inlined, kernel")
+        assert old in head and self.digest(head) != self.digest(head.replace(old, new))
+
+    @pytest.mark.parametrize(
+        ("old", "new"),
+        [("The doubled square.", "Twice x squared."), ("# here", ""), ("FACTOR = 2.0", "\n        FACTOR = 2.0")],
+    )
+    def test_docstrings_comments_and_places_do_not(self, old, new):
+        assert old in self.HEAD and self.digest(self.HEAD) == self.digest(self.HEAD.replace(old, new))
+
+    def test_values_of_unknown_influence_are_refused(self):
+        with pytest.raises(TypeError, match="uses a global set"):
+            self.digest(self.HEAD.replace("FACTOR = 2.0", "FACTOR = {2.0}"))
+
+    def test_two_kinds_have_loops_of_their_own(self):
+        from mecano.elements import KINDS
+
+        kernels = [KINDS[name].force for name in ("point_mass", "rigid_body", "spring_damper")]
+        assert len({digest(one.__wrapped__) for one in kernels}) == 3
 
 
 def _symbols(code):

@@ -355,7 +355,7 @@ def test_runs_of_one_layout_begin_with_a_copy(tmp_path, monkeypatch):
     """Kept bytes that were damaged are made anew, to the same contents; of many layouts the last are kept."""
     kept = tmp_path / "kept"
     kept.mkdir()
-    monkeypatch.setattr(blank, "folder", lambda: kept)
+    monkeypatch.setattr(store, "folder", lambda: kept)
     monkeypatch.setattr(blank, "MOST_KEPT", 2)
     layouts = [Layout([Series(f"elements/e{i}/force", "N", "force", (3,))]) for i in range(4)]
     first = blank.blank(layouts[0])
@@ -367,7 +367,7 @@ def test_runs_of_one_layout_begin_with_a_copy(tmp_path, monkeypatch):
     for layout in layouts[1:]:
         assert _contents(blank.blank(layout)) != _contents(first)
     assert len(list(kept.iterdir())) == 2
-    monkeypatch.setattr(blank, "folder", lambda: tmp_path / "not there")
+    monkeypatch.setattr(store, "folder", lambda: tmp_path / "not there")
     assert _contents(blank.blank(layouts[0])) == _contents(first)
 
 

@@ -265,10 +265,10 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, told):
 def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
     """As a run does: nothing else is said for a minute or two."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mecano.progress.compiled_before", lambda kinds: "hinge" not in kinds)
+    monkeypatch.setattr("mecano.progress.before_compiling", lambda listener: listener())
     for quiet in ((), ("-q",)):
         commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
-        assert ("mecano: compiling what this deck is the first to use" in capsys.readouterr().err) == (not quiet)
+        assert ("mecano: compiling elements used for the first time" in capsys.readouterr().err) == (not quiet)
 
 
 def test_time_for_compiling_is_told_apart(monkeypatch, capsys):

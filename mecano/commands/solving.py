@@ -41,7 +41,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     if static and interval is not None:
         raise click.UsageError("--checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
-    progress.compiling(checked.kinds)
+    progress.announce_compiling()
     from importlib import import_module
 
     runs = import_module("mecano.static_run" if static else "mecano.run")
@@ -95,7 +95,7 @@ def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet,
     from mecano.modes_run import modes as find
     from mecano.progress import SweepProgress
 
-    SweepProgress(quiet, path).compiling(checked.kinds)
+    SweepProgress(quiet, path).announce_compiling()
 
     text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
     show(text)

@@ -68,9 +68,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
 
     progress = StudyProgress(quiet, folder.path)
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or perform.cores())
-    progress.compiling(deck.kinds)
     if cases:
-        perform.compile_first(deck)
+        perform.compile_first(deck, progress.note)
     table = perform.perform(folder, units, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)
@@ -114,12 +113,20 @@ def _finish(table, plot):
 @click.command()
 @click.argument("decks", nargs=-1, type=click.Path())
 @overrides
-def warmup(decks, overrides):
+@click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code there, for other users.")
+def warmup(decks, overrides, share):
     """Compile all that decks can contain, or what the given DECKS do, before many runs want it at once.
 
     Compiled code is kept on the disk; this says where. For a cluster see docs/cluster.md.
     """
+    from mecano.compiled.store import before_compiling
+    from mecano.progress import COMPILING
+    from mecano.warmup import share as copy_to
     from mecano.warmup import warmup as compile_all
+
+    before_compiling(lambda: click.echo(f"mecano: {COMPILING}", err=True))
 
     for text in compile_all(decks, overrides):
         show(text)
+    if share:
+        show(copy_to(share))

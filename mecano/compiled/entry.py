@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.compiled.closure import digest
 from mecano.compiled.kernel import Kernel
 from mecano.compiled.store import address
 
@@ -56,7 +57,8 @@ class Entry(Kernel):
     @cached_property
     def function(self):
         """The C function of the address of the words and, for several results, that of an array for them."""
-        found = address(f"{self.__module__}.{self.__qualname__}", lambda compiler: compiler.entry_code(self))
+        name, depends = f"{self.__module__}.{self.__qualname__}", digest(self.__wrapped__)
+        found = address(name, depends, lambda compiler: compiler.entry_code(self))
         result = None if self.several or not self.returns else RESULT[self.returns[0]]
         return ctypes.PYFUNCTYPE(result, ctypes.c_char_p, ctypes.c_void_p)(found)
 

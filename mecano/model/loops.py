@@ -12,10 +12,11 @@ from functools import cache
 
 import numpy as np
 
+from mecano.compiled.closure import digest
 from mecano.compiled.kernel import kernel
 from mecano.compiled.memory import floats, integers, items
 from mecano.compiled.nowhere import NOWHERE
-from mecano.compiled.store import address, has
+from mecano.compiled.store import address
 
 
 def _fields(floats="", words=""):
@@ -247,9 +248,4 @@ def _compiled(template, function, parameters, of_rates, kind_name):
     values = {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates}
     name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(template.__code__, values, name)
-    return address(name, lambda compiler: compiler.loop_code(bound))
-
-
-def compiled_before(kinds):
-    """True when compiled code of all ``kinds``, by name, or of variants of them, is on disk for these sources."""
-    return all(has(f"observe_{kind}") or has(f"observe_{kind}_held") for kind in kinds)
+    return address(name, digest(bound), lambda compiler: compiler.loop_code(bound))

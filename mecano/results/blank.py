@@ -8,12 +8,13 @@ import hashlib
 import io
 import os
 import zlib
-from contextlib import suppress
+from functools import cache
+from pathlib import Path
 
 import h5py
 import numpy as np
 
-from mecano.compiled.store import folder, put
+from mecano.compiled import store
 from mecano.results.disk import new_file
 from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
 from mecano.results.table import Axes, chunk_shape, create_events, create_numbers, describe, name_axes
@@ -29,31 +30,28 @@ MOST_KEPT = 20
 
 def blank(layout):
     """The bytes of the results file of a Layout without deck, provenance and results."""
-    path = folder() / f"{_digest(layout)}.blank"
-    try:
-        data = zlib.decompress(path.read_bytes())
-        with suppress(OSError):
-            os.utime(path)
-        return data
-    except (OSError, zlib.error):  # none yet, or damaged
-        data = _made(layout)
-        _keep(path, data)
-        return data
+    name = f"{_digest(layout)}.blank"
+    kept = store.read(name)
+    if kept is not None:
+        return zlib.decompress(kept)
+    data = _made(layout)
+    store.write(name, zlib.compress(data, 1))
+    store.keep_newest("*.blank", MOST_KEPT)
+    return data
 
 
 def _digest(layout):
-    """What tells apart the files of different layouts, and of different versions of HDF5."""
+    """What tells apart the files of different layouts, of different versions of HDF5 and of the modules that write."""
     chunks = [chunk_shape(1 + size) for size in (layout.size, len(layout.steps))]
-    return hashlib.sha256(f"{h5py.version.hdf5_version} {chunks} {layout.to_json()}".encode()).hexdigest()[:32]
+    depends = f"{h5py.version.hdf5_version} {chunks} {_sources()} {layout.to_json()}"
+    return hashlib.sha256(depends.encode()).hexdigest()[:32]
 
 
-def _keep(path, data):
-    """Put the file there, and remove those that have not been used for longest."""
-    put(path, zlib.compress(data, 1))
-    with suppress(OSError):
-        kept = sorted(path.parent.glob("*.blank"), key=lambda one: one.stat().st_mtime)
-        for old in kept[:-MOST_KEPT]:
-            old.unlink(missing_ok=True)
+@cache
+def _sources():
+    """Hash of the modules that lay out results files."""
+    modules = sorted(Path(__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in modules)).hexdigest()
 
 
 class _Memory(io.BytesIO):

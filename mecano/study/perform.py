@@ -5,6 +5,7 @@ import subprocess
 
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.interrupt import Stopped, again
+from mecano.progress import COMPILING
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table
@@ -34,13 +35,20 @@ def due(folder, *, resume=False, failed=False, force=False):
     return [case for case in cases if records[case.number].status not in done]
 
 
-def compile_first(deck):
+def compile_first(deck, announce=lambda text: None):
     """Run the beginning of a checked Deck in a process of its own: what it compiles, no case has to.
 
-    A case that compiles needs more time and memory than its limits may give it.
+    A case that compiles needs more time and memory than its limits may give it. ``announce(text)`` is called where
+    something is compiled.
     """
     settings = [word for text in deck.overrides for word in ("--set", text)]
-    subprocess.run([*PROGRAM, "warmup", deck.file, *settings], capture_output=True)
+    process = subprocess.Popen(
+        [*PROGRAM, "warmup", deck.file, *settings], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    with process:
+        for line in process.stderr:
+            if COMPILING in line:
+                announce(COMPILING)
 
 
 def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None):

@@ -1,0 +1,84 @@
+"""Digest of everything that the machine code of a function depends on.
+
+The digest covers the code of the function and of all functions that it calls, without docstrings and comments, and the
+values of the globals they use: constants, types of records, compile-time types. Editing one element therefore changes
+the digests of the objects that contain it, and of no others.
+"""
+
+import hashlib
+import types
+
+import numpy as np
+
+from mecano.compiled.kernel import Kernel
+
+OURS = "mecano"  # modules of this package are followed, those of others are known by name
+CODE = "co_code co_names co_argcount co_kwonlyargcount co_flags".split()
+
+_digests = {}  # of functions; what a function calls does not change while the process lives
+
+
+def digest(function):
+    """Return the digest (32 hexadecimal digits) of a Python function and all that it uses.
+
+    Raises TypeError where it uses a global value whose influence on the machine code is not known.
+    """
+    known = _digests.get(function)
+    if known is None:
+        _digests[function] = "recursive"
+        known = _digests[function] = _hash(_describe_function(function))
+    return known
+
+
+def _hash(text):
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def _describe_function(function):
+    code, cells = function.__code__, function.__closure__ or ()
+    used = {name: function.__globals__[name] for name in sorted(_names(code)) if name in function.__globals__}
+    used |= dict(zip(code.co_freevars, (cell.cell_contents for cell in cells), strict=True))
+    parts = [_describe_code(code, function.__doc__), _describe(function.__defaults__, ())]
+    parts += [f"{name}: {kind!r}" for name, kind in function.__annotations__.items()]
+    parts += [f"{name}={_describe(value, code.co_names)}" for name, value in used.items()]
+    return "\n".join(parts)
+
+
+def _names(code):
+    """Names of globals and attributes in a code object and those nested in it."""
+    nested = [inner for inner in code.co_consts if isinstance(inner, types.CodeType)]
+    return set(code.co_names).union(*(_names(inner) for inner in nested))
+
+
+def _describe_code(code, doc=None):
+    constants = [
+        _describe_code(value) if isinstance(value, types.CodeType) else repr(value)
+        for value in code.co_consts
+        if doc is None or value != doc
+    ]
+    return f"{[getattr(code, name) for name in CODE]} {constants}"
+
+
+def _describe(value, names):
+    """Text that differs where machine code that uses the ``value`` may differ; ``names`` are those used of a module."""
+    if isinstance(value, Kernel):
+        return f"{type(value).__name__ == 'Inlined'} {digest(value.__wrapped__)}"
+    if isinstance(value, types.FunctionType):
+        return digest(value) if value.__module__.startswith(OURS) else f"{value.__module__}.{value.__qualname__}"
+    if isinstance(value, types.ModuleType):
+        return _describe_module(value, names)
+    if isinstance(value, type) or callable(value):
+        return f"{getattr(value, '__module__', '')}.{value.__qualname__} {getattr(value, '_fields', '')}"
+    if isinstance(value, tuple | list):
+        return f"{type(value).__name__} {[_describe(item, names) for item in value]}"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    if value is None or isinstance(value, bool | int | float | str | bytes | frozenset | np.dtype | np.generic):
+        return f"{type(value).__name__} {value!r}"
+    raise TypeError(f"a compiled function uses a global {type(value).__name__}, which machine code cannot depend on")
+
+
+def _describe_module(module, names):
+    if module.__name__.partition(".")[0] != OURS:
+        return module.__name__
+    return f"{[_describe(getattr(module, name), names) for name in names if hasattr(module, name)]}"

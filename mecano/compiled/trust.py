@@ -1,0 +1,114 @@
+"""Who may put machine code where this process loads it.
+
+Loading an object runs it. The store of a user therefore holds only what the user has signed: every object carries a
+keyed hash (BLAKE2b, RFC 7693) of its name and contents, and the key is a secret file that only the user can read. A
+store shared by many users cannot be signed like this; it is trusted when nobody could have written it but the user,
+root, or the owner of mecano's own sources, whose code the process runs anyway.
+"""
+
+import hashlib
+import hmac
+import os
+import secrets
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from mecano.errors import ResultsError
+
+LENGTH = 32  # bytes of the secret and of a signature
+WRITABLE_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
+READABLE_BY_OTHERS = stat.S_IRWXG | stat.S_IRWXO
+
+
+def sign(key, name, data):
+    """Return the signature (64 hexadecimal digits) of ``data`` under a ``name``; without secret for the key b""."""
+    return hashlib.blake2b(name.encode() + b"\0" + data, key=key, digest_size=LENGTH).hexdigest()
+
+
+def is_signed(key, name, data, signature):
+    """Return whether ``sign`` gave this signature."""
+    return hmac.compare_digest(sign(key, name, data), signature)
+
+
+def refuse_foreign(folder):
+    """Raise ResultsError where a folder of machine code is not the user's own, or others can write in it."""
+    problem = _problem(folder, {os.getuid()}) if hasattr(os, "getuid") else ""
+    if problem:
+        raise ResultsError(
+            f"the folder of compiled code {folder} {problem}: it is not used, since loading code runs it; remove the "
+            "folder, or name another one by MECANO_CACHE_DIR"
+        )
+
+
+def refuse_untrusted(folder):
+    """Raise ResultsError where a shared folder of machine code could have been written by an untrusted user."""
+    problem = _problem(folder, _installers()) if hasattr(os, "getuid") else ""
+    if problem:
+        raise ResultsError(
+            f"the shared folder of compiled code {folder} {problem}: it is not used, since loading code runs it; let "
+            "root, or the user who installed mecano, own it, and nobody else write in it"
+        )
+
+
+def is_trusted(file):
+    """Return whether an open file of a shared store could have been written by trusted users only."""
+    return not hasattr(os, "getuid") or not _problem_of(os.fstat(file.fileno()), _installers())
+
+
+def _installers():
+    return {os.getuid(), 0, Path(__file__).stat().st_uid}
+
+
+def _problem(path, owners):
+    return _problem_of(os.lstat(path), owners)
+
+
+def _problem_of(status, owners):
+    if stat.S_ISLNK(status.st_mode):
+        return "is a symbolic link"
+    if status.st_uid not in owners:
+        return f"belongs to another user (uid {status.st_uid})"
+    return "can be written by other users" if status.st_mode & WRITABLE_BY_OTHERS else ""
+
+
+def secret():
+    """Return the user's secret (32 bytes), made at its first use; one for this process only where none can be kept."""
+    path = _secret_path()
+    with suppress(OSError):
+        return _read(path) or _made(path)
+    return secrets.token_bytes(LENGTH)
+
+
+def _secret_path():
+    base = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
+    return Path(base).absolute() / "mecano" / "store.key"
+
+
+def _read(path):
+    """The secret in a file, or None: there is none, or others may know it or have put it there."""
+    with suppress(FileNotFoundError), open(path, "rb") as file:
+        status = os.fstat(file.fileno())
+        own = not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & READABLE_BY_OTHERS)
+        found = file.read()
+        return found if own and len(found) == LENGTH else None
+    return None
+
+
+def _made(path):
+    """A new secret; of two processes that make one at the same time, both get the one that is kept."""
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    if path.exists():  # not usable
+        path.unlink()
+    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    with open(os.open(own, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+        file.write(secrets.token_bytes(LENGTH))
+    try:
+        os.link(own, path)
+    except FileExistsError:
+        own.unlink()
+    except OSError:  # a file system without links
+        own.replace(path)
+    else:
+        own.unlink()
+    return _read(path)
