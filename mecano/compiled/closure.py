@@ -7,13 +7,14 @@ the digests of the objects that contain it, and of no others.
 
 import hashlib
 import types
+from functools import cache
 
 import numpy as np
 
 from mecano.compiled.kernel import Kernel
 
 OURS = "mecano"  # modules of this package are followed, those of others are known by name
-CODE = "co_code co_names co_argcount co_kwonlyargcount co_flags".split()
+PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # whose repr is exact
 
 _digests = {}  # of functions; what a function calls does not change while the process lives
 
@@ -56,7 +57,8 @@ def _describe_code(code, doc=None):
         for value in code.co_consts
         if doc is None or value != doc
     ]
-    return f"{[getattr(code, name) for name in CODE]} {constants}"
+    counts = f"{code.co_argcount} {code.co_kwonlyargcount} {code.co_flags}"
+    return f"{code.co_code.decode('latin-1')} {code.co_names} {counts} {constants}"
 
 
 def _describe(value, names):
@@ -67,15 +69,22 @@ def _describe(value, names):
         return digest(value) if value.__module__.startswith(OURS) else f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, types.ModuleType):
         return _describe_module(value, names)
-    if isinstance(value, type) or callable(value):
+    if callable(value):
         return f"{getattr(value, '__module__', '')}.{value.__qualname__} {getattr(value, '_fields', '')}"
     if isinstance(value, tuple | list):
         return f"{type(value).__name__} {[_describe(item, names) for item in value]}"
     if isinstance(value, np.ndarray):
         return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
-    if value is None or isinstance(value, bool | int | float | str | bytes | frozenset | np.dtype | np.generic):
+    if isinstance(value, np.dtype):
+        return _describe_type(value)
+    if value is None or isinstance(value, PLAIN):
         return f"{type(value).__name__} {value!r}"
     raise TypeError(f"a compiled function uses a global {type(value).__name__}, which machine code cannot depend on")
+
+
+@cache
+def _describe_type(dtype):
+    return repr(dtype)
 
 
 def _describe_module(module, names):
