@@ -5,6 +5,7 @@ values of the globals they use: constants, types of records, compile-time types.
 the digests of the objects that contain it, and of no others.
 """
 
+import dis
 import hashlib
 import types
 from functools import cache
@@ -14,6 +15,7 @@ import numpy as np
 from mecano.compiled.kernel import Kernel
 
 OURS = "mecano"  # modules of this package are followed, those of others are known by name
+LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
 PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # whose repr is exact
 
 _digests = {}  # of functions; what a function calls does not change while the process lives
@@ -46,9 +48,15 @@ def _describe_function(function):
 
 
 def _names(code):
-    """Names of globals and attributes in a code object and those nested in it."""
+    """Names of globals that a code object and those nested in it load; attributes are other names."""
+    operations, arguments = code.co_code[::2], code.co_code[1::2]
+    found, i = set(), operations.find(LOAD_GLOBAL)
+    while i >= 0:
+        more = arguments[i - 1] << 8 if i and operations[i - 1] == EXTENDED_ARG else 0
+        found.add(code.co_names[(arguments[i] | more) >> 1])  # the last bit is a flag, since Python 3.11
+        i = operations.find(LOAD_GLOBAL, i + 1)
     nested = [inner for inner in code.co_consts if isinstance(inner, types.CodeType)]
-    return set(code.co_names).union(*(_names(inner) for inner in nested))
+    return found.union(*(_names(inner) for inner in nested))
 
 
 def _describe_code(code, doc=None):
