@@ -66,12 +66,17 @@ SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each 
 
 @dataclass(frozen=True)
 class Output:
-    """A number written for each element: unit, meaning; ``shape`` (3,) for vectors."""
+    """A number written for each element: unit, meaning; ``shape`` (3,) for vectors.
+
+    A coordinate names the output that is its ``rate``: between two steps both are then interpolated by a cubic. All
+    other outputs are interpolated linearly.
+    """
 
     name: str
     unit: str
     doc: str
     shape: tuple = ()
+    rate: str = ""
 
 
 @dataclass(frozen=True)

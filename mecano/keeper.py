@@ -31,18 +31,19 @@ class Keeper:
     def keep(self, run):
         """Write a checkpoint; raises ResultsError."""
         march = json.dumps(self.march.to_plain())
-        self.recorder.writer.checkpoint({"run": to_plain(run), "march": march, "saved": self.recorder.saved})
+        state = {"run": to_plain(run), "march": march, "recorder": self.recorder.to_plain()}
+        self.recorder.writer.checkpoint(state)
 
 
 def restore(state, march):
-    """(RunState, saved times of the recorder) of a checkpoint, and ``march`` as it was then; raises ResultsError."""
+    """(RunState, state of the recorder) of a checkpoint, and ``march`` as it was then; raises ResultsError."""
     try:
         run = from_plain(state["run"])
         march.from_plain(json.loads(state["march"]))
-        saved = state["saved"]
+        recorder = state["recorder"]
     except (KeyError, TypeError, ValueError) as error:
         raise ResultsError(f"the checkpoint cannot be read; it is of another version of mecano: {error}") from error
     expected = march.system.initial_state()
     if any(getattr(run.motion, name).shape != getattr(expected, name).shape for name in ("z", "R", "modes", "memory")):
         raise ResultsError("the checkpoint does not fit the deck; it is of another version of mecano")
-    return run, saved
+    return run, recorder

@@ -72,6 +72,7 @@ def march_of(prepared, observers=()):
     method = GeneralizedAlpha(
         system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
         k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
+        duration=values["end"] - values["start"],
     )  # fmt: skip
     return March(system, method, _control(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
 

@@ -18,30 +18,40 @@ class Recorder:
         self.every = None if every == "step" else every
         self.start, self.end = values["time"]["start"], values["time"]["end"]
         self.saved = 0  # multiples of the interval, after the start; -1 at the end
+        self.row = np.zeros(len(sampler.row))  # at the beginning of the next step, behind the events there
         self.ends = watched(prepared.deck, sampler, "ends")
 
     def first(self, run):
         """Write the start itself."""
-        row = self.sampler.take(run)
-        self.writer.extremes.take(run.motion.t, row)
-        self.writer.append(run.motion.t, row)
+        self.restarted(run)
+        self.writer.append(run.motion.t, self.row)
 
-    def go_on(self, run, saved):
-        """Go on at a checkpoint, where so many times had been ``saved``: nothing is written."""
-        self.saved = saved
-        self._observe(run.motion)
-        self.sampler.take(run)
+    def restarted(self, run):
+        """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
+        self._begin(run.motion.t, self.sampler.take(run))
+
+    def _begin(self, t, row):
+        self.writer.extremes.take(t, row)
+        self.row[:] = row
+
+    def to_plain(self):
+        """Return what ``from_plain`` needs to go on at the beginning of the next step."""
+        return {"saved": self.saved, "row": self.row}
+
+    def from_plain(self, plain):
+        """Go on at a checkpoint: nothing is written. Raises ValueError where the row is of another model."""
+        self.saved, self.row[:] = plain["saved"], plain["row"]
 
     def __call__(self, accepted):
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         run, info = accepted.run, accepted.info
         if accepted.h:
             row = self.sampler.take(run)
-            self.writer.extremes.take(run.motion.t, row)
             share = info.error / self.control.allowed(accepted.h)
             numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
+            self._begin(run.motion.t, row)
             self._refuse(run.motion.t, row)
         for happening in accepted.happenings:
             self.writer.append_event(
@@ -61,19 +71,18 @@ class Recorder:
         if self.every is None:
             self.writer.append(t, row)
             return
-        here, sliver = row.copy(), 1e-9 * self.every
+        sliver = 1e-9 * self.every
         while (wanted := self._next()) <= t + sliver and self.saved >= 0:
-            self.writer.append(wanted, here if wanted > t - sliver else self._between(accepted, wanted))
+            self.writer.append(wanted, row if wanted > t - sliver else self._between(accepted, wanted, row))
             self.saved = self.saved + 1 if wanted < self.end else -1
 
-    def _between(self, accepted, t):
+    def _between(self, accepted, t, row):
+        """The row at a time within the step that led to ``row``: motions may peak there."""
         state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
-        self._observe(state)
-        return self.sampler.take(accepted.at(state))
-
-    def _observe(self, state):
-        self.system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0)
-        self.system.observe(state)
+        u = (t - accepted.before.t) / accepted.h
+        found = self.sampler.between(state, u, accepted.h, self.row, row)
+        self.writer.extremes.take(t, found)
+        return found
 
     def _next(self):
         """The next time to be saved; the last one is the end."""

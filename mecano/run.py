@@ -95,7 +95,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
     prepared = prepare(deck)
     march, sampler = march_of(prepared), Sampler(prepared.system)
-    start, saved = restore(left.checkpoint["run"], march)
+    start, recorded = restore(left.checkpoint["run"], march)
     layout = layout_of(sampler)
     left.check_layout(layout)
     note = left.note(start.motion.t)
@@ -104,7 +104,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
         announce(note)
         recorder = Recorder(prepared, writer, sampler, march.control)
-        recorder.go_on(start, saved)
+        recorder.from_plain(recorded)
         march.pause = Keeper(march, recorder, interruption, interval)
         return _to_the_end(deck, start, march, recorder, observers, announce)
 
@@ -124,14 +124,14 @@ def _source(deck, automatic, model, notes):
 def _to_the_end(deck, start, march, recorder, observers, announce):
     """March to the end of the deck, and close the file of the recorder; returns the final RunState."""
     values, writer = deck.values["time"], recorder.writer
-    march.observers = (recorder, *observers)
+    march.observers, march.restarted = (recorder, *observers), recorder.restarted
     sampler = recorder.sampler
     try:
         final = march.to(values["end"], start)
     except ConvergenceError as error:
-        raise ConvergenceError("\n".join([str(error), *open_latches(deck, sampler.row, sampler)])) from error
+        raise ConvergenceError("\n".join([str(error), *open_latches(deck, recorder.row, sampler)])) from error
     warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
-    warnings += open_latches(deck, sampler.take(final), sampler)
+    warnings += open_latches(deck, recorder.row, sampler)
     warnings += unbalanced(values, sampler, writer.extremes)
     for text in warnings:
         announce(text)

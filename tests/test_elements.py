@@ -182,6 +182,29 @@ def test_power_of_the_forces_is_the_change_of_energy(kind):
         assert dissipated >= -1e-12 * size
 
 
+@every_kind
+def test_declared_rates_are_rates_of_the_outputs(kind):
+    """By which coordinates are interpolated between two steps."""
+    for sample in samples(kind):
+        for instance in sample.instances:
+            names = [
+                output.name for output in instance.kind.outputs for _ in range(int(np.prod(output.shape, dtype=int)))
+            ]
+            starts = {name: names.index(name) for name in names}
+            for output in instance.kind.outputs:
+                if output.rate:
+                    check_rate(sample, instance, starts[output.name], starts[output.rate], names.count(output.name))
+
+
+def check_rate(sample, instance, first, rate, size):
+    def outputs(h):
+        later = sample.motion.after(h)
+        return instance.observe(later.t, instance.after(h).local(later), np.zeros(3 * len(instance.kind.layout)))[0]
+
+    found = difference(lambda h: outputs(h)[first : first + size], 1e-4)
+    np.testing.assert_allclose(outputs(0.0)[rate : rate + size], found, rtol=1e-7, atol=1e-7)
+
+
 @deck_kind
 def test_forces_turn_with_the_whole_model(kind):
     rng = seed_of("turn")

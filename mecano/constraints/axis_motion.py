@@ -10,11 +10,11 @@ from mecano.contract import Output
 from mecano.maths.vec import mat, vec
 
 TURNING = (
-    Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+    Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"),
     Output("rate", "rad/s", "rate of the angle"),
 )
 SLIDING = (
-    Output("displacement", "m", "sliding of b relative to a along the axis since the start"),
+    Output("displacement", "m", "sliding of b relative to a along the axis since the start", rate="velocity"),
     Output("velocity", "m/s", "rate of the displacement"),
 )
 MOMENT = Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,))

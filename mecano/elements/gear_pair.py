@@ -138,9 +138,19 @@ GEAR_PAIR = Kind(
         Field("radius_b", NUMBER, "m", "radius of the pitch circle of b", check=positive),
     ),
     outputs=(
-        Output("angle_a", "rad", "rotation of a relative to the carrier about its axis since the start, any turns"),
+        Output(
+            "angle_a",
+            "rad",
+            "rotation of a relative to the carrier about its axis since the start, any turns",
+            rate="rate_a",
+        ),
         Output("rate_a", "rad/s", "rate of angle_a"),
-        Output("angle_b", "rad", "rotation of b relative to the carrier about its axis since the start, any turns"),
+        Output(
+            "angle_b",
+            "rad",
+            "rotation of b relative to the carrier about its axis since the start, any turns",
+            rate="rate_b",
+        ),
         Output("rate_b", "rad/s", "rate of angle_b"),
         Output("force", "N", "tangential force of the teeth of b on a; > 0 turns a about +axis_a"),
     ),

@@ -30,9 +30,14 @@ FIELDS = (*WHEEL_FIELDS, Field("initial", INITIAL, "-", "the patch at the start"
 SCALARS = ("y", "psi", "bow")
 OUTPUTS = (
     *TIRE_OUTPUTS,
-    Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a"),
-    Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n"),
-    Output("bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; else zero"),
+    Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a", rate="y_rate"),
+    Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n", rate="psi_rate"),
+    Output(
+        "bow",
+        "m",
+        "curvature of the contact line of a string: its second Legendre coefficient; else zero",
+        rate="bow_rate",
+    ),
     Output("tire_force", "N", "force F of the lateral law along y"),
     Output("tire_moment", "N m", "moment M of the lateral law along psi"),
     Output("aligning_moment", "N m", "aligning moment on the wheel about n"),

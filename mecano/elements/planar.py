@@ -62,7 +62,13 @@ PLANAR = Kind(
         *TURNING_FIELDS,
     ),
     outputs=(
-        Output("displacement", "m", "sliding of b relative to a along mu_1, mu_2 and the normal since the start", (3,)),
+        Output(
+            "displacement",
+            "m",
+            "sliding of b relative to a along mu_1, mu_2 and the normal since the start",
+            (3,),
+            rate="velocity",
+        ),
         Output("velocity", "m/s", "rate of the displacement", (3,)),
         *TURNING,
         Output("force", "N", "force of a on b along the normal"),

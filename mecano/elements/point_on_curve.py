@@ -163,7 +163,9 @@ POINT_ON_CURVE = Kind(
         Field("across", choice("held", "free"), "-", "free: b may leave the plane of the curve", "held"),
     ),
     outputs=(
-        Output("position", "m", "s, where b is on the curve; it goes on over any number of turns"),
+        Output(
+            "position", "m", "s, where b is on the curve; it goes on over any number of turns", rate="position_rate"
+        ),
         Output("position_rate", "m/s", "rate of s"),
         Output("speed", "m/s", "speed of b along the curve, relative to a"),
         Output("force", "N", "force of the curve on b, inertial", (3,)),

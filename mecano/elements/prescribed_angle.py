@@ -62,7 +62,7 @@ PRESCRIBED_ANGLE = Kind(
         Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
     ),
     outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start"),
+        Output("angle", "rad", "rotation of b relative to a about the axis since the start", rate="rate"),
         Output("rate", "rad/s", "rate of the angle"),
         Output("moment", "N m", "moment of a on b about the axis"),
     ),

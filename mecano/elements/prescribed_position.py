@@ -58,7 +58,7 @@ PRESCRIBED_POSITION = Kind(
         Field("value", CURVE, "m", "displacement from the position in the deck as a function of time [s]"),
     ),
     outputs=(
-        Output("displacement", "m", "displacement of the node along the direction"),
+        Output("displacement", "m", "displacement of the node along the direction", rate="velocity"),
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "force on the node along the direction"),
     ),

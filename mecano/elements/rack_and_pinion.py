@@ -78,9 +78,11 @@ RACK_AND_PINION = Kind(
         Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
     ),
     outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+        Output(
+            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
+        ),
         Output("rate", "rad/s", "rate of the angle"),
-        Output("displacement", "m", "sliding of b relative to a along the direction since the start"),
+        Output("displacement", "m", "sliding of b relative to a along the direction since the start", rate="velocity"),
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "tangential force of the teeth of a on b, along the direction"),
     ),

@@ -158,7 +158,7 @@ RIGID_BODY = Kind(
         Field("attached", NODES, "-", "further nodes that move with the body", ()),
     ),
     outputs=(
-        Output("center_of_mass", "m", "position of the centre of mass, inertial", (3,)),
+        Output("center_of_mass", "m", "position of the centre of mass, inertial", (3,), rate="velocity"),
         Output("velocity", "m/s", "velocity of the centre of mass, inertial", (3,)),
         Output("kinetic_energy", "J", "kinetic energy"),
     ),

@@ -237,7 +237,9 @@ DECLARED = {
         Field("line", NODES, "-", "nodes of the beam from its start to its end, also those that 'mesh' makes"),
     ),
     "outputs": (
-        Output("position", "m", "s, the place on the beam: length from its first node, not deformed"),
+        Output(
+            "position", "m", "s, the place on the beam: length from its first node, not deformed", rate="position_rate"
+        ),
         Output("position_rate", "m/s", "rate of s"),
         Output("speed", "m/s", "speed along the beam"),
         Output("force", "N", "force of the beam on the slider, inertial", (3,)),

@@ -94,8 +94,8 @@ SPRING_DAMPER = Kind(
         ),
     ),
     outputs=(
-        Output("length", "m", "distance of the nodes"),
-        Output("extension", "m", "length - natural length"),
+        Output("length", "m", "distance of the nodes", rate="rate"),
+        Output("extension", "m", "length - natural length", rate="rate"),
         Output("rate", "m/s", "rate of the extension"),
         Output("force", "N", "axial force; > 0 pulls the nodes together"),
         Output("stroke", "m", "compression: natural length - length"),

@@ -58,8 +58,13 @@ NODE_OUTPUTS = (
 )
 
 MODE_OUTPUTS = (
-    ("amplitude_{}", "m", "amplitude of mode {}; in metres where its shape has no unit, as mecano reduce makes it"),
-    ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}"),
+    (
+        "amplitude_{}",
+        "m",
+        "amplitude of mode {}; in metres where its shape has no unit, as mecano reduce makes it",
+        "amplitude_{}_rate",
+    ),
+    ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}", ""),
 )
 
 
@@ -199,7 +204,11 @@ def _of_size(n_nodes, n_modes):
         outputs=(
             *OUTPUTS,
             *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
-            *(Output(name.format(i), unit, doc.format(i)) for i in modes for name, unit, doc in MODE_OUTPUTS),
+            *(
+                Output(name.format(i), unit, doc.format(i), rate=rate.format(i))
+                for i in modes
+                for name, unit, doc, rate in MODE_OUTPUTS
+            ),
         ),
     )
 
@@ -242,7 +251,10 @@ OUTPUTS = (
 DECLARED_OUTPUTS = (
     *OUTPUTS,
     *(Output(f"{name}_1", unit, f"{doc.format('1')}; and so on", (3,)) for name, unit, doc in NODE_OUTPUTS),
-    *(Output(name.format(1), unit, f"{doc.format(1)}; and so on") for name, unit, doc in MODE_OUTPUTS),
+    *(
+        Output(name.format(1), unit, f"{doc.format(1)}; and so on", rate=rate.format(1))
+        for name, unit, doc, rate in MODE_OUTPUTS
+    ),
 )
 DECLARED = {
     "name": "superelement",

@@ -63,7 +63,9 @@ TORSION_SPRING_DAMPER = Kind(
         Field("natural_angle", NUMBER, "rad", "angle at which the extension of the law is zero", 0.0),
     ),
     outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns"),
+        Output(
+            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
+        ),
         Output("rate", "rad/s", "rate of the angle"),
         Output("moment", "N m", "moment of the law: on a about +axis, on b about -axis"),
     ),

@@ -218,9 +218,9 @@ UNIVERSAL = Kind(
         compliance_field((CROSS, *ELASTIC[1:])),
     ),
     outputs=(
-        Output("angle_a", "rad", "rotation of the cross relative to a about axis_a since the start, over any turns"),
+        Output("angle_a", "rad", "rotation of the cross about axis_a since the start, over any turns", rate="rate_a"),
         Output("rate_a", "rad/s", "rate of angle_a"),
-        Output("angle_b", "rad", "rotation of b relative to the cross about axis_b since the start, over any turns"),
+        Output("angle_b", "rad", "rotation of b about axis_b since the start, over any turns", rate="rate_b"),
         Output("rate_b", "rad/s", "rate of angle_b"),
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b about axis_b x axis_a"),

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Matrices, Vector, entry
+from mecano.compiled.entry import Indices, Matrices, Table, Vector, entry
+from mecano.compiled.kernel import kernel
+from mecano.maths.hermite import between, hermite, is_smooth
 from mecano.maths.so3 import quaternion
 from mecano.maths.vec import mat, mul, put, vec
+
+QUATERNION = (4,)
 
 
 @dataclass(frozen=True)
@@ -19,6 +23,7 @@ class Column:
     doc: str
     shape: tuple
     start: int
+    rate: str = ""  # path of the quantity that is its rate
 
     @property
     def size(self):
@@ -61,27 +66,34 @@ class Sampler:
         shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
         for i in shown:
-            self._declare(f"nodes/{system.nodes[i].name}", NODE_OUTPUTS)
+            self._declare(f"nodes/{system.nodes[i].name}", [(*item, "") for item in NODE_OUTPUTS])
         self.node_size = self._size()
         self.batches = [b for b in system.batches if b.n_outputs]
         for b in self.batches:
             for path, label in b.paths:
-                self._declare(path, [(o.name + label, o.unit, o.doc, o.shape) for o in b.kind.outputs])
+                outputs = [(o.name + label, o.unit, o.doc, o.shape, o.rate and o.rate + label) for o in b.kind.outputs]
+                self._declare(path, outputs)
         self.energy_start = self._size()
-        self._declare("energy", [(*item, ()) for item in ENERGIES])
+        self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())
+        starts = {column.path: column.start for column in self.columns}
+        rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
+        pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
+        self._pairs = np.array(pairs, np.int64).reshape(-1, 2)
+        turned = [c.start for c in self.columns if c.shape == QUATERNION and c.start >= self.node_size]
+        self._rotations = np.array(turned, np.int64)
 
     def _size(self):
         return self.columns[-1].start + self.columns[-1].size if self.columns else 0
 
     def _declare(self, path, outputs):
         start = self._size()
-        for name, unit, doc, shape in outputs:
-            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start))
+        for name, unit, doc, shape, rate in outputs:
+            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start, rate and f"{path}/{rate}"))
             start += self.columns[-1].size
 
     def take(self, run):
-        """The row at ``run.motion``, whose outputs stand in the batches (system.observe); the array is reused."""
+        """Return the row at ``run.motion``, whose outputs the batches hold (system.observe); the array is reused."""
         s, row = run.motion, self.row
         kinetic, potential = self.system.energy[:2].tolist()
         _node_rows(*self.nodes, s.z, s.v, s.R, row)
@@ -92,6 +104,48 @@ class Sampler:
         total = kinetic + potential
         row[i:] = kinetic, potential, run.dissipated, run.given, total, total + run.dissipated - run.given
         return row
+
+    def between(self, state, u, h, row0, row1):
+        """Return the row at a ``state``, the fraction u of a step of size h from ``row0`` to ``row1``; a new array.
+
+        The motion of nodes is that of the state (solve/interpolate.py). Coordinates and their rates follow from the two
+        rows by a cubic where the step resolves them. Everything else lies linearly between the two rows: forces at an
+        interpolated state would be those of no step, for a stiff member or a slipping tyre turns the least error of
+        position or velocity into any force.
+        """
+        row = np.empty_like(row0)
+        _blend(u, h, self.node_size, self._pairs, self._rotations, row0, row1, row)
+        _node_rows(*self.nodes, state.z, state.v, state.R, row)
+        return row
+
+
+@entry
+def _blend(
+    u: float, h: float, first: int, pairs: Table, rotations: Indices, row0: Vector, row1: Vector, row_out: Vector
+):  # fmt: skip
+    """Interpolate the numbers of the row from ``first`` on: ``pairs`` (m, 2) of coordinate and rate, quaternions."""
+    for i in range(first, row0.shape[0]):
+        row_out[i] = between(u, row0[i], row1[i])
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        x0, x1, v0, v1 = row0[i], row1[i], row0[j], row1[j]
+        if is_smooth(h, x0, x1, v0, v1):
+            row_out[i], row_out[j] = hermite(u, h, x0, x1, v0, v1)
+    for k in range(rotations.shape[0]):
+        _turn(u, rotations[k], row0, row1, row_out)
+
+
+@kernel
+def _turn(u, i, row0, row1, row_out):
+    """Interpolate the unit quaternion at place i along the shorter way."""
+    alike = square = 0.0
+    for k in range(i, i + 4):
+        alike += row0[k] * row1[k]
+    for k in range(i, i + 4):
+        row_out[k] = (1.0 - u) * row0[k] + math.copysign(u, alike) * row1[k]
+        square += row_out[k] * row_out[k]
+    for k in range(i, i + 4):
+        row_out[k] /= math.sqrt(square)
 
 
 @entry

@@ -40,6 +40,7 @@ from mecano.solve.newton import (
 )
 from mecano.solve.resolved import resolver
 from mecano.solve.scales import Tolerances, balance, norms
+from mecano.solve.turning_error import turning_error
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
@@ -99,16 +100,20 @@ class StepInfo:
     began: History  # what the step began with
     message: str = ""
     lag: float = 0.0  # local error of scalars without inertia, which forget it
+    turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
     plain: float = np.nan  # the error before what swings was bounded
 
 
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
 
-    def __init__(self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None):
+    def __init__(
+        self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None,
+        duration=np.inf,
+    ):  # fmt: skip
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
-        self.k, self.penalty = k, penalty
+        self.k, self.penalty, self.duration = k, penalty, duration
         self._relaxing = np.flatnonzero(system.relaxing)
         self._lasting = np.where(system.relaxing, RELAXES, system.numbering.kind[: system.n_q])
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
@@ -261,10 +266,10 @@ class GeneralizedAlpha:
         of = self._relaxing
         return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
 
-    def bounded_error(self, s, history, info, duration):
+    def bounded_error(self, s, history, info):
         r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
 
-        The errors of a run of ``duration`` T [s] in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
+        The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
         T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
         :math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
 
@@ -273,7 +278,7 @@ class GeneralizedAlpha:
         along the constraints; but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
         """
         n_q, a0 = self.system.n_q, info.began.a
-        change, summed = (history.a - a0)[:n_q], duration * self.coefficients.error * history.h
+        change, summed = (history.a - a0)[:n_q], self.duration * self.coefficients.error * history.h
         limit = (summed * history.h) ** (-2.0 / 3.0)
         of_masses, stable = self._below(s, history, FREE * limit)
         whole = self._size(of_masses(change)) if of_masses else 0.0
@@ -334,7 +339,9 @@ class GeneralizedAlpha:
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
         error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
-        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, plain=error)
+        of = self.system.numbering
+        turning = turning_error(h, self.duration, of.rotation_dof, of.n_q, s.v, history.a, a)
+        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
 
     def _guesses(self, s0, history):
         """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.

@@ -1,7 +1,7 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
 from mecano.compiled.entry import Indices, Matrices, Vector, entry
-from mecano.compiled.kernel import kernel
+from mecano.maths.hermite import hermite
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
 from mecano.maths.vec import mat, matmul, mul, put, transpose, vec
 from mecano.model.numbering import ROTATION
@@ -22,14 +22,6 @@ def interpolate(s0, s1, t, of):
         out.z, out.v, out.a, out.R,
     )  # fmt: skip
     return out
-
-
-@kernel
-def hermite(u, h, x0, x1, v0, v1):
-    """Cubic Hermite value and rate at the fraction u of an interval of length h."""
-    d = x1 - x0
-    c2, c3 = 3.0 * d - h * (2.0 * v0 + v1), h * (v0 + v1) - 2.0 * d
-    return x0 + u * (h * v0 + u * (c2 + u * c3)), v0 + (2.0 * u * c2 + 3.0 * u * u * c3) / h
 
 
 @entry

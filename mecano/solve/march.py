@@ -30,17 +30,7 @@ class Accepted:
     info: object  # StepInfo
     h: float
     rejected: int  # trials rejected before it
-    work: tuple  # dissipated and given [J] at the beginning of the step
     happenings: tuple = ()  # events at its end
-
-    def at(self, state):
-        """The run at a ``state`` within the step, work interpolated."""
-        run, (dissipated, given) = self.run, self.work
-        u = (state.t - self.before.t) / self.h
-        return replace(
-            run, motion=state,
-            dissipated=dissipated + u * (run.dissipated - dissipated), given=given + u * (run.given - given),
-        )  # fmt: skip
 
 
 @dataclass
@@ -54,6 +44,7 @@ class March:
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
     pause: object = lambda run: None  # called between steps with a RunState from which the march can go on
+    restarted: object = lambda run: None  # called behind an event or a corner of a law, where forces may have jumped
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
@@ -138,11 +129,12 @@ class March:
         return plain if self.control.accept(plain, h) else self._bounded(trial, h)
 
     def _bounded(self, trial, h):
-        return max(self.method.bounded_error(*trial, self.control.duration), self.control.forgotten(trial[2].lag, h))
+        info = trial[2]
+        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.turning)
 
     def _step(self, run, h):
         s, history, info = self.method.step(run.motion, self._history_for(run, h), h)
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h))
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
         return s, history, info
 
     def _history_for(self, run, h):
@@ -170,14 +162,14 @@ class March:
         new = self._stepped(run, s, history, planned, h)
         if abs(s.t - stop) <= SLIVER * h:
             s.t = stop
-        self._tell(Accepted(run.motion, new, info, h, rejected, run.work))
+        self._tell(Accepted(run.motion, new, info, h, rejected))
         return new
 
     def _change_modes(self, run, info, found, rejected):
         """Events at the beginning of a step: no time goes by."""
         run, s, happenings, consistent = self._happen(run, run.motion, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
-        self._tell(Accepted(run.motion, new, info, 0.0, rejected, new.work, tuple(happenings)))
+        self._tell(Accepted(run.motion, new, info, 0.0, rejected, tuple(happenings)))
         return new
 
     def _happen(self, run, s, hit, at_once=False):
@@ -213,7 +205,7 @@ class March:
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         new = self._stepped(run, s, history, run.h, h, reached)
         after, s, happenings, consistent = self._happen(new, s, hit)
-        self._tell(Accepted(run.motion, new, info, h, rejected, run.work, tuple(happenings)))
+        self._tell(Accepted(run.motion, new, info, h, rejected, tuple(happenings)))
         return self._start_again(after, s, consistent)
 
     def _guard(self, run, happenings):
@@ -253,7 +245,9 @@ class March:
         """Consistent accelerations and a fresh history at ``s``: after an event or a corner of a law of time."""
         s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
-        return replace(run, motion=s, history=history, powers=self._powers())
+        new = replace(run, motion=s, history=history, powers=self._powers())
+        self.restarted(new)
+        return new
 
     def _observe(self, s):
         """Outputs at a state that no step has just evaluated."""

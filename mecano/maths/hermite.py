@@ -1,0 +1,31 @@
+"""Interpolation within a step, from the values at its ends."""
+
+from mecano.compiled.kernel import kernel
+
+SMOOTH = 0.125  # share of the change at the greater rate by which a change may differ from that at the mean rate
+
+
+@kernel
+def hermite(u, h, x0, x1, v0, v1):
+    """Return the cubic Hermite value and rate at the fraction u of an interval of length h."""
+    d = x1 - x0
+    c2, c3 = 3.0 * d - h * (2.0 * v0 + v1), h * (v0 + v1) - 2.0 * d
+    return x0 + u * (h * v0 + u * (c2 + u * c3)), v0 + (2.0 * u * c2 + 3.0 * u * u * c3) / h
+
+
+@kernel
+def between(u, x0, x1):
+    """Return the linear interpolant at the fraction u, never outside [x0, x1], whatever rounding does."""
+    x = x0 + u * (x1 - x0)
+    return min(max(x, min(x0, x1)), max(x0, x1))
+
+
+@kernel
+def is_smooth(h, x0, x1, v0, v1):
+    """Return whether a change over h agrees with its rates well enough for a cubic.
+
+    By Taylor's series x1 - x0 - h (v0 + v1)/2 = -h^3 x'''/12: of an oscillation with circular frequency omega it is the
+    share (omega h)^2/12 of the change at the greater rate, so five steps in a period are enough. Of an oscillation that
+    the steps do not resolve the rates tell nothing.
+    """
+    return abs(x1 - x0 - 0.5 * h * (v0 + v1)) <= SMOOTH * h * max(abs(v0), abs(v1))

@@ -1,0 +1,52 @@
+"""What is saved between two steps: values that the steps had, never more."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from marching import input_deck
+
+from mecano.recorder import Recorder
+from mecano.run import run
+
+DECKS = sorted(path.stem for path in (Path(__file__).parent.parent / "inputs").glob("*.yaml"))
+LATER = {"reflector", "reflector_template"}  # many steps: a beginning with events is enough
+
+
+def motions(sampler):
+    """Which numbers of a row are positions, velocities, or coordinates with their rates: (n,) bool."""
+    found = np.zeros(len(sampler.row), bool)
+    found[: sampler.node_size] = True
+    found[sampler._pairs.ravel()] = True
+    found[(sampler._rotations[:, None] + np.arange(4)).ravel()] = True
+    return found
+
+
+@pytest.mark.parametrize("name", DECKS)
+def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path, monkeypatch):
+    """Forces, energies, slips and all that is no motion; and nothing that is saved exceeds the extremes."""
+    deck = input_deck(name, *(["time.end=1.2"] if name in LATER else []))
+    if deck.values["static"]:
+        pytest.skip("points of a path are saved as they are")
+    checked = []
+
+    def between(recorder, accepted, t, row):
+        found = original(recorder, accepted, t, row)
+        low, high = np.minimum(recorder.row, row), np.maximum(recorder.row, row)
+        outside = ((found < low) | (found > high)) & ~motions(recorder.sampler)
+        assert not outside.any(), [
+            c.path for c in recorder.sampler.columns if outside[c.start : c.start + c.size].any()
+        ]
+        checked.append(t)
+        return found
+
+    original = Recorder._between
+    monkeypatch.setattr(Recorder, "_between", between)
+    run(deck, tmp_path / "r.h5")
+    with h5py.File(tmp_path / "r.h5") as file:
+        rows = file["storage/output"][:, 1:]
+        count = file["run/acknowledged"][0]
+        high, low = file["extremes/maximum"][:].max(0), file["extremes/minimum"][:].min(0)
+    assert np.all(rows[:count] <= high) and np.all(rows[:count] >= low)
+    assert checked or deck.values["output"]["every"] == "step" or not deck.values["time"]["adaptive"]
