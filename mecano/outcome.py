@@ -1,9 +1,15 @@
 """What a user should know of a march that has come to its end: warnings, one text each."""
 
+from bisect import bisect_right
+
+import numpy as np
+
 from mecano.prepare import some
-from mecano.recorder import watched
+from mecano.recorder import FORCES, watched
 
 MOST_LATCHES = 8  # named in a warning
+MOST_FORCES = 4
+LEAST_SWING = 0.01  # of the largest force or moment of the model: smaller ones are noise
 NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 UNBALANCED = 0.01  # of the largest change of an energy, from which on the balance is told
@@ -40,6 +46,31 @@ def unbalanced(values, sampler, extremes):
         f"the energy balance varies by {off:.3g} J, {100 * off / exchanged:.3g} % of the largest change of an energy: "
         f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
         f"'time.{'adaptive.tolerance' if values['adaptive'] else 'step'}'"
+    )
+
+
+def unresolved(values, sampler, ringing):
+    """Warning that forces alternate from step to step, from the RingingWatch of the run; or nothing."""
+    columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
+    starts = [column.start for column in columns]
+    of = [columns[bisect_right(starts, place) - 1] for place in ringing.columns]
+    largest = {unit: max((x for c, x in zip(of, ringing.largest, strict=True) if c.unit == unit), default=0.0)
+               for unit in FORCES}  # fmt: skip
+    found = ringing.found(np.array([LEAST_SWING * largest[c.unit] for c in of]))
+    if not found:
+        return
+    names = {}
+    for one in found:
+        column = columns[bisect_right(starts, one.column) - 1]
+        names.setdefault(column.path.replace("/", "."), (one, column.unit))
+    worst = [
+        f"{name} by {one.swing:.3g} of {one.largest:.3g} {unit} at t = {one.time:.4g} s"
+        for name, (one, unit) in names.items()
+    ]
+    smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
+    yield (
+        f"the steps do not resolve {len(worst)} force(s), which swing from step to step: {some(worst, MOST_FORCES)}. "
+        f"Their values are not those of the model; take a smaller {smaller}, or give what swings its damping"
     )
 
 

@@ -6,6 +6,9 @@ from mecano.contract import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
 from mecano.solve.interpolate import interpolate
+from mecano.solve.ringing import RingingWatch
+
+FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 
 
 class Recorder:
@@ -20,6 +23,8 @@ class Recorder:
         self.saved = 0  # multiples of the interval, after the start; -1 at the end
         self.row = np.zeros(len(sampler.row))  # at the beginning of the next step, behind the events there
         self.ends = watched(prepared.deck, sampler, "ends")
+        forces = [c for c in sampler.columns if c.unit in FORCES]
+        self.ringing = RingingWatch(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
 
     def first(self, run):
         """Write the start itself."""
@@ -29,6 +34,7 @@ class Recorder:
     def restarted(self, run):
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
         self._begin(run.motion.t, self.sampler.take(run))
+        self.ringing.begin(self.row)
 
     def _begin(self, t, row):
         self.writer.extremes.take(t, row)
@@ -36,11 +42,12 @@ class Recorder:
 
     def to_plain(self):
         """Return what ``from_plain`` needs to go on at the beginning of the next step."""
-        return {"saved": self.saved, "row": self.row}
+        return {"saved": self.saved, "row": self.row, "ringing": self.ringing.to_plain()}
 
     def from_plain(self, plain):
         """Go on at a checkpoint: nothing is written. Raises ValueError where the row is of another model."""
         self.saved, self.row[:] = plain["saved"], plain["row"]
+        self.ringing.from_plain(plain["ringing"])
 
     def __call__(self, accepted):
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
@@ -52,6 +59,7 @@ class Recorder:
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
             self._begin(run.motion.t, row)
+            self.ringing.take(run.motion.t, row)
             self._refuse(run.motion.t, row)
         for happening in accepted.happenings:
             self.writer.append_event(

@@ -8,7 +8,7 @@ from mecano.errors import ConvergenceError, ResultsError
 from mecano.interrupt import Interruption
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
-from mecano.outcome import cut_short, exceeded, open_latches, unbalanced
+from mecano.outcome import cut_short, exceeded, open_latches, unbalanced, unresolved
 from mecano.prepare import chosen, march_of, model_facts, prepare, remarks
 from mecano.recorder import Recorder
 from mecano.results.disk import undisturbed
@@ -133,6 +133,7 @@ def _to_the_end(deck, start, march, recorder, observers, announce):
     warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
     warnings += open_latches(deck, recorder.row, sampler)
     warnings += unbalanced(values, sampler, writer.extremes)
+    warnings += unresolved(values, sampler, recorder.ringing)
     for text in warnings:
         announce(text)
     writer.close("complete", "; ".join(["the end was reached", *warnings]))
