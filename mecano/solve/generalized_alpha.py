@@ -43,6 +43,7 @@ from mecano.solve.scales import Tolerances, balance, norms
 from mecano.solve.turning_error import turning_error
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
@@ -292,6 +293,12 @@ class GeneralizedAlpha:
         """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
         resolved = self._resolver(s, (*self._scales(history, history.h)[:2], 0.0, limit))
         return resolved, int(np.sum(self.linear.pivots() < 0.0)) if resolved else -1
+
+    def longest(self, s):
+        """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
+        of = self.system.numbering
+        fastest = np.abs(s.v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
+        return TURN * MOST_TURN / fastest if fastest > 0.0 else np.inf
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""

@@ -9,7 +9,7 @@ from mecano.solve import failure
 from mecano.solve.events import Watch, locate
 from mecano.solve.run_state import RunState
 from mecano.solve.shocks import Shocks
-from mecano.solve.step_control import AFTER_FAILURE
+from mecano.solve.step_control import AFTER_FAILURE, HOLD
 
 STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
 MOST_REBOUNDS = 10  # of one contact while time stands still: what rebounds so quickly has come to rest
@@ -159,6 +159,9 @@ class March:
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
+        if planned > h:
+            longest = self.method.longest(s)
+            planned = min(planned, longest) if longest >= HOLD * h else h
         new = self._stepped(run, s, history, planned, h)
         if abs(s.t - stop) <= SLIVER * h:
             s.t = stop
