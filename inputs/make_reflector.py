@@ -194,7 +194,7 @@ def deck(given, arguments=()):
         HEADER.format(modules=given.modules, arguments=" ".join(arguments)).replace(" \n", "\n").rstrip("\n"),
         "mecano: 1",
         "title: Deployable reflector",
-        "gravity: [0, 0, 0]",
+        "gravity: none",
         "",
         "parameters:",
         "  cable_modulus: 1.0e+10 # Pa, braided cord of 1 mm2",

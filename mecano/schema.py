@@ -87,7 +87,7 @@ def either(type_, *words):
 
 
 def shorthand(type_, words):
-    """A value of the given type, or a word (or true) that stands for one: {word: value}."""
+    """A mapping or list of the given type, or a word (or true) that stands for one: {word: value}."""
     expects = " or ".join([type_.expects, *("true" if word is True else f"'{word}'" for word in words)])
     return Type("shorthand", expects, (type_, tuple(words.items())))
 

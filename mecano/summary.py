@@ -31,7 +31,7 @@ def summary(deck, every=False):
         f"nodes            {len(values['nodes'])}",
         *_counts(values),
         f"mass             {mass_of(system):.6g} kg",
-        _gravity(deck),
+        _gravity(values["gravity"]),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
@@ -134,10 +134,10 @@ def _counts(values):
         yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"
 
 
-def _gravity(deck):
-    """The gravity that acts, and whether it was chosen."""
-    vector = ", ".join(f"{component + 0.0:.6g}" for component in deck.values["gravity"])
-    return f"gravity          [{vector}] m/s2{'' if 'gravity' in deck.given else ', the default: the deck gives none'}"
+def _gravity(vector):
+    """The gravity that acts."""
+    shown = ", ".join(f"{component + 0.0:.6g}" for component in vector)
+    return f"gravity          {f'[{shown}] m/s2' if any(vector) else 'none'}"
 
 
 def _amounts(prepared):

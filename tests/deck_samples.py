@@ -147,6 +147,7 @@ output: {every: 5e-3}
 # in the vocabulary of mecano
 REAL = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes:
   a: {position: [0, 0, 0]}
   b: {position: [0, 0, 0]}

@@ -98,7 +98,7 @@ def chain(process, links=8, span=1.0, length=1.2, mass=0.5):
     dz = float(np.sqrt(link**2 - dx**2))
     places = [(i * dx, -dz if i % 2 else 0.0) for i in range(links + 1)]
     ends = (0, links)
-    lines = ["mecano: 1", "nodes:"]
+    lines = ["mecano: 1", "gravity: [0, 0, -9.81]", "nodes:"]
     lines += [
         f"  p{i}: {{position: [{x!r}, 0, {z!r}]{', fixed: true' if i in ends else ''}}}"
         for i, (x, z) in enumerate(places)

@@ -14,6 +14,7 @@ from mecano.run import resume
 
 FOUR_FEET = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       middle: {position: [0, 0, 1]}
       left: {position: [-0.5, 0, 1]}

@@ -10,6 +10,7 @@ from mecano.solve.interpolate import interpolate
 
 ROD = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       a: {position: [0, 0, 0], fixed: true}
       m: {position: [1.02, 0, 0.01]}
@@ -43,6 +44,7 @@ def test_what_cannot_be_met_is_refused_by_name():
 def test_a_hinge_closed_the_wrong_way_round_is_refused():
     flipped = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {a: {position: [0, 0, 0]}}
         elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
         joints: {pin: {type: hinge, nodes: [ground, a], axis: [0, 0, 1], axis_b: [0, 0, -1]}}

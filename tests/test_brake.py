@@ -12,6 +12,7 @@ from mecano.errors import DeckError
 MASS, SPIN_INERTIA, SPEED, GRAVITY = 100.0, 0.4, 30.0, 9.81
 DECK = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       leg: {{position: [0, 0, 0.3]}}
       hub: {{position: [0, 0, 0.3]}}

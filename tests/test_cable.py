@@ -77,6 +77,7 @@ def test_hoist():
 
 BOUNCE = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       anchor: {{position: [0, 0, 0], fixed: true}}
       load: {{position: [0, 0, -1]}}

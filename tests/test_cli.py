@@ -26,6 +26,7 @@ from mecano.laws import TERMS
 DECK = """\
 mecano: 1
 title: Bar on a hinge
+gravity: [0, 0, -9.81]
 nodes:
   pin: {position: [0, 0, 0]}
 elements:
@@ -118,11 +119,11 @@ class TestDeckErrors:
             assert (code, out) == (2, "") and "\n3 errors; how the parts fit together is checked when" in err
             lines = err.splitlines()
             assert lines[0].startswith(
-                "deck.yaml:6:44: rigid_body 'bar': 'mass' must be greater than zero [kg], got -1.0"
+                "deck.yaml:7:44: rigid_body 'bar': 'mass' must be greater than zero [kg], got -1.0"
             )
             assert lines[1][lines[2].index("^") :].startswith("-1.0,")
             assert any(
-                line.startswith("deck.yaml:8:46: hinge 'hinge': unknown key 'axes'; did you mean 'axis'?")
+                line.startswith("deck.yaml:9:46: hinge 'hinge': unknown key 'axes'; did you mean 'axis'?")
                 for line in lines
             )
         assert not (folder / "deck.h5").exists()

@@ -14,6 +14,7 @@ from mecano.laws import TERMS
 
 CONTEXT = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes:
   crank: {position: [0, 0, 1]}
   pin: {position: [0.4, 0, 1]}

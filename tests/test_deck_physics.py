@@ -5,6 +5,7 @@ from deck_samples import REAL
 
 from mecano.deck.read import deck_of
 from mecano.deck.source import Source
+from mecano.elements import KINDS
 from mecano.errors import DeckError
 
 
@@ -43,13 +44,14 @@ def test_what_cannot_be(old, new, caret, words):
     (problem,) = problems(REAL.replace(old, new))
     assert words in problem.message
     line = 1 + REAL[: REAL.index(old)].count("\n")
-    changed = {line + i for i in range(2)} if caret else set(range(7, 14))
+    changed = {line + i for i in range(2)} if caret else set(range(8, 15))
     assert problem.mark.line in changed
     assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
 
 
 MOTOR = """
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes: {a: {position: [0, 0, 0]}}
 elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
 joints:
@@ -79,7 +81,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
         ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),
         ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "a space stands behind ':'"),
         ("mass: 1,", "mass: 1,5,", "a key must be a name, and '5' is none", "a decimal point, not a comma: 1.5"),
-        ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 7 is not closed before this"),
+        ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 8 is not closed before this"),
         ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
         ("mecano: 1", "mecano: 1\ntitle: a: b", "not valid YAML", "a text with ': ' stands in quotes"),
     ],
@@ -91,6 +93,7 @@ def test_slips_are_answered_with_what_is_right(old, new, words, hint):
 
 RAIL = """
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes: {a: {position: [0, 0, 0]}}
 elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2]}}
 joints:
@@ -128,6 +131,7 @@ def test_laws_written_otherwise_are_answered_with_how_they_are_written(value, wo
 
 BAR = """
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes: {a: {position: [0, 0, 0], orientation: [0, 0.5, 0]}, b: {position: [1, 0, 0], orientation: [0, 0.5, 0]}}
 elements: {bar: {type: rigid_body, node: a, mass: 1, inertia: [1, 2, 2], attached: [b]}}
 time: {end: 1, step: 0.1}
@@ -139,3 +143,45 @@ def test_attached_nodes_are_oriented_as_the_body():
     assert problems(BAR) == []
     (problem,) = problems(BAR.replace("1, 0, 0], orientation: [0, 0.5, 0]", "1, 0, 0]"))
     assert "must be oriented as the node of the body; these are not: b" in problem.message
+
+
+LINE = """
+mecano: 1
+nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
+elements: {line: {type: cable, nodes: [a, b], axial_stiffness: 1000}}
+time: {end: 1, step: 0.1}
+"""
+
+
+@pytest.mark.parametrize("given", ["", "gravity: null\n"])
+@pytest.mark.parametrize(
+    ("text", "heavy"),
+    [(MOTOR, "body"), (LINE.replace("1000}", "1000, mass_per_length: 0.1}"), "line")],
+    ids=["body", "cable"],
+)
+def test_what_has_mass_asks_for_gravity(text, heavy, given):
+    """Reported at the top of the deck, with what would be right, together with all other mistakes."""
+    without = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("gravity"))
+    (problem,) = problems(without.lstrip() + given)
+    assert (problem.mark.line, problem.mark.column) == (1, 1)
+    assert problem.message == f"missing 'gravity', the acceleration of gravity [m/s2]: '{heavy}' has mass"
+    assert problem.hint == "write 'gravity: [0, 0, -9.81]' or 'gravity: none'"
+    assert len(problems(without.replace("end: 1", "end: -1"))) == 2
+
+
+@pytest.mark.parametrize("mass", ["", ", mass_per_length: 0"])
+def test_what_has_no_mass_does_not_ask_for_gravity(mass):
+    deck = deck_of(Source("deck.yaml", LINE.replace("1000", f"1000{mass}")))
+    assert deck.values["gravity"] == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(("written", "meant"), [("none", [0.0, 0.0, 0.0]), ("[0, 0, -1.62]", [0.0, 0.0, -1.62])])
+def test_gravity_is_a_vector_or_none(written, meant):
+    deck = deck_of(Source("deck.yaml", MOTOR.replace("[0, 0, -9.81]", written)))
+    assert deck.values["gravity"] == deck.resolved()["gravity"] == meant
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.section == "elements"], ids=lambda k: k.name)
+def test_what_asks_for_gravity_is_what_has_mass(kind):
+    """The record of a kind that has a mass has gravity, too: of it the check of decks knows that it has weight."""
+    assert ("mass" in kind.dtype.names) == ("gravity" in kind.dtype.names)

@@ -17,6 +17,7 @@ from mecano.schema import Field
 
 MINIMAL = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes: {a: {position: [1, 2, 3]}}
 elements: {b: {type: body, node: a, mass: 2}}
 time: {end: 1, step: 0.1}

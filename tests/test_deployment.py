@@ -107,6 +107,7 @@ def test_a_latch_that_holds_the_others_back(tmp_path):
 
 STOPPED = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {panel: {position: [0, 0, 0]}, bead: {position: [0, 0, 1]}}
     elements:
       panel: {type: rigid_body, node: panel, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.083, 0.083]}

@@ -35,3 +35,11 @@ def test_names_of_the_page():
     deck = deck_of_bytes(DECKS[2].encode(), "deck.yaml", overrides=["place.front.with.length=1.2"])
     assert {"front_hip", "back_left_toe"} <= set(deck.values["nodes"]) and "front_bone" in deck.values["elements"]
     assert deck.values["elements"]["front_bone"]["mass"] == pytest.approx(2.4)
+
+
+def test_gravity_of_the_page():
+    """The deck of units without its gravity has the message of the page."""
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(DECKS[0].replace("gravity: [0, 0, -9.81]\n", "").encode(), "deck.yaml")
+    (problem,) = info.value.problems
+    assert f"{problem.mark}: {problem.message}; {problem.hint}\n" in TEXT

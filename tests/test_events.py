@@ -13,6 +13,7 @@ from marching import March, deck, input_deck
 g = 9.81
 WHEELS = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       {nodes}
     elements:

@@ -33,6 +33,7 @@ time: {end: 2.0, step: 1.0e-2}
 """  # x'' = 2 x^3 from x = x' = 1: x = 1/(1 - t), infinite at t = 1
 OVERFLOW = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes:
   pin: {position: [0, 0, 0]}
 elements:
@@ -97,7 +98,7 @@ def test_forces_that_are_not_finite(tmp_path):
 def test_joints_are_among_what_acts(tmp_path):
     """A hinge whose pendulum is hit so hard that it cannot be followed within one iteration."""
     text = (
-        "mecano: 1\nnodes:\n  pin: {position: [0, 0, 0]}\nelements:\n"
+        "mecano: 1\ngravity: [0, 0, -9.81]\nnodes:\n  pin: {position: [0, 0, 0]}\nelements:\n"
         "  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.1, 0.1]}\n"
         "joints:\n  pivot: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}\n"
         "loads:\n  blow: {type: moment, node: pin, direction: [1, 1, 0],\n"

@@ -70,6 +70,7 @@ def pendulum(angle, end):
     march = March(
         deck(f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           pin: {{position: [0, 0, 0]}}
         elements:

@@ -120,6 +120,7 @@ def test_error_control_takes_a_law_without_a_rate_of_psi():
 
 DROP = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       hub: {{position: [0, 0, 0.33]}}
     elements:
@@ -221,6 +222,7 @@ def test_friction_falls_with_the_speed_of_the_axle():
     """mu_0 exp(-kappa u): a sliding wheel that does not turn slows down by v' = -g mu_0 exp(-kappa v)."""
     text = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           hub: {position: [0, 0, 0.2999019]}
         elements:
@@ -304,6 +306,7 @@ def test_a_wheel_at_rest_under_braking_stays():
     """A flexible wheel rolls to a stop under a brake and stays: no drift, energy closed."""
     text = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           leg: {position: [0, 0, 0.3]}
           hub: {position: [0, 0, 0.3]}

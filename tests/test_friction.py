@@ -117,6 +117,7 @@ def test_a_guide_that_no_acceleration_satisfies_is_told():
 
 SPIN = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {{body: {{position: [0, 0, 0]}}}}
     elements:
       body: {{type: rigid_body, node: body, mass: 2.0, inertia: [0.3, 0.3, 0.3], center_of_mass: {center}}}

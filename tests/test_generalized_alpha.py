@@ -68,6 +68,7 @@ def pendulum(method, rho, step):
     """The deck of the reference."""
     return deck(f"""\
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           pivot: {{position: [0, 0, 0], fixed: true}}
           mass: {{position: [1, 0, 0]}}
@@ -245,6 +246,7 @@ def test_a_start_in_full_motion_fits_the_constraints_whatever_the_last_step_turn
     found = March(
         deck("""
             mecano: 1
+            gravity: [0, 0, -9.81]
             nodes:
               a: {position: [0, 0, 0]}
               b: {position: [1, 0, 0]}

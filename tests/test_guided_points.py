@@ -34,6 +34,7 @@ def test_cam_lifts_its_follower():
 
 BEAD = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {bead: {position: START}}
     elements: {bead: {type: point_mass, node: bead, mass: 2.0}}
     joints: {wire: {type: point_on_curve, nodes: [ground, bead], CURVE}}
@@ -239,6 +240,7 @@ def test_slider_at_rest_bends_its_beam(place):
 
 RAMP = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     sections: {rod: {type: circle, diameter: 0.012, E: 7.0e10, nu: 0.3, density: 2700}}
     nodes:
       top: {position: [0, 0, 0], fixed: true}

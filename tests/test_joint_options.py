@@ -31,6 +31,7 @@ def test_bushing_moves_as_a_linear_system_at_large_angles():
 
 BODY = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       arm: {{position: [0, 0, 0]}}
       body: {{position: {place}}}

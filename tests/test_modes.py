@@ -95,6 +95,7 @@ def test_double_pendulum():
     """Equal masses on equal massless rods: omega^2 = (2 -+ sqrt 2) g/L, in each of two planes; no spurious modes."""
     text = f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           top: {{position: [0, 0, 0], fixed: true}}
           a: {{position: [0, 0, -0.7]}}
@@ -116,6 +117,7 @@ def test_redundant_hinges():
     """A flap of 20 kg on two hinges about x: a physical pendulum, m g c/(J + m c^2); dense and sparse agree."""
     text = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {low: {position: [0, 0, 0]}, high: {position: [1, 0, 0]}, rim: {position: [0.5, 0, -0.8]}}
         elements:
           flap: {type: rigid_body, node: low, mass: 20, center_of_mass: [0.5, 0, -0.4], inertia: [1, 1, 1],
@@ -202,6 +204,7 @@ def test_follower_load_leads_to_flutter():
 def top(spin, process=TIME):
     return f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {{pivot: {{position: [0, 0, 0]}}}}
         elements:
           top: {{type: rigid_body, node: pivot, mass: 15, center_of_mass: [0, 0, 1], inertia: [0.3, 0.3, 0.5]}}
@@ -295,6 +298,7 @@ def test_linearization_of_a_moving_state_is_that_of_the_motion():
     """M y'' + C y' + K y is the change of the residual when the whole motion is varied, in axes that turn."""
     text = f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [0.3, 1, 0.2]}}}}
         elements:
           body: {{type: rigid_body, node: a, mass: 2, center_of_mass: [0.2, 0.1, 0.4], inertia: [0.3, 0.5, 0.4]}}

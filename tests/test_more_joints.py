@@ -75,6 +75,7 @@ def test_gears_share_one_inertia():
 
 PLANET = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       sun: {position: [0, 0, 0], fixed: true}
       arm: {position: [0, 0, 0]}

@@ -51,6 +51,7 @@ def test_the_group_and_the_mechanism_are_named():
 
 BLOCKED = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {{pin: {{position: [0, 0, 0]}}}}
     elements: {{bar: {{type: rigid_body, node: pin, mass: 1, inertia: [0.01, 0.1, 0.1]}}}}
     joints:
@@ -75,6 +76,7 @@ def test_a_moment_on_what_has_no_inertia_is_told():
     """The rotation of a point mass: nothing resists the moment."""
     text = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {a: {position: [0, 0, 0]}}
     elements: {m: {type: point_mass, node: a, mass: 1}}
     loads: {turn: {type: moment, node: a, direction: [0, 1, 0], value: 3}}

@@ -93,6 +93,7 @@ def test_reactions_stay_of_second_order_with_steps_that_change():
 
 UPRIGHT = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       centre: {{position: [0, 0, 0.3225]}}
     elements:
@@ -143,6 +144,7 @@ def steady(theta_deg, psidot, w3):
     return March(
         deck(f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           centre: {{position: [0, {float(r * c)!r}, {float(r * s)!r}], orientation: [{float(-lean)!r}, 0, 0]}}
         elements:
@@ -317,6 +319,7 @@ def test_a_unilateral_wheel_leaves_a_crest_and_lands():
     march = March(
         deck("""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           centre: {position: [0, 0, 0.3]}
         elements:
@@ -368,6 +371,7 @@ def test_a_level_axle_needs_a_moment():
     march = March(
         deck("""
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes:
           centre: {position: [0, 0, 0.3]}
         elements:

@@ -29,6 +29,7 @@ def test_decks(name, expected):
 
 CRANK = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       a: {{position: [0, 0, 0]}}
       b: {{position: [1, 0.3, 0.2], orientation: [0.3, -0.2, 0.5]}}

@@ -13,6 +13,7 @@ from mecano.solve.run_state import from_plain, to_plain
 
 DECK = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       a: {position: [0, 0, 0]}
       b: {position: [1, 0, 0]}

@@ -257,6 +257,7 @@ def test_a_contact_lets_go_where_its_force_falls_to_zero():
 
 BEAM_ON_TWO = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {{m: {{position: [0, 0, 1]}}, l: {{position: [-0.5, 0, 1]}}, r: {{position: [0.5, 0, 1]}}{more}}}
     elements:
       bar: {{type: rigid_body, node: m, mass: 2, inertia: [{J}, {J}, {J}], attached: [{feet}]}}
@@ -326,6 +327,7 @@ def test_a_rocking_bar_lifts_its_other_foot():
 
 WHEEL = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {hub: {position: [0, 0, 0.3]}}
     elements:
       disc: {type: rigid_body, node: hub, mass: 10, inertia: [0.3, 0.5, 0.3]}

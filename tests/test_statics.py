@@ -126,6 +126,7 @@ def test_mechanism_with_nothing_to_drive_it_is_neutral():
 def test_free_fall_has_no_equilibrium(method, why):
     text = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {a: {position: [0, 0, 0]}}
         elements: {m: {type: point_mass, node: a, mass: 1}}
         static: {method: METHOD}
@@ -169,6 +170,7 @@ def test_redundant_supports_share_the_weight():
     """A door on two hinges: the vertical reactions are not unique, their sum and the couple of the others are."""
     text = """
         mecano: 1
+        gravity: [0, 0, -9.81]
         nodes: {low: {position: [0, 0, 0]}, high: {position: [0, 0, 1]}}
         elements:
           door: {type: rigid_body, node: low, mass: 20, center_of_mass: [0.4, 0, 0], inertia: [1, 1, 1],

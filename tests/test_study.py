@@ -36,6 +36,7 @@ from mecano.warmup import all_kinds, warmup
 HEAD = "study: 1\ndeck: deck.yaml\n"
 BALL = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 parameters: {speed: 10}
 nodes:
   ball: {position: [0, 0, 1]}
@@ -207,7 +208,7 @@ class TestDecks:
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
         told = deck_error_text(error.value)
-        assert re.match("deck.yaml:6:.*got -1.* as of case 1 of the study \\(parameters.speed = -1\\)", told), told
+        assert re.match("deck.yaml:7:.*got -1.* as of case 1 of the study \\(parameters.speed = -1\\)", told), told
 
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))

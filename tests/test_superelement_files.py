@@ -12,6 +12,7 @@ from mecano.errors import DeckError
 
 DECK = """
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes:
   a: {position: [1, 0, 0], orientation: [0, 0, 1.5707963267948966]}
   b: {position: [1, 2, 0]}
@@ -112,7 +113,7 @@ def test_what_is_wrong_in_a_file_is_told(tmp_path, content, text):
         read(tmp_path, content)
     (problem,) = info.value.problems
     assert problem.message.startswith("superelement 'arm': ") and text in problem.message
-    assert problem.mark.line == 7
+    assert problem.mark.line == 8
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from mecano.run import run
 
 WHEEL = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes:
       hub: {{position: [0, 0.1, {height}], orientation: [-0.5, 0, 0]}}
     elements:
@@ -82,6 +83,7 @@ def test_what_a_wheel_may_not_start_with(values, text):
 
 UPRIGHT = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {{hub: {{position: [0, 0, {height}]}}}}
     elements:
       disc: {{type: rigid_body, node: hub, mass: 10, inertia: [0.3, 0.5, 0.3]}}

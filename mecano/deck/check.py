@@ -13,7 +13,7 @@ from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
-from mecano.deck.wording import found
+from mecano.deck.wording import found, quoted
 from mecano.elements.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
 from mecano.schema import TEXT, Field
@@ -94,6 +94,7 @@ def checked_values(root, sections, scope):
     problems = scope.problems
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
     _check_process(root, sections, scope)
+    _check_gravity(root, scope)
     if problems:
         unknown_names(root, scope)
     _stop_at(problems, UNCHECKED)
@@ -134,6 +135,28 @@ def _check_process(root, sections, scope):
     elif time and static:
         hint = "for a march that starts from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
+
+
+def _check_gravity(root, scope):
+    """A deck in which anything has weight says what gravity is."""
+    section = root.value["elements"][1].value if "elements" in root.value else None
+    if type(section) is not dict or ("gravity" in root.value and root.value["gravity"][1].value is not None):
+        return
+    heavy = next((name for name, (_, node) in section.items() if _has_weight(node, scope.kinds)), None)
+    if heavy is not None:
+        text = f"missing 'gravity', the acceleration of gravity [m/s2]: {quoted(heavy)} has mass"
+        scope.refuse(root, text, "write 'gravity: [0, 0, -9.81]' or 'gravity: none'")
+
+
+def _has_weight(node, kinds):
+    """Decide whether gravity acts on an element: its record has gravity, and its mass, where optional, is not zero."""
+    entry = node.value if type(node.value) is dict else {}
+    type_ = entry["type"][1].value if "type" in entry else None
+    kind = kinds.get(type_) if type(type_) is str else None
+    if kind is None or kind.section != "elements" or "gravity" not in kind.dtype.names:
+        return False
+    optional = [field.name for field in kind.fields if field.name == "mass_per_length"]
+    return all(name in entry and entry[name][1].value not in (None, 0) for name in optional)
 
 
 def _check_version(root, problems):

@@ -166,9 +166,7 @@ def shorthand(node, field, scope):
         if type(node.value) is type(word) and node.value == word:
             node = node_of(meaning)
             break
-    if type(node.value) is not dict:
-        return scope.refuse_value(node, field)
-    return scope.checks[type_.name](node, replace(field, type=type_), scope)
+    return scope.checks[type_.name](node, replace(field, type=replace(type_, expects=field.type.expects)), scope)
 
 
 def kind(node, field, scope):

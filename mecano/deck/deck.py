@@ -23,7 +23,6 @@ class Deck:
     values: dict
     overrides: tuple = ()  # "path=value"
     files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
-    given: frozenset = frozenset()  # names of the sections that the deck or an override gives
 
     @property
     def kinds(self):

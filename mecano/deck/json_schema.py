@@ -124,6 +124,12 @@ def _named(type_):
     return {"type": "object", "propertyNames": {"pattern": NAME}, "additionalProperties": entry}
 
 
+def _shorthand(type_):
+    """The schema of a mapping or list; for what is neither, of the words that stand for one."""
+    schema, words = _of(type_.options[0]), [word for word, _ in type_.options[1]]
+    return {"if": {"type": schema["type"]}, "then": schema, "else": {"enum": words}}
+
+
 def _law():
     terms = {name: {"$ref": f"#/definitions/term {name}"} for name in TERMS}
     return {
@@ -169,8 +175,6 @@ MADE = {
     "named": _named,
     "list": lambda t: _list(_of(t.options[0])),
     "either": lambda t: {"anyOf": [_of(t.options[0]), {"enum": list(t.options[1])}]},
-    "shorthand": lambda t: {
-        "if": {"type": "object"}, "then": _of(t.options[0]), "else": {"enum": [word for word, _ in t.options[1]]}
-    },
+    "shorthand": _shorthand,
     "kind": _one_of_kinds,
 }  # fmt: skip

@@ -49,8 +49,7 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     root = written_out(root, sections, scope)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    given = frozenset(key for key, (_, node) in root.value.items() if node.value is not None)
-    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, given)
+    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files)
 
 
 def deck_of_bytes(data, file, **options):

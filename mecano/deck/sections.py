@@ -162,7 +162,10 @@ SECTIONS = (
     Field("mecano", INTEGER, "-", "version of the deck"),
     Field("title", TEXT, "-", "title of the model", ""),
     Field("parameters", named(PARAMETER), "-", "numbers by name, for expressions in all numbers: '$speed / 0.35'", {}),
-    Field("gravity", VECTOR, "m/s2", "acceleration of gravity, inertial", (0.0, 0.0, -9.81)),
+    Field(
+        "gravity", shorthand(VECTOR, {"none": ZERO}), "m/s2",
+        "acceleration of gravity, inertial; required where an element has mass", "none",
+    ),
     Field(
         "nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty
     ),
