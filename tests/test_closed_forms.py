@@ -36,6 +36,24 @@ def test_oscillator(verify):
     verify.second_order(V, "damped oscillator: height over 2 s [m]", coarse, fine, exact, 2e-9, FREE)
 
 
+def test_stewart_platform(verify):
+    """Legs l = l_0 + 20 mm (1 - cos(2 pi t)) lift 20 kg by z = sqrt(l^2 - d^2); each bears m (g + z'') l / (6 z)."""
+    base, top, height, w, A = 0.6, 0.35, 0.7, 2.0 * np.pi, 0.02
+    d = np.sqrt(base**2 + top**2 - 2.0 * base * top * np.cos(np.radians(40.0)))
+    l = np.hypot(d, height) + A * (1.0 - np.cos(w * TENTHS))  # noqa: E741
+    l1, l2 = A * w * np.sin(w * TENTHS), A * w**2 * np.cos(w * TENTHS)
+    z = np.sqrt(l**2 - d**2)
+    z1 = l * l1 / z
+    force = 20.0 * (9.81 + (l1**2 + l * l2 - z1**2) / z) * l / (6.0 * z)
+    coarse, fine = pair("stewart", lambda m: m["nodes/plate/position"][:, 2], TENTHS, 4e-3)
+    np.testing.assert_allclose(fine, z, rtol=0.0, atol=1e-10)
+    of_legs = lambda m: np.array([m[f"joints/leg{k}/force"] for k in range(1, 7)]).T
+    coarse, fine = pair("stewart", of_legs, TENTHS, 4e-3)
+    verify.second_order(
+        V, "Stewart platform: forces of six legs [N]", coarse, fine, force[:, None], 2e-3, "closed form"
+    )
+
+
 def test_base_excitation(verify):
     """Force k u + c u' of the table's motion u = 5 mm sin(4 pi t) on the mass."""
     w, u = 4.0 * np.pi, -1j * 5e-3

@@ -1,11 +1,12 @@
-r"""Distance: :math:`|x_1 - x_0| - L = 0`. The multiplier is the force that pushes the two nodes apart."""
+r"""Distance: :math:`|x_1 - x_0| - L - f(t) = 0`. The multiplier is the force that pushes the two nodes apart."""
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
+from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
 from mecano.maths.vec import EYE, add_mat, dot, madd, mscale, norm, outer, scale, sub, vec
 
-RECORD = record(length=())
+RECORD = record(**TARGET)
 MULTIPLIER = 6
 
 
@@ -16,7 +17,8 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
     length = norm(d)
     n = scale(1.0 / length, d)
     blocks = ((0, scale(-1.0, n)), (3, n))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, length - p.length, q[MULTIPLIER], blocks)
+    Phi = length - target(p, laws, t)[0]
+    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
     across = mscale(g / length, madd(EYE, mscale(-1.0, outer(n, n))))
     for i, s in ((0, -1.0), (3, 1.0)):
         for j, s_j in ((0, -1.0), (3, 1.0)):
@@ -25,16 +27,17 @@ def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 @kernel
 def levels(p, m, mode, t, laws, q, v, a, R, g):
-    """Value and rates of the length."""
+    """Value and rates of the length, those of f(t) included."""
     d, d1, d2 = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0)), sub(vec(a, 3), vec(a, 0))
     length = norm(d)
     rate = dot(d, d1) / length
-    put_levels(g, 0, length - p.length, rate, (dot(d1, d1) + dot(d, d2) - rate * rate) / length)
+    y, y1, y2 = target(p, laws, t)
+    put_levels(g, 0, length - y, rate - y1, (dot(d1, d1) + dot(d, d2) - rate * rate) / length - y2)
 
 
 def sample(rng):
     """A random length."""
-    return [({"length": rng.uniform(0.5, 2.0)}, 2, "")]
+    return [({"offset": rng.uniform(0.5, 2.0), "law": 0}, 2, "")]
 
 
 DISTANCE = Kind(

@@ -19,6 +19,7 @@ from mecano.elements.plane_contact import PLANE_CONTACT
 from mecano.elements.point_mass import POINT_MASS
 from mecano.elements.point_on_curve import POINT_ON_CURVE
 from mecano.elements.prescribed_angle import PRESCRIBED_ANGLE
+from mecano.elements.prescribed_length import PRESCRIBED_LENGTH
 from mecano.elements.prescribed_position import PRESCRIBED_POSITION
 from mecano.elements.prismatic import PRISMATIC
 from mecano.elements.rack_and_pinion import RACK_AND_PINION
@@ -42,7 +43,7 @@ KINDS = {
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, RIGID_ROD,
         GEAR_PAIR, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
-        PRESCRIBED_POSITION, PRESCRIBED_ANGLE, HELD_ROTATION,
+        PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,

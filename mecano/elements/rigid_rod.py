@@ -20,7 +20,7 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
 def parts(d, nodes, context):
     """One distance."""
     initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    return [Part(DISTANCE, (0, 1), {"length": initial if d["length"] is None else d["length"]})]
+    return [Part(DISTANCE, (0, 1), {"offset": initial if d["length"] is None else d["length"], "law": 0})]
 
 
 def check(d, nodes):

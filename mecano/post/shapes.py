@@ -211,6 +211,7 @@ SHAPES = {
     "spring_damper": _spring,
     "torsion_spring_damper": lambda motion, name, d: [],
     "rigid_rod": _rod,
+    "prescribed_length": _rod,
     "superelement": _superelement,
     **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
 }

@@ -1,0 +1,79 @@
+r"""Prescribed length: the distance of two nodes is a function of time, as a driven strut or leg has it.
+
+.. math::  |x_b - x_a| - L - f(t) = 0
+
+with L the distance at the start, or zero where the deck gives the length itself. Both ends turn freely. The multiplier
+is the force of the drive, which pushes the nodes apart; its power :math:`k\lambda\, \dot f` is given by the
+surroundings.
+"""
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.distance import DISTANCE
+from mecano.constraints.joint_frame import NODES, at_one_place
+from mecano.constraints.target import TARGET, target
+from mecano.contract import Kind, Output, Part, record
+from mecano.maths.vec import dot, norm, sub, vec
+from mecano.schema import CURVE, Field
+
+RECORD = record(**TARGET)
+
+
+@kernel
+def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+    """Motion, force and power."""
+    d = sub(vec(q, 3), vec(q, 0))
+    y[0] = norm(d)
+    y[1] = dot(d, sub(vec(v, 3), vec(v, 0))) / y[0]
+    y[2] = q[6]
+    e[3] = q[6] * target(p, laws, t)[1]
+
+
+def prepare(d, nodes, context):
+    """Length at the start, or none, and the law."""
+    initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    law = context.laws.add(d["value"] if d["length"] is None else d["length"])
+    return {"offset": initial if d["length"] is None else 0.0, "law": law}
+
+
+def parts(d, nodes, context):
+    """One distance."""
+    return [Part(DISTANCE, (0, 1), prepare(d, nodes, context))]
+
+
+def check(d, nodes):
+    """One law, and a direction at the start."""
+    if (d["length"] is None) == (d["value"] is None):
+        return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
+    return at_one_place(nodes)
+
+
+def sample(rng):
+    """A leg that changes its length, and one whose length is given."""
+    change, length = ((("sine", {"amplitude": 0.2, "frequency": 0.7, "phase": 0.4, "offset": x}),) for x in (0.1, 1.3))
+    return [({"value": change}, 2, ""), ({"length": length}, 2, "")]
+
+
+PRESCRIBED_LENGTH = Kind(
+    name="prescribed_length",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "x1"),
+    fields=(
+        NODES,
+        Field("value", CURVE, "m", "change of the distance since the start as a function of time [s]", None),
+        Field("length", CURVE, "m", "the distance itself as a function of time [s], instead of 'value'", None),
+    ),
+    outputs=(
+        Output("length", "m", "distance of the nodes", rate="rate"),
+        Output("rate", "m/s", "rate of the length"),
+        Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
+    ),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    sample=sample,
+)
