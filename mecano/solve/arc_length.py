@@ -218,11 +218,12 @@ class Arc:
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
+        step = statics.step(point.state, s.modes)
 
         def evaluate(tangent):
             if tangent:
                 slope[:] = statics.loading.slope(s, mu)
-            return statics.evaluate(s, mu, k, penalty, tangent)
+            return statics.evaluate(s, mu, k, penalty, tangent, step)
 
         def solve(fresh):
             """The correction (n,), or None where the tangent is singular; ``fresh``: the tangent is a new one."""
