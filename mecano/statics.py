@@ -6,9 +6,10 @@ import numpy as np
 
 from mecano.prepare import AUTOMATIC, given
 from mecano.solve.arc_length import ArcLength, Target
-from mecano.solve.continuation import Follower, Point, Relaxation, Steps
+from mecano.solve.continuation import Follower, Point, Steps
 from mecano.solve.events import Watch
 from mecano.solve.loading import Clock, LoadFactor
+from mecano.solve.relaxation import Relaxation
 from mecano.solve.scales import Tolerances
 from mecano.solve.stability import freedom
 from mecano.solve.static import Statics
@@ -90,6 +91,7 @@ def _followed(prepared, statics, path, start, observers, state=None):
 def _remarks(prepared, follower, point):
     """What a user should know: where stability was lost, and that the last equilibrium is unstable or neutral."""
     yield from follower.losses
+    yield from follower.departures
     if not point.stability.stable:
         loading, unstable = follower.statics.loading, point.stability.unstable > 0
         text = freedom(prepared.system, point.state, point.stability, prepared.length)
