@@ -66,8 +66,31 @@ def test_arc_length_ends_where_it_is_told():
     assert path.result.reason == "node 'top' was displaced by 0.25 m"
     path = Path(truss("{method: arc_length, lowest: -0.2}"))
     assert path.factors[-1] == pytest.approx(-0.2, abs=1e-8) and path.positions("top")[-1, 2] > -0.2
-    path = Path(truss("{method: arc_length, maximum_steps: 3}"))
-    assert len(path.points) == 4 and path.result.reason.startswith("3 steps were made")
+
+
+def test_arc_length_that_does_not_reach_its_end(tmp_path):
+    """The run fails, says where and why it stopped, and the file keeps the points on the way."""
+    with pytest.raises(ConvergenceError) as caught:
+        run(deck(truss("{method: arc_length, maximum_steps: 3, lowest: -0.5}")), tmp_path / "truss.h5")
+    with open_results(tmp_path / "truss.h5") as results:
+        assert len(results.time) == 4
+        factors, places = results["static/load_factor"].values, results.time[:]
+    text = str(caught.value)
+    assert text.startswith(
+        "the path did not reach its end (load factor 1 or -0.5, falling); it stopped at load factor "
+    )
+    told = re.search(r"stopped at load factor (\S+), (\S+) along it, after a step of (\S+): 3 steps were made", text)
+    assert [float(told[i]) for i in (1, 2, 3)] == pytest.approx(
+        [factors[-1], places[-1], places[-1] - places[-2]], rel=1e-2
+    )
+    assert "static.maximum_steps" in text and caught.value.exit_code == 3
+
+
+def test_arc_length_that_cannot_go_on():
+    """A force on what nothing holds: the path stops where it begins, and what is free is named."""
+    with pytest.raises(ConvergenceError, match="it stopped at load factor 0") as caught:
+        Path(arm("static: {method: arc_length}", stiffness=0.0))
+    assert "node 'pin' turns about [0, 1, 0]" in str(caught.value)
 
 
 def test_steps_stop_at_a_limit_point():
