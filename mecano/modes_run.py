@@ -10,7 +10,7 @@ from mecano.prepare import march_of, prepare, remarks
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing
-from mecano.snapshot import state_at
+from mecano.snapshot import rest_at, state_at
 from mecano.solve.increments import displaced
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
@@ -36,9 +36,15 @@ class About:
     remarks: tuple = ()
 
 
-def about(deck, at=None):
-    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march."""
+def about(deck, at=None, at_rest=False):
+    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march.
+
+    ``at_rest``: the equilibrium at which the body would come to rest near the saved time.
+    """
     prepared = prepare(deck)
+    if at is not None and at_rest:
+        state, text, told = rest_at(prepared, at)
+        return About(prepared, state, None, text, (*remarks(prepared), *told))
     if at is not None:
         state, assemble, text = state_at(prepared, at)
         return About(prepared, state, assemble, text, tuple(remarks(prepared)))
@@ -51,15 +57,16 @@ def about(deck, at=None):
     return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
 
 
-def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic", force=False):
+def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
     """Find the modes and write them to ``path`` unless it is None: (text of the table, Modes, About).
 
-    ``frame``: "inertial", the name of a node with which the axes turn, or "wx,wy,wz" [rad/s]. Raises UsageError and
-    what ``mecano run`` of the deck may raise; ResultsError, before anything is computed, where ``path`` exists.
+    ``at``, ``at_rest`` as in ``about``; ``frame``: "inertial", the name of a node with which the axes turn, or
+    "wx,wy,wz" [rad/s]. Raises UsageError and what ``mecano run`` of the deck may raise; ResultsError, before anything
+    is computed, where ``path`` exists.
     """
     if path is not None:
         refuse_existing(path, force)
-    base = about(deck, at)
+    base = about(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)

@@ -48,14 +48,18 @@ class Relaxation:
 
     def follow(self, follower, point):
         """(the Point in stable equilibrium, reason). Raises ConvergenceError, NonFiniteError."""
+        return self.find(follower, point.state), "an equilibrium was reached"
+
+    def find(self, follower, s):
+        """The Point in stable equilibrium to which the state ``s`` creeps. Raises as ``follow`` does."""
         work = Work()
-        s, found, stability = self._equilibrium(follower, point.state, work)
+        s, found, stability = self._equilibrium(follower, s, work)
         while stability.unstable > 0:
             if len(follower.departures) == DEPARTURES:
                 self._refuse(follower, s, found, stability, work, f"{DEPARTURES} others were left so before")
             follower.departures.append(self._departure(follower, s, stability))
             s, found, stability = self._below(follower, s, found, stability, work)
-        return self._accepted(follower, s, found, work), "an equilibrium was reached"
+        return self._accepted(follower, s, found, work)
 
     def _below(self, follower, s, found, stability, work):
         """The equilibrium beside the unstable one ``s``: what ``_equilibrium`` returns."""

@@ -42,10 +42,12 @@ class Found:
 class Statics:
     """Equations at rest under one ``loading``; the solver of one point. Holds no motion."""
 
-    def __init__(self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None):
+    def __init__(
+        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None, watch=None
+    ):  # fmt: skip
         self.system, self.linear, self.loading, self.length = system, linear, loading, length
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
-        self.watch = Watch(system)
+        self.watch = watch or Watch(system)
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
         self._increment = np.zeros(system.n)
