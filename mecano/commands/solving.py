@@ -120,10 +120,11 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
+    progress.announce_compiling()
     Interruption().listen((signal.SIGINT, signal.SIGTERM))
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-        progress=progress, begins=progress.compiling,
+        progress=progress,
     )  # fmt: skip
     progress.done(total)
     show(text)
