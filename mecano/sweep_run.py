@@ -26,7 +26,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not in a name
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
-STEADY = 1e-6  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
+STEADY = 1e-8  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
 
 
