@@ -77,7 +77,7 @@ class Relaxation:
         """The states on both sides of the unstable equilibrium ``s``, the one from which it creeps farther first."""
         statics, length = follower.statics, follower.statics.length
         sides = [displaced(s, sign * NUDGE * length * stability.shape, statics.system.numbering) for sign in (1, -1)]
-        drag = self._downhill(follower, s, -4.0 * min(stability.stiffness, 0.0) or length)
+        drag = self._downhill(follower, s, 4.0 * max(abs(stability.stiffness), 1e-300))
         creeps = [statics.correct(side, self.end, drag)[1] for side in sides]
         first, second = (found.change if found.ok else 0.0 for found in creeps)
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
