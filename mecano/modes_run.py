@@ -10,10 +10,10 @@ from mecano.prepare import march_of, prepare, remarks
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing
-from mecano.snapshot import state_at
+from mecano.snapshot import rest_at, state_at
 from mecano.solve.increments import displaced
 from mecano.solve.linearize import linearize
-from mecano.solve.modes import solve
+from mecano.solve.modes import CONVERGED, solve
 from mecano.solve.stability import words
 from mecano.start import bring_to_start
 from mecano.start import words as start_in_words
@@ -21,7 +21,7 @@ from mecano.statics import follow
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
-DOUBTFUL = 1e-6  # residual above which a mode is told to be inaccurate
+NOT_CONVERGED = "not converged"
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "what moves most")
 
 
@@ -36,9 +36,15 @@ class About:
     remarks: tuple = ()
 
 
-def about(deck, at=None):
-    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march."""
+def about(deck, at=None, at_rest=False):
+    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march.
+
+    ``at_rest``: the equilibrium at which the body would come to rest near the saved time.
+    """
     prepared = prepare(deck)
+    if at is not None and at_rest:
+        state, text, told = rest_at(prepared, at)
+        return About(prepared, state, None, text, (*remarks(prepared), *told))
     if at is not None:
         state, assemble, text = state_at(prepared, at)
         return About(prepared, state, assemble, text, tuple(remarks(prepared)))
@@ -51,15 +57,16 @@ def about(deck, at=None):
     return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
 
 
-def modes(deck, path, *, at=None, number=10, frame="inertial", method="automatic", force=False):
+def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
     """Find the modes and write them to ``path`` unless it is None: (text of the table, Modes, About).
 
-    ``frame``: "inertial", the name of a node with which the axes turn, or "wx,wy,wz" [rad/s]. Raises UsageError and
-    what ``mecano run`` of the deck may raise; ResultsError, before anything is computed, where ``path`` exists.
+    ``at``, ``at_rest`` as in ``about``; ``frame``: "inertial", the name of a node with which the axes turn, or
+    "wx,wy,wz" [rad/s]. Raises UsageError and what ``mecano run`` of the deck may raise; ResultsError, before anything
+    is computed, where ``path`` exists.
     """
     if path is not None:
         refuse_existing(path, force)
-    base = about(deck, at)
+    base = about(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
@@ -127,8 +134,11 @@ def doubts(variation, residuals):
             "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
         )
     worst = float(np.max(residuals, initial=0.0))
-    if worst > DOUBTFUL:
-        yield f"the modes are inaccurate: what they leave of the equations is up to {worst:.2g} of their terms"
+    if worst > CONVERGED:
+        yield (
+            f"modes marked '{NOT_CONVERGED}' do not fulfil the equations, by up to {worst:.2g} of their terms: neither "
+            "their eigenvalues nor their shapes can be relied on; try the other --solver, dense or sparse"
+        )
 
 
 def table(system, s, found, lin):
@@ -136,12 +146,12 @@ def table(system, s, found, lin):
     length = float(lin.root.max(initial=1.0))
     rows = [HEAD]
     columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
-                  found.kinds, found.shapes, strict=True)  # fmt: skip
-    for i, (value, damped, natural, ratio, residual, kind, shape) in enumerate(columns, start=1):
+                  found.kinds, found.converged, found.shapes, strict=True)  # fmt: skip
+    for i, (value, damped, natural, ratio, residual, kind, converged, shape) in enumerate(columns, start=1):
         what = words(system, s, shape.real, length, inertial=True, most=2)
         ratio_text = "" if value == 0.0 else f"{ratio + 0.0:.5f}"
         numbers = (str(i), f"{damped:.6g}", f"{natural:.6g}", ratio_text, f"{value.real + 0.0:.4g}", f"{residual:.1e}")
-        rows.append((*numbers, kind, what))
+        rows.append((*numbers, kind if converged else f"{kind}, {NOT_CONVERGED}", what))
     widths = [max(len(row[i]) for row in rows) for i in range(7)]
     return ["  ".join([*(f"{row[i]:>{widths[i]}}" for i in range(7)), row[7]]) for row in rows]
 

@@ -6,7 +6,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.prepare import march_of
 from mecano.results.reader import open_results
 from mecano.solve.events import Watch
-from mecano.statics import loaded
+from mecano.statics import loaded, rest
 
 
 def parse(text):
@@ -29,6 +29,23 @@ def state_at(prepared, text):
     ``assemble`` takes the place of that of the system: with the load factor of a static result. Raises UsageError,
     ResultsError when the results do not belong to the deck or lack unknowns of it.
     """
+    state, factor, words = _saved(prepared, text)
+    if factor is None:
+        return _moving(prepared, state), None, words
+    return *_resting(prepared, state, factor), words
+
+
+def rest_at(prepared, text):
+    """(State, words, remarks) of the body at rest near the saved time, see ``statics.rest``. Raises as ``state_at``."""
+    state, factor, words = _saved(prepared, text)
+    if factor is not None:
+        raise UsageError("the results are those of statics: the body is at rest there, without --at-rest")
+    state, remarks = rest(prepared, _moving(prepared, state))
+    return state, f"equilibrium at rest near {words}", remarks
+
+
+def _saved(prepared, text):
+    """(State, load factor, words) of a saved time; None in the place of the load factor of a march."""
     path, time = parse(text)
     with open_results(path) as results:
         if not len(results.time):
@@ -39,10 +56,10 @@ def state_at(prepared, text):
         words = f"{path} at {axis.path} {results.time[row]:.6g} {axis.unit}".rstrip()
         if "static/load_factor" not in results.series:
             state.t = float(results.time[row])
-            return _moving(prepared, state), None, words
+            return state, None, words
         factor = results["static/load_factor"].values[row]
         state.t = float(results.time[row]) if results.axis.unit == "s" else state.t
-    return *_resting(prepared, state, factor), words
+    return state, factor, words
 
 
 def _placed(prepared, results, row):

@@ -6,15 +6,17 @@ import numpy as np
 
 from mecano.prepare import AUTOMATIC, given
 from mecano.solve.arc_length import ArcLength, Target
-from mecano.solve.continuation import Follower, Point, Relaxation, Steps
-from mecano.solve.events import Watch
+from mecano.solve.continuation import Follower, Point, Steps
+from mecano.solve.events import NoEvents, Watch
 from mecano.solve.loading import Clock, LoadFactor
+from mecano.solve.relaxation import Relaxation
 from mecano.solve.scales import Tolerances
 from mecano.solve.stability import freedom
-from mecano.solve.static import Statics
+from mecano.solve.static import CLOSED, Statics
 
 FIRST_STEPS = 10  # of 'steps: automatic'
 SMALLEST = 1e-4  # of the first step, where the deck has no say
+REST_HINT = "a saved time at which the body is not far from a stable equilibrium"
 INCREMENT = 1e-8  # tolerance of the last correction, of the length scale, or rad
 
 
@@ -80,6 +82,24 @@ def equilibrium(prepared):
     return result.remarks
 
 
+def rest(prepared, state):
+    """Equilibrium to which ``state`` creeps at its time, under all loads, elements kept in their modes.
+
+    Latches that hold and contacts that are closed or open stay so. Returns the State, with reactions and without
+    velocities, and remarks. Raises ConvergenceError where it comes to rest nowhere, NonFiniteError.
+    """
+    system = prepared.system
+    statics = Statics(system, prepared.linear, Clock(system), prepared.length, compliance=prepared.compliance,
+                      watch=NoEvents(system))  # fmt: skip
+    follower = Follower(statics)
+    point = Relaxation(state.t, unstable_hint=REST_HINT).find(follower, statics.begin(state))
+    s, watch = statics.polish(point.state, state.t), Watch(system)
+    crossed = watch.values(s) > CLOSED * prepared.length
+    kept = [f"{happening.element} ({happening.name})" for happening in watch.apply(s, crossed)[1]]
+    remarks = [f"at rest these events would happen, and were left out: {', '.join(kept)}"] if kept else []
+    return s, (*remarks, *_remarks(prepared, follower, point))
+
+
 def _followed(prepared, statics, path, start, observers, state=None):
     follower = Follower(statics, tuple(observers))
     first = follower.start(_settled(prepared) if state is None else state, start)
@@ -90,6 +110,7 @@ def _followed(prepared, statics, path, start, observers, state=None):
 def _remarks(prepared, follower, point):
     """What a user should know: where stability was lost, and that the last equilibrium is unstable or neutral."""
     yield from follower.losses
+    yield from follower.departures
     if not point.stability.stable:
         loading, unstable = follower.statics.loading, point.stability.unstable > 0
         text = freedom(prepared.system, point.state, point.stability, prepared.length)

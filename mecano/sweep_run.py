@@ -14,10 +14,11 @@ from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, write_sweep, write_tables
 from mecano.results.writer import refuse_existing
 from mecano.solve.critical import critical
+from mecano.solve.families import FAMILIES, families, running_axes
 from mecano.solve.linearize import linearize
 from mecano.solve.modes import solve
 from mecano.solve.stability import words
-from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
+from mecano.solve.tracking import Spectrum, growing, least_damped, loci, track, unstable
 from mecano.sweep_text import lines
 
 MOST = 100_000  # states in one sweep
@@ -25,7 +26,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not in a name
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
-STEADY = 1e-6  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
+STEADY = 1e-8  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
 
 
@@ -70,13 +71,20 @@ class Locus:
 
     axis: Axis
     values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
-    motions: list  # (branches,) what moves most, in words
+    motions: list  # (branches,) what moves most where it is least damped, in words
+    families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
+    converged: np.ndarray  # (branches, n) bool; True where a branch has none
     critical: list  # of Critical
     growth: np.ndarray  # (n,) largest real part [1/s] of what means more than zero; nan where nothing was found
     count: np.ndarray  # (n,) how many branches grow; -1 where nothing was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue of that real part
     least: np.ndarray  # (n,) [1/s]: smaller eigenvalues mean no more than zero
     variation: np.ndarray  # (n,) that of a Linearization; 0 where nothing was found
+
+    @property
+    def family_names(self):
+        """Lists (branches, n) of the families of the modes, "" where a branch has none."""
+        return [["" if number < 0 else FAMILIES[number] for number in row] for row in self.families]
 
     def of_instant(self, found):
         """True where a Critical lies between states that are not steady, so that its modes are those of an instant."""
@@ -142,22 +150,19 @@ class Case:
         def motion(shape):
             return words(system, base.state, (shape / lin.root).real, length, inertial=True, most=2)
 
-        return Spectrum.of(found, lin.root, lin.pace), motion, lin.variation
+        of = families(lin, system.numbering.kind[: system.n_q], running_axes(system, base.state), found.shapes)
+        return Spectrum.of(found, lin.root, lin.pace, of), motion, lin.variation
 
 
-def sweep(
-    path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None,
-    begins=lambda kinds: None,
-):  # fmt: skip
+def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
     """Find the modes of a deck file over one or two ``texts`` "parameter=from:to:step"; returns a Sweep.
 
-    ``progress(done, total, text)`` is told of every state, ``begins(kinds)`` of the kinds of elements before the first.
+    ``progress(done, total, text)`` is told of every state.
     Values where no state is found are left out, with a remark.
     Raises UsageError, DeckError, and the error of the last state where none is found.
     """
     case = Case(path, tuple(overrides), number or 1_000_000, frame, method)
     deck = case.deck()
-    begins(deck.kinds)
     if len(texts) > 2:
         raise UsageError("--sweep may be given once, or twice for a map of stability")
     axes = tuple(Axis.parse(text, deck.values["parameters"]) for text in texts)
@@ -194,13 +199,20 @@ def _locus(case, axis, other, told):
     described = [_described(row, spectra, motions) for row in rows]
     found = _criticals(case, axis, other, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
-    return Locus(axis, values, described, found, *_growth(spectra), least, np.array(variations))
+    own = [_along(row, spectra, name, none) for row in rows for name, none in (("families", -1), ("converged", True))]
+    kinds, sure = (np.array(own[i::2]).reshape(rows.shape) for i in (0, 1))
+    return Locus(axis, values, described, kinds, sure, found, *_growth(spectra), least, np.array(variations))
+
+
+def _along(row, spectra, name, none):
+    """What each mode of a branch has in its spectrum, (n,); ``none`` where the branch has no mode."""
+    return [getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)]
 
 
 def _described(row, spectra, motions):
-    """What moves most in a branch, where it grows most."""
-    places = np.flatnonzero(row >= 0)
-    i = max(places, key=lambda i: spectra[i].values[row[i]].real)
+    """What moves most in a branch, where it is least damped."""
+    values = np.array([spectra[i].values[mode] if mode >= 0 else np.nan for i, mode in enumerate(row)])
+    i = least_damped(values, np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra]))
     return motions[i](spectra[i].shapes[row[i]])
 
 

@@ -7,9 +7,14 @@ import pytest
 from equilibria import G, Path, arm, chain, truss, truss_force
 from marching import March, deck, input_deck
 from scipy.optimize import brentq, fsolve, minimize_scalar
+from scipy.special import ellipe, ellipk
 
+from mecano.deck.read import deck_of_bytes
 from mecano.errors import ConvergenceError, DeckError
 from mecano.prepare import march_of, prepare
+from mecano.results.reader import open_results
+from mecano.solve.stability import DENSE
+from mecano.static_run import run
 from mecano.statics import equilibrium
 
 LIMIT = -minimize_scalar(lambda z: -truss_force(z), bounds=(0.0, 0.3), method="bounded", options={"xatol": 1e-12}).fun
@@ -61,8 +66,31 @@ def test_arc_length_ends_where_it_is_told():
     assert path.result.reason == "node 'top' was displaced by 0.25 m"
     path = Path(truss("{method: arc_length, lowest: -0.2}"))
     assert path.factors[-1] == pytest.approx(-0.2, abs=1e-8) and path.positions("top")[-1, 2] > -0.2
-    path = Path(truss("{method: arc_length, maximum_steps: 3}"))
-    assert len(path.points) == 4 and path.result.reason.startswith("3 steps were made")
+
+
+def test_arc_length_that_does_not_reach_its_end(tmp_path):
+    """The run fails, says where and why it stopped, and the file keeps the points on the way."""
+    with pytest.raises(ConvergenceError) as caught:
+        run(deck(truss("{method: arc_length, maximum_steps: 3, lowest: -0.5}")), tmp_path / "truss.h5")
+    with open_results(tmp_path / "truss.h5") as results:
+        assert len(results.time) == 4
+        factors, places = results["static/load_factor"].values, results.time[:]
+    text = str(caught.value)
+    assert text.startswith(
+        "the path did not reach its end (load factor 1 or -0.5, falling); it stopped at load factor "
+    )
+    told = re.search(r"stopped at load factor (\S+), (\S+) along it, after a step of (\S+): 3 steps were made", text)
+    assert [float(told[i]) for i in (1, 2, 3)] == pytest.approx(
+        [factors[-1], places[-1], places[-1] - places[-2]], rel=1e-2
+    )
+    assert "static.maximum_steps" in text and caught.value.exit_code == 3
+
+
+def test_arc_length_that_cannot_go_on():
+    """A force on what nothing holds: the path stops where it begins, and what is free is named."""
+    with pytest.raises(ConvergenceError, match="it stopped at load factor 0") as caught:
+        Path(arm("static: {method: arc_length}", stiffness=0.0))
+    assert "node 'pin' turns about [0, 1, 0]" in str(caught.value)
 
 
 def test_steps_stop_at_a_limit_point():
@@ -155,15 +183,96 @@ def test_loads_that_ramp_over_time_start_from_their_value_at_the_start():
     np.testing.assert_allclose(path.turns_about_y("pin"), (1.0 + 2.0 * np.linspace(1, 3, 5)) / 6.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("method", ["relaxation", "steps"])
-def test_wheel_settles_on_the_ground(method):
+def standing_wheel(method):
+    """The wheel of inputs/wheel_drop.yaml, without speed."""
+    text = input_deck("wheel_drop").text
+    return text[: text.index("initial:")] + f"static: {{method: {method}}}\n"
+
+
+def test_wheel_settles_on_the_ground():
     """From the air: the tyre is pressed in by m g/k; the lean of a wheel that only stands is unstable."""
-    text = deck_text = input_deck("wheel_drop").text
-    text = deck_text[: deck_text.index("initial:")] + f"static: {{method: {method}}}\n"
-    path = Path(text)
+    path = Path(standing_wheel("steps"))
     assert path.positions("hub")[-1, 2] == pytest.approx(0.3 - 20.0 * G / 2e5, abs=1e-9)
     assert [h.name for point in path.points for h in point.happenings] == ["touch_down"]
     assert path.unstable[-1] == 1 and "node 'hub' turns about [1, 0, 0]" in path.result.remarks[-1]
+
+
+def test_relaxation_does_not_end_at_an_unstable_equilibrium(tmp_path):
+    """The wheel falls over for ever: the motion and its elements are named, the file keeps where it stood."""
+    with pytest.raises(ConvergenceError, match="no stable equilibrium was found at load factor 1") as caught:
+        run(deck_of_bytes(standing_wheel("relaxation").encode(), "wheel.yaml"), tmp_path / "wheel.h5")
+    text = str(caught.value)
+    assert "node 'hub' turns about [1, 0, 0]; on it act rigid_body 'rim', wheel 'tire'" in text
+    assert "method: steps" in text and caught.value.exit_code == 3
+    with open_results(tmp_path / "wheel.h5") as results:
+        np.testing.assert_array_equal(results["static/unstable_directions"].values, (0, 1))
+        assert results["nodes/hub/position"].values[-1, 2] == pytest.approx(0.3 - 20.0 * G / 2e5, abs=1e-9)
+
+
+def elastica(ratio):
+    """Tip (x, y) over the length of a clamped column under ``ratio`` = P L^2/EI: K(k)^2 = ratio, k the sine of half
+    the angle of the tip (Timoshenko & Gere, Theory of Elastic Stability, 2.7)."""
+    m = brentq(lambda m: ellipk(m) ** 2 - ratio, 1e-6, 1.0 - 1e-9)
+    return 2.0 * ellipe(m) / ellipk(m) - 1.0, 2.0 * np.sqrt(m) / ellipk(m)
+
+
+@pytest.mark.parametrize("load", [3000.0, 6272.77])
+def test_relaxation_leaves_the_straight_column(load):
+    """Beyond Euler's load, with one part in 10,000 of it sideways: the bent column, though the straight one is near."""
+    path = Path(f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        sections:
+          strip: {{type: stiffness, EA: 1.0e9, GA2: 1.0e9, GA3: 1.0e9, GJ: 1.0e3, EI2: 1.0e3, EI3: 1.0e3,
+                  mass_per_length: 1.0, rotary_inertia: [2.0e-4, 1.0e-4, 1.0e-4]}}
+        nodes: {{root: {{position: [0, 0, 0], fixed: true}}, tip: {{position: [1, 0, 0]}}}}
+        elements: {{strip: {{type: beam, nodes: [root, tip], section: strip, up: [0, 0, 1], mesh: 16}}}}
+        loads:
+          push: {{type: force, node: tip, direction: [-1, 0, 0], value: {load}}}
+          side: {{type: force, node: tip, direction: [0, 1, 0], value: {1e-4 * load}}}
+        static: {{method: relaxation}}
+        """)
+    x, y = elastica(load / 1.0e3)
+    np.testing.assert_allclose(path.positions("tip")[-1], (x, y, 0.0), atol=2e-4)
+    assert path.points[-1].stability.stable and "was met and left on the way" in path.result.remarks[0]
+
+
+def test_relaxation_leaves_a_column_in_balance():
+    """An inverted pendulum beyond its critical weight has no side of its own: k theta = m g c sin theta."""
+    path = Path(arm("static: {method: relaxation}", centre="[0, 0, 0.5]"))
+    expected = brentq(lambda theta: 6.0 * theta - 2.0 * G * 0.5 * np.sin(theta), 0.1, 3.0)
+    assert path.turns_about_y("pin")[-1] == pytest.approx(expected, abs=1e-8)
+
+
+def test_relaxation_leaves_an_unstable_equilibrium_of_a_large_model():
+    """The same by pivots, in a model of more than 400 unknowns: a row of such pendulums, two of them top-heavy."""
+    counts, heavy = range(140), (3, 40)
+    bars = "\n".join(
+        f"          b{i}: {{type: rigid_body, node: p{i}, mass: 2, "
+        f"center_of_mass: [0, 0, {0.5 if i in heavy else 0.1}], inertia: [0.1, 0.1, 0.1]}}\n"
+        f"          s{i}: {{type: torsion_spring_damper, nodes: [ground, p{i}], axis: [0, 1, 0], "
+        "law: {spring: {stiffness: 6.0}}}"
+        for i in counts
+    )
+    nodes = "\n".join(f"          p{i}: {{position: [0, {i}, 0]}}" for i in counts)
+    hinges = "\n".join(f"          h{i}: {{type: hinge, nodes: [g{i}, p{i}], axis: [0, 1, 0]}}" for i in counts)
+    feet = "\n".join(f"          g{i}: {{position: [0, {i}, 0], fixed: true}}" for i in counts)
+    path = Path(f"""
+        mecano: 1
+        gravity: [0, 0, -{G}]
+        nodes:
+{nodes}
+{feet}
+        elements:
+{bars}
+        joints:
+{hinges}
+        static: {{method: relaxation}}
+        """)
+    expected = brentq(lambda theta: 6.0 * theta - 2.0 * G * 0.5 * np.sin(theta), 0.1, 3.0)
+    assert path.system.n_q > DENSE and path.points[-1].stability.stable
+    for i in counts:
+        assert abs(path.turns_about_y(f"p{i}")[-1]) == pytest.approx(expected if i in heavy else 0.0, abs=1e-7)
 
 
 def test_redundant_supports_share_the_weight():

@@ -57,6 +57,10 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 @click.command()
 @click.argument("deck", type=click.Path())
 @click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
+@click.option(
+    "--at-rest", is_flag=True,
+    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
+)  # fmt: skip
 @click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
@@ -75,19 +79,22 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 @click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep, and nothing of compiling.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
-def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
+def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
     """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
 
     With 'static' or 'initial: static' in the deck: about the static equilibrium, with 'initial: {steady: ...}' about
-    straight steady running. Complex eigenvalues with constraints, damping, gyroscopic and follower terms; a table here,
-    shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
+    straight steady running. With --at: about a body that moves, whose modes are those of the instant; about the
+    equilibrium beside it with --at-rest. Complex eigenvalues with constraints, damping, gyroscopic and follower terms;
+    a table here, shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
     """
     if sweeps:
-        if at is not None:
+        if at is not None or at_rest:
             raise click.BadParameter("is about one state, and --sweep about many", param_hint="--at")
         return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
     if columns:
         raise click.BadParameter("belongs to --sweep", param_hint="--csv")
+    if at_rest and at is None:
+        raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
@@ -97,7 +104,9 @@ def modes(deck, at, number, sweeps, frame, solver, output, plot, columns, quiet,
 
     SweepProgress(quiet, path).announce_compiling()
 
-    text, _, _ = find(checked, path, at=at, number=number or 10, frame=frame, method=solver, force=force)
+    text, _, _ = find(
+        checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
+    )
     show(text)
     if plot:
         from mecano.post.mode_shapes import draw_modes
@@ -111,10 +120,11 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
+    progress.announce_compiling()
     Interruption().listen((signal.SIGINT, signal.SIGTERM))
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-        progress=progress, begins=progress.compiling,
+        progress=progress,
     )  # fmt: skip
     progress.done(total)
     show(text)

@@ -77,7 +77,7 @@ STATIC_FIELDS = (
     Field(
         "minimum_step", NUMBER, "-", "the run stops where less of a step is needed, over the first", 1e-4, below_one
     ),
-    Field("maximum_steps", INTEGER, "-", "steps after which arc_length stops", 1000, at_least_one),
+    Field("maximum_steps", INTEGER, "-", "steps after which arc_length gives up (exit code 3)", 1000, at_least_one),
     Field("lowest", NUMBER, "-", "load factor at which arc_length stops when it falls", -math.inf),
     Field("until", mapping(*UNTIL_FIELDS), "-", "displacement at which arc_length stops", None),
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),

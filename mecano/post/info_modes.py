@@ -45,7 +45,7 @@ def _modes(file):
             f"{number:.1e}" if name == "residual" else f"{number:.6g}"
             for name, number in zip(NUMBERS, numbers, strict=True)
         ]
-        rows.append((str(i + 1), *texts, kind))
+        rows.append((str(i + 1), *texts, kind if file.converged[i] else f"{kind}, not converged"))
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     lines = ["  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)) for row in rows]
     inside = "".join(f", {len(one['position'])} inside {name}" for name, one in file.inner.items())

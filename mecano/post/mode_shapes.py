@@ -106,6 +106,10 @@ def _sketch(run, file, mode):
 
 
 def _title(file, mode):
+    return _named(file, mode) + ("" if file.converged[mode] else ", not converged")
+
+
+def _named(file, mode):
     numbers = file.numbers
     if file.kinds[mode] == "free":
         return f"mode {mode + 1}: free"

@@ -39,6 +39,7 @@ class ModesFile:
     about: str
     values: np.ndarray  # (m,) complex eigenvalues
     kinds: list
+    converged: np.ndarray  # (m,) bool
     numbers: dict  # name -> (m,)
     nodes: dict  # name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}
     inner: dict  # superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it
@@ -69,6 +70,14 @@ def _fill(file, contents, source):
     for name, unit, doc in NUMBERS:
         _put(file, name, given[name] if name in given else getattr(found, name), unit, doc, file["mode"])
     file.create_dataset("kind", data=[kind.encode() for kind in found.kinds], dtype=h5py.string_dtype())
+    _put(
+        file,
+        "converged",
+        found.converged,
+        "",
+        "1 where the mode fulfils the equations, 0 where it does not",
+        file["mode"],
+    )
     for name, node in contents["nodes"].items():
         group = file.create_group(f"nodes/{name}")
         for key, (unit, doc) in PLACES.items():
@@ -108,7 +117,9 @@ def read_modes(path):
             values = numbers["real_part"] + 1j * numbers["imaginary_part"]
             kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
             resolved = json.loads(file["deck/resolved"][()])
-            return ModesFile(Path(path), run["title"], run["about"], values, kinds, numbers, nodes, inner, resolved)
+            converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
+            return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
+                             resolved)  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
 

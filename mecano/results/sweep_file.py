@@ -19,6 +19,7 @@ MODES = (
     ("imaginary_part", "rad/s", "imaginary part of the eigenvalue; of a conjugate pair the positive one"),
     ("frequency", "Hz", "damped frequency"),
     ("damping_ratio", "", "minus the real part over the modulus"),
+    ("converged", "", "1 where the mode fulfils the equations, 0 where it does not"),
 )
 MAP = (
     ("growth", "1/s", "largest real part of all modes but free motions; nan where no state was found"),
@@ -48,6 +49,7 @@ class SweepFile:
     other: np.ndarray  # (m,); one nan when there is one parameter
     modes: dict  # name -> (modes, n)
     motions: list  # (modes,) what moves most
+    families: list  # (modes,) lists (n,) of their families, "" where there is none; empty in older files
     map: dict  # name -> (m, n)
     critical: dict  # name -> (c,)
 
@@ -60,7 +62,7 @@ def contents(sweep):
     size = np.abs(values)
     modes = {
         "real_part": values.real, "imaginary_part": values.imag, "frequency": values.imag / (2.0 * np.pi),
-        "damping_ratio": -values.real / np.where(size > 0.0, size, np.nan),
+        "damping_ratio": -values.real / np.where(size > 0.0, size, np.nan), "converged": loci[0].converged,
     }  # fmt: skip
     over = {
         "growth": [locus.growth for locus in loci], "growing": [locus.count for locus in loci],
@@ -77,6 +79,7 @@ def contents(sweep):
     return {
         "names": tuple(axis.name for axis in axes), "parameter": axes[0].values, "other": other,
         "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
+        "families": loci[0].family_names if alone else [],
         "map": {name: np.array(table, float) for name, table in over.items()}, "critical": critical,
         "about": sweep.about,
     }  # fmt: skip
@@ -96,8 +99,9 @@ def _fill(file, plain, source):
             dataset = file.create_dataset(f"{group}/{name}", data=np.asarray(plain[group][name], float))
             describe(dataset, units=unit, long_name=doc)
     if plain["modes"]:
-        texts = [text.encode() for text in plain["motions"]]
-        file.create_dataset("modes/motion", data=texts, dtype=h5py.string_dtype(), shape=(len(texts),))
+        for name, texts in (("motion", plain["motions"]), ("family", plain["families"])):
+            words = np.array(texts, dtype=object)
+            file.create_dataset(f"modes/{name}", data=words, dtype=h5py.string_dtype(), shape=words.shape)
     facts = {"about": plain["about"], "parameters": json.dumps(plain["names"])}
     put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
 
@@ -111,10 +115,13 @@ def read_sweep(path):
             groups = {key: _columns(file.get(key, {}), columns)
                       for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
             motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
+            families = (
+                [[text.decode() for text in row] for row in file["modes/family"][:]] if "modes/family" in file else []
+            )
             run = file["run"].attrs
             return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
-                             file["parameter"][:], file["other"][:], groups["modes"], motions, groups["map"],
-                             groups["critical"])  # fmt: skip
+                             file["parameter"][:], file["other"][:], groups["modes"], motions, families,
+                             groups["map"], groups["critical"])  # fmt: skip
     except (OSError, KeyError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
 
@@ -153,7 +160,11 @@ def _rows(plain):
                 yield [repr(float(x)) for x in (other, value, *(plain["map"][name][i, j] for name, _ in kinds))]
         return
     count = len(plain["modes"]["real_part"])
-    yield [plain["names"][0], *(f"mode {b + 1} {name}{unit}" for b in range(count) for name, unit in kinds)]
+    names = [*(name + unit for name, unit in kinds), "family"]
+    yield [plain["names"][0], *(f"mode {b + 1} {name}" for b in range(count) for name in names)]
     for j, value in enumerate(plain["parameter"]):
-        numbers = [plain["modes"][name][b, j] for b in range(count) for name, _ in kinds]
-        yield [repr(float(value)), *("" if np.isnan(x) else repr(float(x)) for x in numbers)]
+        row = [repr(float(value))]
+        for b in range(count):
+            numbers = [plain["modes"][name][b, j] for name, _ in kinds]
+            row += [*("" if np.isnan(x) else repr(float(x)) for x in numbers), plain["families"][b][j]]
+        yield row

@@ -14,8 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.errors import ConvergenceError
 from mecano.solve.continuation import SHRINK
 from mecano.solve.iteration import SINGULAR, Iterated, iterate
+from mecano.solve.stability import freedom
 from mecano.solve.static import CLOSED, MODE_CHANGES
 
 WANTED = 5  # iterations of a step
@@ -65,19 +67,36 @@ class ArcLength:
     lowest: float = -np.inf
     target: Target | None = None
     hint: str = "more steps; method: relaxation, which lets a mechanism fall into place"
+    more_steps: str = "a larger static.maximum_steps; fewer static.steps, which makes them longer"
 
     def follow(self, follower, point):
         """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
         arc = Arc(follower.statics, point)
         if arc.rate is None:
-            raise follower.failure(point.parameter, arc.singular, point.state, point.parameter, self.hint)
+            raise self._failure(follower, point, point.parameter, arc.singular)
         first = ds = np.sqrt(2.0) * (self.end - point.parameter) / self.count
         for _ in range(self.most):
             point, ds = self._advance(follower, arc, point, ds, self.minimum * first)
             if reason := self._arrived(point):
                 return point, reason
             ds = min(ds * min(max(np.sqrt(WANTED / max(point.iterations, 1)), 0.5), 1.5), LONGEST * first)
-        return point, f"{self.most} steps were made; the load factor is {point.parameter:.6g}"
+        why = f"{self.most} steps were made, as many as static.maximum_steps allows"
+        free = freedom(follower.statics.system, point.state, point.stability, follower.statics.length)
+        raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
+
+    def _stopped(self, point):
+        """Where the path stopped before it reached an end, in words."""
+        ends = [f"load factor {self.end:g}"]
+        ends += [f"or {self.lowest:g}, falling"] if np.isfinite(self.lowest) else []
+        ends += [f"or node '{self.target.name}' displaced by {self.target.value:g} m"] if self.target else []
+        at = f"load factor {point.parameter:.6g}, {point.place:.6g} along it"
+        last = f", after a step of {point.step:.3g}" if point.step else ""
+        return f"the path did not reach its end ({' '.join(ends)}); it stopped at {at}{last}"
+
+    def _failure(self, follower, point, mu, found):
+        """The error for a step from ``point`` towards the load factor mu that could not be taken."""
+        error = follower.failure(mu, found, point.state, point.parameter, self.hint)
+        return type(error)(f"{self._stopped(point)}\n{error}")
 
     def _arrived(self, point):
         at = np.abs(self._gaps(point.state, point.parameter)) <= MET
@@ -96,7 +115,7 @@ class ArcLength:
         rejected, before = 0, self._gaps(point.state, point.parameter)
         while not (trial := arc.step(point, ds)).found.ok:
             if ds * SHRINK < minimum:
-                raise follower.failure(trial.mu, trial.found, point.state, point.parameter, self.hint)
+                raise self._failure(follower, point, trial.mu, trial.found)
             ds, rejected = ds * SHRINK, rejected + 1
         if np.any((before < 0.0) & (self._gaps(trial.state, trial.mu) > 0.0)):
             trial = self._meet(arc, point, before, trial)
@@ -218,11 +237,12 @@ class Arc:
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
+        step = statics.step(point.state, s.modes)
 
         def evaluate(tangent):
             if tangent:
                 slope[:] = statics.loading.slope(s, mu)
-            return statics.evaluate(s, mu, k, penalty, tangent)
+            return statics.evaluate(s, mu, k, penalty, tangent, step)
 
         def solve(fresh):
             """The correction (n,), or None where the tangent is singular; ``fresh``: the tangent is a new one."""

@@ -3,13 +3,11 @@ r"""Paths of equilibria: which parameter to try next, what to do when Newton fai
 Every way goes from ``Point`` to ``Point``:
 
 * ``Steps``: the parameter (load factor or time) is given; steps are cut back where Newton fails or leaps.
-* ``Relaxation``: the state creeps against a drag that fades (static.py), down to a stable equilibrium.
+* ``Relaxation`` (relaxation.py): the state creeps against a drag that fades, down to a stable equilibrium.
 * ``ArcLength`` (arc_length.py): the load factor is an unknown, and limit points are passed.
 """
 
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.solve.failure import worst_equations
@@ -20,9 +18,6 @@ from mecano.solve.static import Found
 GROWTH, SHRINK = 2.0, 0.25
 EASY = 12  # iterations up to which the next step grows
 LEAP, NOTICEABLE = 4.0, 0.02  # farther off than so many predictions, and than so much of the length, is a leap
-FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # of the length scale, or rad: displacement in the first and in any step of creep
-MOST_CREEPS = 400
-FADES = 0.02, 0.5  # least and most of the drag that remains after a step of creep
 
 
 @dataclass(slots=True)
@@ -48,15 +43,16 @@ class Follower:
     observers: tuple = ()
     judge: Judge = field(init=False)
     losses: list = field(default_factory=list)  # texts: where stability was lost on the way
+    departures: list = field(default_factory=list)  # texts: unstable equilibria that were left on the way
     last: Point | None = None
 
     def __post_init__(self):
         self.judge = Judge(self.statics.system, self.statics.length, self.statics.compliance is not None)
 
-    def stability(self, s, p):
-        """Stability of the equilibrium ``s`` at the parameter p, from the tangent there."""
+    def stability(self, s, p, drag=0.0):
+        """Stability of ``s`` at the parameter p, from the tangent there, with ``drag`` [N/m] as a further stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
-        return self.judge(self.statics.system.data)
+        return self.judge(self.statics.system.data, drag)
 
     def accept(self, s, p, place, step, found, rejected=0, critical=None):
         """The Point of a converged state; its outputs stand in the system when the observers are told.
@@ -158,52 +154,3 @@ class Steps:
             if h * SHRINK < self.minimum:
                 raise follower.failure(p, found, point.state, point.parameter, self.hint)
             h, rejected = h * SHRINK, rejected + 1
-
-
-@dataclass
-class Relaxation:
-    """At the one parameter ``end``, by creep against a drag that fades to nothing."""
-
-    end: float
-    hint: str = "supports or springs for what still moves"
-
-    def follow(self, follower, point):
-        """(the Point in equilibrium, reason). Raises ConvergenceError, NonFiniteError."""
-        statics, s = follower.statics, point.state
-        drag = last = None
-        iterations = rejected = 0
-        told = []
-        for _ in range(MOST_CREEPS):
-            size, force = self._size(statics, s)
-            if size <= 1.0 and drag is not None:
-                return self._arrive(follower, s, iterations, rejected, told), "an equilibrium was reached"
-            first = force / (FIRST_CREEP * statics.length)
-            drag = first if drag is None else drag * min(max(force / last, FADES[0]), FADES[1])
-            last = force
-            while True:
-                new, found = statics.correct(s, self.end, drag)
-                iterations += found.iterations
-                if found.ok and found.change <= MOST_CREEP:
-                    break
-                drag, rejected = drag / SHRINK, rejected + 1
-                if drag > 1e8 * first:
-                    raise follower.failure(self.end, found, s, self.end, self.hint)
-            told += found.happenings
-            moved, s = statics.displacement(new, s), new
-        found.message = f"it still moves after {MOST_CREEPS} steps: {words(statics.system, s, moved, statics.length)}"
-        raise follower.failure(self.end, found, s, self.end, self.hint)
-
-    def _size(self, statics, s):
-        """Residual over its tolerance, and the largest residual force [N] (moments over the length scale)."""
-        k, _ = statics.scales(statics.begin(s))
-        size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
-        force = np.abs(statics.system.residual[: statics.system.n_q] / np.sqrt(statics.weight)).max(initial=0.0)
-        return size, max(float(force), 1e-300)
-
-    def _arrive(self, follower, s, iterations, rejected, told):
-        s, found = follower.find(s, self.end)
-        if not found.ok:
-            raise follower.failure(self.end, found, s, self.end, self.hint)
-        found.iterations += iterations
-        found.happenings = (*told, *found.happenings)
-        return follower.accept(s, self.end, self.end, self.end, found, rejected)

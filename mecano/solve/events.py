@@ -95,6 +95,14 @@ class Watch:
         return s
 
 
+class NoEvents(Watch):
+    """No events: elements stay in the modes in which they are."""
+
+    def values(self, s):
+        """-inf for all events of each element, (n_events,)."""
+        return np.full_like(super().values(s), -np.inf)
+
+
 @entry
 def _some_happened(g0: Vector, g1: Vector) -> bool:
     """True when an event has happened between values g0 and g1 (n_events,), or had already before."""

@@ -42,7 +42,7 @@ def worst_equations(system):
         if relative[i] >= least:
             places.setdefault(of.name[i].partition(": ")[0], i)
     worst = list(places.values())[:REPORTED]
-    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{_acting(system, i)}" for i in worst)
+    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst)
 
 
 def _scales(system):
@@ -55,8 +55,8 @@ def _scales(system):
     return scales
 
 
-def _acting(system, i):
-    """The elements that act on the unknown i, for the equation of a node; a constraint has the name of its own."""
+def acting(system, i):
+    """The elements that act on the unknown i, as a clause, for the equation of a node; "" for a constraint."""
     if i >= system.n_q:
         return ""
     titles = dict.fromkeys(
@@ -80,7 +80,7 @@ def minimum_step(system, before, after, error, t, h):
     where = motion_name(system.numbering.name[worst])
     return ConvergenceError(
         f"at t = {t:.9g} s a step of {h:.3g} s, the least that is allowed, has {error:.3g} times the error allowed\n"
-        f"the acceleration changes most in {where}{_acting(system, worst)}\n"
+        f"the acceleration changes most in {where}{acting(system, worst)}\n"
         "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
         "this state"
     )

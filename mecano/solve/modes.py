@@ -18,6 +18,7 @@ from mecano.solve.small_motions import SmallMotions
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the sizes of its terms, that K y may leave for a motion without stiffness
 REAL = 1e-9  # of an eigenvalue, that its imaginary part is rounding
+CONVERGED = 1e-6  # residual up to which a mode counts as found
 GROWS = 1e-7  # of an eigenvalue, above which a positive real part counts
 
 
@@ -46,6 +47,11 @@ class Modes:
         """Minus the real part over the modulus (m,); nan for free motions."""
         size = np.abs(self.values)
         return np.where(size > 0.0, -self.values.real / np.where(size > 0.0, size, 1.0), np.nan)
+
+    @property
+    def converged(self):
+        """(m,) bool: False for a mode that does not fulfil the equations."""
+        return self.residuals <= CONVERGED
 
     @property
     def kinds(self):

@@ -25,6 +25,7 @@ NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (spa
 SYMMETRIC = 1e-7  # of the largest entry
 RANK = 1e-9
 UNKNOWN = -1
+FARTHER = 4.0  # factor of the shift to the most negative stiffness
 NAMED = 2  # nodes named of a motion
 SMALL = 0.2  # of the largest displacement: what moves less is not named
 
@@ -54,9 +55,18 @@ class Judge:
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self._solver = None
 
-    def __call__(self, data):
-        """Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T."""
+    def __call__(self, data, drag=0.0):
+        """Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
+
+        ``drag`` [N/m] is added to the stiffness against all motions.
+        """
+        data = self._dragged(data, drag) if drag else data
         return self._dense(data) if self.dense else self._sparse(data)
+
+    def _dragged(self, data, drag):
+        data = data.copy()
+        data[self.system.diagonal[: self.system.n_q]] += drag * self.root**2
+        return data
 
     def _matrix(self, data):
         shape = (self.system.n, self.system.n)
@@ -84,6 +94,16 @@ class Judge:
         return Stability(unstable, neutral, float(values[0]), _scaled(shape, self.root))
 
     def _sparse(self, data):
+        unstable, zeros = self._negative(data)
+        if unstable == UNKNOWN:
+            stiffness, shape = self._softest(data)
+            free = abs(stiffness) <= NEUTRAL_WHERE_SOFT * np.abs(data).max()
+            return Stability(UNKNOWN, 1 if free else UNKNOWN, stiffness, shape)
+        stiffness, shape = (np.nan, None) if not (unstable or zeros) else self._softest(data, unstable)
+        return Stability(max(unstable, 0), zeros, stiffness, shape)
+
+    def _negative(self, data):
+        """Negative and zero pivots beyond those of the constraints; UNKNOWN where rows had to be exchanged."""
         if self._solver is None:
             of = self.system.numbering
             args = self.system.n, self.system.rows, self.system.cols, of.group, of.n_q
@@ -91,13 +111,9 @@ class Judge:
         x = np.zeros(self.system.n)
         status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
         if status.fallback:
-            stiffness, shape = self._softest(data)
-            free = abs(stiffness) <= NEUTRAL_WHERE_SOFT * np.abs(data).max()
-            return Stability(UNKNOWN, 1 if free else UNKNOWN, stiffness, shape)
+            return UNKNOWN, UNKNOWN
         zero = self._solver.cancellation() <= NEUTRAL_PIVOT
-        unstable = int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l
-        stiffness, shape = (np.nan, None) if not (unstable or zero.any()) else self._softest(data)
-        return Stability(max(unstable, 0), int(zero.sum()), stiffness, shape)
+        return int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l, int(zero.sum())
 
     def _penalized(self, data):
         """The tangent with k and a penalty like its mean stiffness, which keep the fixed order free of zero pivots."""
@@ -109,12 +125,18 @@ class Judge:
         matrix = full + sp.bmat([[k * (B.T @ B), (1 - k) * -B.T], [(1 - k) * -B, None]]) if self.system.n_l else full
         return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
 
-    def _softest(self, data):
-        """Stiffness nearest to zero and its motion, by inverse iteration; (nan, None) if that fails."""
+    def _softest(self, data, unstable=0):
+        """Stiffness nearest to zero, or the most negative one, and its motion; (nan, None) if that fails.
+
+        By inverse iteration, with a shift beyond which nothing is unstable where ``unstable`` directions are.
+        """
         n, n_q = self.system.n, self.system.n_q
         metric = sp.diags(np.concatenate([self.root**2, np.zeros(n - n_q)])).tocsc()
         matrix = self._matrix(data).tocsc()
         shift = 1e-9 * (np.abs(data[self.system.diagonal[:n_q]]).mean() or 1.0)
+        while unstable > 0:
+            shift *= FARTHER
+            unstable = self._negative(self._dragged(data, shift))[0]
         try:
             lu = spla.splu((matrix + shift * metric).tocsc())
         except RuntimeError:

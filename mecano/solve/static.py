@@ -1,11 +1,12 @@
 r"""Equilibrium at one point of a path: Newton on the residual at rest, with the modes of the elements consistent.
 
-The residual is :math:`r(q, \mu)` of loading.py, the tangent K alone, bordered by the constraints as in a step of time.
+The residual is :math:`r(q, \mu)` of loading.py, the tangent K alone, bordered by the constraints as in a step of time;
+those on velocities hold the displacement from where the search begins (velocity_constraints.py).
 A *drag* D lets a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 0`: implicit Euler of
 :math:`D \dot q = -r`, pseudo-transient continuation (Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from mecano.solve.events import Watch
 from mecano.solve.increments import correct, tangents
 from mecano.solve.iteration import iterate
 from mecano.solve.scales import Tolerances, balance, norms
+from mecano.solve.velocity_constraints import NONE, VelocityConstraints
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 MODE_CHANGES = 10  # rounds in which elements may change their mode at one point
@@ -40,10 +42,13 @@ class Found:
 class Statics:
     """Equations at rest under one ``loading``; the solver of one point. Holds no motion."""
 
-    def __init__(self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None):
+    def __init__(
+        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None, watch=None
+    ):  # fmt: skip
         self.system, self.linear, self.loading, self.length = system, linear, loading, length
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
-        self.watch = Watch(system)
+        self.watch = watch or Watch(system)
+        self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
         self._increment = np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
@@ -54,7 +59,10 @@ class Statics:
         mean = balance(self.system, s, 1.0, 0.0, 0.0)
         k = self.given_k or mean
         penalty = mean if self.given_penalty is None else self.given_penalty
-        return k, penalty if self.compliance is None else min(penalty, self.compliance.largest_penalty(mean))
+        if self.compliance is None:
+            return k, penalty
+        self.compliance.set_step(1.0, mean)
+        return k, min(penalty, self.compliance.largest_penalty(mean))
 
     def begin(self, s0):
         """A copy of ``s0`` at rest whose rotation increments are zero."""
@@ -63,18 +71,29 @@ class Statics:
         s.v[:] = 0.0
         return s
 
-    def evaluate(self, s, p, k, penalty, tangent):
-        """Assemble residual (and tangent) at the parameter p; the norms over their tolerances."""
+    def evaluate(self, s, p, k, penalty, tangent, step=None):
+        """Assemble residual (and tangent) at the parameter p; the norms over their tolerances.
+
+        ``step``: where the displacement begins that constraints on velocities hold, see there; without it at ``s``.
+        """
         system, of = self.system, self.system.numbering
+        s0, held = step or self.step(s, s.modes)
         if tangent:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
         self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T)
+        if held is not None:
+            moved = np.zeros(system.n_q) if s0 is s else self.displacement(s, s0)
+            self.rolling.add(held, moved, k, penalty, tangent)
         if self.compliance is not None:
             n_q, n = system.n_q, system.n
             soften(k, *self.compliance.rows, s.z[n_q:n], system.residual[n_q:n])
             if tangent:
                 self.compliance.soften_tangent(k, system.data, self.compliance.values)
         return self.norms(s, k)
+
+    def step(self, s0, modes):
+        """The beginning ``s0`` of a step with the Held there, of elements in the ``modes``."""
+        return s0, self.rolling.at(replace(s0, modes=modes))
 
     def norms(self, s, k):
         """Norms of the residual in ``system.residual`` over their tolerances: (forces, constraints)."""
@@ -109,7 +128,8 @@ class Statics:
     def correct(self, s0, p, drag=0.0):
         """Equilibrium at the parameter p near ``s0``: (state, Found); with ``drag`` [N/m] after one step of creep.
 
-        Elements whose event values are crossed change their mode, and the search goes on from there.
+        Elements whose event values are crossed change their mode, and the search goes on from there. A wheel that comes
+        to roll so rolls from ``s0`` on.
         """
         s, iterations, first, told = s0, 0, None, []
         for _ in range(MODE_CHANGES):
@@ -133,28 +153,29 @@ class Statics:
 
         It exists where no force acts along the motions that are free.
         """
-        s, iterations = s0, 0
+        s, iterations, told = s0, 0, []
         for _ in range(LEANS):
             k, _ = self.scales(self.begin(s))
             s, found = self.correct(s, p, LEAN * k)
             iterations += found.iterations
+            told += found.happenings
             if not found.ok or found.change > FARTHEST_LEAN:
                 break
             norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
             if max(norms_) <= 1.0:
-                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", found.happenings)
+                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(told))
         text = "the tangent is singular, and forces act along a motion that is free"
         return s, Found(False, iterations, found.norms, found.change, message=text)
 
     def _newton(self, guess, s0, p, drag):
-        """Newton from ``guess``, with rotation increments that count from ``s0``."""
+        """Newton from ``guess``; rotation increments, the drag and what rolls count from ``s0``."""
         system, n, n_q = self.system, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
         k, penalty = self.scales(s)
-        creep, steps = drag * self.weight, []
+        creep, steps, step = drag * self.weight, [], self.step(s0, s.modes)
 
         def evaluate(tangent):
-            self.evaluate(s, p, k, penalty, tangent)
+            self.evaluate(s, p, k, penalty, tangent, step)
             if drag:
                 system.residual[:n_q] += creep * self.displacement(s, s0)
                 if tangent:
@@ -194,14 +215,14 @@ class Statics:
         """The equilibrium ``s`` with as little residual as rounding allows."""
         best, s0 = s, s
         k, penalty = self.scales(self.begin(s))
-        trial = self.begin(s)
-        least = max(self.evaluate(trial, p, k, penalty, True))
+        trial, step = self.begin(s), self.step(s, s.modes)
+        least = max(self.evaluate(trial, p, k, penalty, True, step))
         for _ in range(POLISH):
             x = self.factor(-self.system.residual[: self.system.n])
             if x is None:
                 break
             self.move(trial, s0, x, k)
-            size = max(self.evaluate(trial, p, k, penalty, True))
+            size = max(self.evaluate(trial, p, k, penalty, True, step))
             if not size < least:
                 break
             least, best = size, trial.copy()

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 SHAPE = 0.5  # how much a shape that is quite another counts, beside an eigenvalue that is
 GROWS = 1e-7  # of an eigenvalue: a real part below it is rounding
+ALIKE = 1e-9  # difference of damping ratios that is rounding
 ROUNDED = 1e-12  # of the largest eigenvalue: smaller ones are rounding
 
 
@@ -20,16 +21,24 @@ class Spectrum:
     values: np.ndarray  # (m,) complex [1/s]
     shapes: np.ndarray  # (m, n_q) complex, rotations counted by the length scale
     least: float = 0.0  # [1/s]: what is smaller means no more than zero
+    families: np.ndarray | None = None  # (m,) numbers in families.py
+    converged: np.ndarray | None = None  # (m,) bool
 
     @classmethod
-    def of(cls, found, root, pace=0.0):
-        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) and ``pace`` as in Linearization."""
-        moving = found.values != 0.0
-        values, shapes = found.values[moving], found.shapes[moving] * root
-        pairs = values.imag > 0.0
+    def of(cls, found, root, pace=0.0, families=None):
+        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) and ``pace`` as in Linearization.
+
+        ``families`` (m,) numbers of the modes in families.py.
+        """
+        moving = np.flatnonzero(found.values != 0.0)
+        values = found.values[moving]
+        pairs = moving[values.imag > 0.0]
         least = max(pace, ROUNDED * np.abs(values).max(initial=0.0))
-        both = np.concatenate([values, values[pairs].conj()]), np.concatenate([shapes, shapes[pairs].conj()])
-        return cls(*both, least)
+        all_of = np.concatenate([moving, pairs])
+        both = np.concatenate([values, found.values[pairs].conj()])
+        shapes = np.concatenate([found.shapes[moving], found.shapes[pairs].conj()]) * root
+        numbers = np.zeros(len(found.values), int) if families is None else families
+        return cls(both, shapes, least, numbers[all_of], found.converged[all_of])
 
     @property
     def counting(self):
@@ -51,6 +60,24 @@ class Spectrum:
 def unstable(value):
     """True where an eigenvalue, or each of an array, grows by more than rounding."""
     return np.real(value) > GROWS * np.abs(value)
+
+
+def damping(values):
+    """Damping ratios of eigenvalues; nan where they are nan or zero."""
+    size = np.abs(values)
+    return -np.real(values) / np.where(size > 0.0, size, np.nan)
+
+
+def least_damped(values, least=0.0):
+    """Place of the eigenvalue (n,) of the least damping ratio, of equal ones that which decays most slowly.
+
+    Those that are nan do not count, nor those up to ``least``, (n,) or one, unless there are no others.
+    """
+    counts = np.isfinite(values) & (np.abs(values) > least)
+    counts = counts if counts.any() else np.isfinite(values)
+    ratio = np.where(counts, np.nan_to_num(damping(values)), np.inf)
+    alike = ratio <= ratio.min() + ALIKE
+    return int(np.argmax(np.where(alike, np.real(values), -np.inf)))
 
 
 def growing(row, spectra):

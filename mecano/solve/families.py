@@ -1,0 +1,62 @@
+r"""Families of modes, by the direction or the axis of most of their motion.
+
+With the axes longitudinal (the mean velocity of the nodes, without its vertical part; x where nothing runs), vertical
+(against gravity; z without it) and lateral (vertical x longitudinal), a shape y is split into its translations along,
+and its rotations about, each of them, and into the own unknowns of elements. The part :math:`y_k` with the largest
+kinetic energy :math:`y_k^* M y_k` tells the family: longitudinal, lateral, vertical; roll, pitch, yaw; deformation. A
+motion without inertia is judged by the squares of its displacements, rotations counted by the length scale.
+"""
+
+import numpy as np
+
+from mecano.model.numbering import ROTATION, SCALAR, TRANSLATION
+
+FAMILIES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw", "deformation")
+SLOW = 1e-6  # of the fastest velocity: a mean one below it is no running
+MASSLESS = 1e-12  # of the largest inertia, times the square of the displacement
+
+
+def running_axes(system, s):
+    """Unit vectors (3, 3) by rows, inertial: longitudinal, lateral, vertical."""
+    gravity, of = system.context.gravity, system.numbering
+    size = np.linalg.norm(gravity)
+    up = -gravity / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    places = np.unique(of.x[of.x < of.n_q])
+    v = s.v[places[:, None] + np.arange(3)]
+    fastest = np.linalg.norm(v, axis=1).max(initial=0.0)
+    mean = v.mean(axis=0) if len(v) else np.zeros(3)
+    for forward, least in ((mean, max(SLOW * fastest, 1e-300)), (np.eye(3)[0], 0.5), (np.eye(3)[1], 0.0)):
+        level = forward - (forward @ up) * up
+        if np.linalg.norm(level) > least:
+            break
+    forward = level / np.linalg.norm(level)
+    return np.array([forward, np.cross(up, forward), up])
+
+
+def families(lin, kind, axes, shapes):
+    """Numbers (m,) in FAMILIES of the ``shapes`` (m, n_q) of a Linearization.
+
+    ``kind`` (n_q,) as in numbering.py, ``axes`` (3, 3) by rows.
+    """
+    M = lin.M[: lin.n_q, : lin.n_q]
+    largest = abs(M.diagonal()).max(initial=0.0)
+    found = np.zeros(len(shapes), int)
+    for i, shape in enumerate(shapes):
+        parts = _parts(kind, axes, shape)
+        size = np.sum(np.abs(parts * lin.root) ** 2, axis=1)
+        energy = np.array([abs(np.vdot(part, M @ part)) for part in parts])
+        found[i] = np.argmax(energy if energy.max() > MASSLESS * largest * size.sum() else size)
+    return found
+
+
+def _parts(kind, axes, shape):
+    """The shape (n_q,) split by families, (7, n_q)."""
+    n = int(np.argmax(np.append(kind, SCALAR) == SCALAR))  # nodes come first, in threes
+    along = shape[:n].reshape(-1, 3) @ axes.T
+    parts = np.zeros((len(FAMILIES), len(shape)), complex)
+    for k in range(3):
+        moves = (along[:, k, None] * axes[k]).ravel()
+        parts[k, :n] = np.where(kind[:n] == TRANSLATION, moves, 0.0)
+        parts[3 + k, :n] = np.where(kind[:n] == ROTATION, moves, 0.0)
+    parts[-1, n:] = shape[n:]
+    return parts

@@ -1,0 +1,67 @@
+r"""Constraints on velocities in statics: wheels that do not slip, skates.
+
+A constraint :math:`B(q)\,\dot q = 0` holds for anything at rest, so it selects no configuration. A load that grows
+slowly moves the body only along :math:`B\,dq = 0`, and the multipliers are the forces that this takes: adhesion of
+the wheel, the force across the blade. From a point :math:`q_n` of a path the next equilibrium fulfils
+
+.. math::  r(q) - B(q)^T \Lambda = 0, \qquad B(q_n)\,(q - q_n) = 0
+
+with rotations counted by their increments from :math:`q_n`. The forces are exact, the displacement along the path is of
+first order in its steps, and exact where B is constant along it (a wheel that rolls straight on). Taken at
+:math:`q_n`, rows that repeat one another (two wheels on one axle) never contradict each other.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+NONE = np.zeros(0, np.int64)
+
+
+@dataclass(frozen=True)
+class Held:
+    """The constraints on velocities of one state: their gradient by displacements, and where it stands."""
+
+    B: sp.csr_matrix  # (n_l, n_q): rows of other constraints are empty
+    values: np.ndarray  # of B in the tangent, one for each of ``VelocityConstraints.entries``
+    squares: np.ndarray  # of B^T B in the tangent
+    square_places: np.ndarray  # where these stand in the values of the tangent
+
+
+class VelocityConstraints:
+    """Writes the constraints on velocities of a system as constraints on displacements."""
+
+    def __init__(self, system, released=NONE):
+        """``released``: numbers of constraints that others imply, which hold nothing (compliance.py)."""
+        self.system = system
+        of_rates = system.numbering.of_rates.copy()
+        of_rates[released] = False
+        of_row = np.zeros(system.n, bool)
+        of_row[system.n_q :] = of_rates
+        self.entries = np.flatnonzero(of_row[system.rows] & (system.cols < system.n_q))
+        self.rows, self.cols = system.rows[self.entries] - system.n_q, system.cols[self.entries]
+        self.any = bool(of_rates.any())
+
+    def at(self, s):
+        """The Held of ``s`` at rest; spoils what was assembled. None where no constraint is on velocities."""
+        if not self.any:
+            return None
+        system = self.system
+        system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+        values = -system.data[self.entries]
+        B = sp.csr_matrix((values, (self.rows, self.cols)), shape=(system.n_l, system.n_q))
+        squares = sp.coo_matrix(B.T @ B)
+        pattern = system.rows * system.n + system.cols
+        places = np.searchsorted(pattern, squares.row.astype(np.int64) * system.n + squares.col)
+        return Held(B, values, squares.data, places)
+
+    def add(self, held, displacement, k, penalty, tangent):
+        """Add ``held`` over a ``displacement`` (n_q,) to the residual, and to the tangent: -k B and penalty B^T B."""
+        system, n_q = self.system, self.system.n_q
+        gap = held.B @ displacement
+        system.residual[n_q : system.n] -= k * gap
+        system.residual[:n_q] += penalty * (held.B.T @ gap)
+        if tangent:
+            system.data[self.entries] -= k * held.values
+            system.data[held.square_places] += penalty * held.squares

@@ -1,0 +1,127 @@
+"""Modes of the equilibrium beside a moving state: `mecano modes --at ... --at-rest`."""
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+from equilibria import arm
+from marching import deck
+
+from mecano.cli import commands
+from mecano.errors import ConvergenceError, UsageError
+from mecano.modes_run import about, modes
+from mecano.run import run
+from mecano.static_run import run as run_static
+
+FOLDED = 0.9 * np.pi
+ROOT, FLAP = 8.0, 3.0  # N m/rad
+ELBOW = 6
+
+
+def array(process, end=3.0):
+    """Two rods of 1 m, folded, that a spring opens until its latch locks them; a flap swings at their end.
+
+    Springs at the root and at the flap are unstressed where all is straight.
+    """
+    x, y = float(1.0 + np.cos(FOLDED)), float(-np.sin(FOLDED))
+    return f"""
+        mecano: 1
+        gravity: [0, 0, 0]
+        nodes:
+          root: {{position: [0, 0, 0]}}
+          elbow: {{position: [1, 0, 0]}}
+          tip: {{position: [1, 0, 0], orientation: [0, 0, -{FOLDED!r}]}}
+          edge: {{position: [{x!r}, {y!r}, 0], orientation: [0, 0, -{FOLDED!r}]}}
+          flap: {{position: [{x!r}, {y!r}, 0], orientation: [0, 0, -{FOLDED!r}]}}
+        elements:
+          inner: {{type: rigid_body, node: root, mass: 1, center_of_mass: [0.5, 0, 0],
+                  inertia: [1.0e-4, {1 / 12!r}, {1 / 12!r}], attached: [elbow]}}
+          outer: {{type: rigid_body, node: tip, mass: 1, center_of_mass: [0.5, 0, 0],
+                  inertia: [1.0e-4, {1 / 12!r}, {1 / 12!r}], attached: [edge]}}
+          flap: {{type: rigid_body, node: flap, mass: 0.5, center_of_mass: [0.4, 0, 0], inertia: [1.0e-4, 0.02, 0.02]}}
+        joints:
+          root: {{type: hinge, nodes: [ground, root], axis: [0, 0, 1], turning_law: {{spring: {{stiffness: {ROOT}}}}}}}
+          elbow: {{type: hinge, nodes: [elbow, tip], axis: [0, 0, 1], turning_law: {{spring: {{stiffness: {ELBOW}}}}},
+                  natural_angle: {FOLDED!r}, latch: {{angle: {FOLDED!r}}}}}
+          edge: {{type: hinge, nodes: [edge, flap], axis: [0, 0, 1], turning_law: {{spring: {{stiffness: {FLAP}}}}}}}
+        {process}
+        """
+
+
+def latched():
+    """Circular frequencies of the locked rods with the flap, straight: two motions, root and flap."""
+    at_flap = np.array([2.4, 0.4])  # velocity of its centre by the rates of root and flap
+    M = 0.5 * np.outer(at_flap, at_flap) + 0.02 * np.ones((2, 2)) + np.diag([2.0 * 2.0**2 / 3.0, 0.0])
+    return np.sqrt(la.eigvalsh(np.diag([ROOT, FLAP]), M))
+
+
+@pytest.fixture(scope="module")
+def swinging(tmp_path_factory):
+    """The deck of the array and its results, while it unfolds and after it has latched."""
+    path, checked = tmp_path_factory.mktemp("array") / "array.h5", deck(array("time: {end: 2.0, step: 2.0e-3}"))
+    run(checked, path)
+    return checked, path
+
+
+def test_a_latched_array_that_swings(swinging):
+    """At rest it does not flutter, and the latch holds; the modes of the instant seem to be damped and to grow."""
+    checked, path = swinging
+    _, instant, base = modes(checked, None, at=f"{path}:2.0")
+    assert np.abs(base.state.v).max() > 0.5 and len(instant.values) == 2
+    assert np.abs(instant.values.real).max() > 0.02 * np.abs(instant.values).max()
+    text, found, base = modes(checked, None, at=f"{path}:2.0", at_rest=True)
+    np.testing.assert_allclose(found.values, 1j * latched(), rtol=1e-8)
+    assert np.abs(base.state.v).max() == 0.0
+    assert "equilibrium at rest near" in text and "not constant" not in text and "flutter" not in text
+
+
+def test_before_the_latch_the_elbow_is_free(swinging):
+    """The modes of the unlatched array at rest are those of the same deck in static equilibrium, where it unfolds."""
+    checked, path = swinging
+    _, found, _ = modes(checked, None, at=f"{path}:0.1", at_rest=True)
+    text = array("static: {method: relaxation}").replace(f", latch: {{angle: {FOLDED!r}}}", "")
+    _, expected, _ = modes(deck(text), None)
+    assert len(found.values) == 3
+    np.testing.assert_allclose(found.values, expected.values, rtol=1e-7)
+
+
+def test_events_that_would_happen_at_rest_are_reported(swinging):
+    """Before it latches the elbow rests where the latch would close."""
+    checked, path = swinging
+    text, _, _ = modes(checked, None, at=f"{path}:0.1", at_rest=True)
+    assert "these events" not in text  # it rests at the angle of the latch, not beyond it
+    push = "loads: {push: {type: couple, nodes: [elbow, tip], axis: [0, 0, 1], value: 0.5}}\n        time:"
+    beyond = deck(array("time: {end: 2.0, step: 2.0e-3}").replace("time:", push))
+    text, _, _ = modes(beyond, None, at=f"{path}:0.1", at_rest=True)
+    assert "at rest these events would happen, and were left out: hinge 'elbow' (" in text.replace("\nmecano: ", " ")
+
+
+def test_where_there_is_no_rest(tmp_path):
+    """A pendulum without a pivot falls; one of statics rests already."""
+    text = """
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {m: {type: point_mass, node: a, mass: 1}}
+        time: {end: 0.1, step: 0.01}
+        """
+    run(deck(text), tmp_path / "fall.h5")
+    with pytest.raises(ConvergenceError, match="no equilibrium was found at t 0.1 s"):
+        about(deck(text), str(tmp_path / "fall.h5"), at_rest=True)
+    static = deck(arm("static: {}"))
+    run_static(static, tmp_path / "arm.h5")
+    with pytest.raises(UsageError, match="without --at-rest"):
+        about(static, str(tmp_path / "arm.h5"), at_rest=True)
+
+
+def test_at_rest_on_the_command_line(swinging, tmp_path, capsys):
+    import click
+
+    checked, path = swinging
+    file = tmp_path / "array.yaml"
+    file.write_text(checked.text)
+    commands(
+        ["modes", str(file), "--at", f"{path}:2.0", "--at-rest", "-o", str(tmp_path / "m.h5")], standalone_mode=False
+    )
+    assert "modes about: equilibrium at rest near" in capsys.readouterr()[0]
+    with pytest.raises(click.BadParameter, match="belongs to --at"):
+        commands(["modes", str(file), "--at-rest"], standalone_mode=False)
