@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.deck import seldom
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.sampler import row_size
 from mecano.model.system import System
+from mecano.model_lint import suspicious_model
 from mecano.results.layout import STEPS
 from mecano.solve.analysis import DENSE_ROWS, analyse
 from mecano.solve.compliance import compliance
@@ -112,10 +112,17 @@ def remarks(prepared, start=None):
             f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
             "and the run allows for any"
         )
-    texts += seldom.remarks(prepared.deck.values)
+    texts += warnings_of(prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
         texts.append("nothing in the model has a mass: is it meant so?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
+
+
+def warnings_of(prepared):
+    """Texts on what is legal but suspicious in the deck, and in the model that was made of it, with their places."""
+    deck = prepared.deck
+    problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
+    return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
 
 
 def amount_warnings(prepared):

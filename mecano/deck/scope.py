@@ -9,6 +9,7 @@ from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.source import Source
 from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
+from mecano.schema import SECTION_OF
 
 MAX_PROBLEMS = 10_000
 MAX_SUGGESTIONS = 100  # looking for similar words is slow in a large deck
@@ -79,6 +80,13 @@ class Scope:
             except (ExpressionError, Refused):
                 pass
         return found(node)
+
+    def used_names(self):
+        """{section: names of what the deck refers to}, once all of it has been checked."""
+        used = {section: set() for section in SECTION_OF.values()}
+        for reference in self.references:
+            used[reference.section].add(reference.name)
+        return {**used, "parameters": self.parameters.used}
 
     def suggest(self, word, known):
         """A hint for an unknown word, as long as few were given."""
