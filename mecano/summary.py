@@ -40,9 +40,9 @@ def summary(deck, every=False):
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
         return "\n".join([*lines, text])
     lines += _mobility(prepared, every)
-    redundant = sum(group.count for group in analysis.redundant)
+    redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
-    for group in analysis.redundant:
+    for group in prepared.redundant:
         lines.append(f"  {group.count} too many among these, whose reactions are therefore not unique:")
         lines += [f"    {name}" for name in group.names]
     if prepared.displacement > 1e-9 * prepared.length:
