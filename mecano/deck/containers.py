@@ -6,17 +6,12 @@ from dataclasses import replace
 from mecano.deck.expressions import is_expression
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
 from mecano.deck.similar import similar
+from mecano.deck.synonyms import synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
-CALLED_ELSEWHERE = {  # what other programs call some kinds
-    "revolute": "hinge", "pin": "hinge", "ball": "spherical", "slider": "prismatic", "translational": "prismatic",
-    "weld": "fixed", "rigid": "fixed", "hooke": "universal", "motor": "prescribed_angle", "gear": "gear_pair",
-    "spring": "spring_damper", "damper": "spring_damper", "mass": "point_mass", "body": "rigid_body",
-    "rod": "rigid_rod", "rope": "cable", "tire": "wheel", "tyre": "wheel",
-}  # fmt: skip
 LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, gone when it is checked
 RESERVED = {"nodes": ("ground", "all")}
 
@@ -208,7 +203,9 @@ def _unknown_kind(type_node, found, section, scope):
     if found and found.section:
         text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
         return scope.refuse(type_node, text)
-    known = CALLED_ELSEWHERE.get(type_node.value.lower().removesuffix("_joint"))
-    hint = f"here it is called {quoted(known)}" if known in scope.kinds else ""
+    meant, _ = synonym(type_node.value) or ((), "")
+    known = next((name for name in meant if name in _kinds_of(section, scope)), None)
+    known = known or next((name for name in meant if name in scope.kinds), None)
+    hint = f"here it is called {quoted(known)}" if known else ""
     hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` names all"
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)
