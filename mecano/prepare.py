@@ -1,17 +1,19 @@
 """From a checked deck to a march that is ready to begin."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from mecano.deck import seldom
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
 from mecano.model.sampler import row_size
 from mecano.model.system import System
+from mecano.model_lint import suspicious_model
 from mecano.results.layout import STEPS
 from mecano.solve.analysis import DENSE_ROWS, analyse
+from mecano.solve.apart import redundant_groups
 from mecano.solve.compliance import compliance
 from mecano.solve.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.initial import assemble_start
@@ -42,6 +44,11 @@ class Prepared:
     displacement: float  # [m] by which the assembly moved the deck's positions at most
     analysis: object  # redundant constraints and mechanisms
     compliance: object  # Compliance, or None
+
+    @cached_property
+    def redundant(self):
+        """Groups of redundant constraints at the start, with all joints that take part."""
+        return redundant_groups(self.system, self.state, self.length, self.analysis)
 
 
 def prepare(deck):
@@ -101,7 +108,7 @@ def remarks(prepared, start=None):
         texts += _changed_velocities(prepared, start.motion)
     if prepared.displacement > 1e-6 * prepared.length:
         texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
-    for group in analysis.redundant:
+    for group in prepared.redundant:
         texts.append(
             f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
             "affected; the reactions of these constraints are not unique"
@@ -112,10 +119,17 @@ def remarks(prepared, start=None):
             f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
             "and the run allows for any"
         )
-    texts += seldom.remarks(prepared.deck.values)
+    texts += warnings_of(prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
         texts.append("nothing in the model has a mass: is it meant so?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
+
+
+def warnings_of(prepared):
+    """Texts on what is legal but suspicious in the deck, and in the model that was made of it, with their places."""
+    deck = prepared.deck
+    problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
+    return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
 
 
 def amount_warnings(prepared):
@@ -130,7 +144,7 @@ def model_facts(prepared):
     known = {"mobility": analysis.mobility} if analysis.complete else {}
     return {
         "mass": mass_of(system), "unknowns": system.n, "degrees_of_freedom": system.n_q, "multipliers": system.n_l,
-        **known, "redundant_constraints": sum(group.count for group in analysis.redundant),
+        **known, "redundant_constraints": sum(group.count for group in prepared.redundant),
     }  # fmt: skip
 
 

@@ -4,9 +4,8 @@ from collections import Counter
 from textwrap import wrap
 
 from mecano.contract import SECTIONS
-from mecano.deck import seldom
 from mecano.deck.amounts import saved_times, steps
-from mecano.prepare import amount_warnings, mass_of, prepare, some
+from mecano.prepare import amount_warnings, mass_of, prepare, some, warnings_of
 from mecano.solve.analysis import DENSE_ROWS
 from mecano.solve.rigidity import stiff_mechanisms
 from mecano.start import words as words_of_start
@@ -35,15 +34,15 @@ def summary(deck, every=False):
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
-        *(line for text in seldom.remarks(values) for line in _labelled("remark", text)),
+        *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
         return "\n".join([*lines, text])
     lines += _mobility(prepared, every)
-    redundant = sum(group.count for group in analysis.redundant)
+    redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
-    for group in analysis.redundant:
+    for group in prepared.redundant:
         lines.append(f"  {group.count} too many among these, whose reactions are therefore not unique:")
         lines += [f"    {name}" for name in group.names]
     if prepared.displacement > 1e-9 * prepared.length:

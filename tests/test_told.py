@@ -12,7 +12,6 @@ from process import flowing, mecano_process, settings
 import mecano
 from mecano.cli import commands
 from mecano.compiled import store
-from mecano.deck import seldom
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.deck.read import deck_of_bytes
 from mecano.modes_run import about, modes
@@ -69,7 +68,7 @@ def test_remarks_are_printed_once_and_stored(name, tmp_path):
     assert remark.startswith(text)
     assert flowing(err).count(f"mecano: {remark}") == 1 and flowing(err).count(text.strip()) == 1
     assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
-    assert f"remark {remark}" in info(tmp_path)
+    assert f"warning {remark}" in info(tmp_path)
     assert results.status == "complete" and results.reason == "the end was reached"
 
 
@@ -171,54 +170,6 @@ def test_absurd_amounts_are_warned_of_before_the_run():
     assert "warning" not in check()
     said = remarks(prepare(input_deck("pendulum", "time.step=1.0e-8")))
     assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
-
-
-def test_negative_stiffness_and_damping_are_remarked():
-    """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
-    bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
-    deck = input_deck("snap_through", *bars)
-    (said,) = remarks(prepare(deck))
-    assert said.startswith(
-        "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away from its"
-    )
-    assert f"remark {said}" in flowing(summary(deck))
-    assert remarks(prepare(input_deck("snap_through"))) == []
-    swings = "{linear: {slope: 1}, damper_polynomial: {coefficients: [0, -1, 0, 4]}}"
-    (said,) = seldom.remarks(input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").values)
-    assert said.startswith("hinge 'hinge': 'compliance.along_1.damper_polynomial.coefficients[1]' is negative (-1): it")
-
-
-@pytest.mark.parametrize(
-    ("name", "override", "told"),
-    [
-        ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
-        ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
-        ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
-        ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
-        ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),
-        (
-            "flexible_pendulum",
-            "sections.rubber.E=210000",
-            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it meant",
-        ),
-        ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load moves nothing"),
-        ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
-    ],
-)
-def test_what_is_seldom_meant_is_remarked(name, override, told):
-    said = list(seldom.remarks(input_deck(name, override).values))
-    assert len(said) == bool(told) and all(text.startswith(told) for text in said)
-
-
-def test_a_model_without_mass_is_remarked():
-    deck = deck_of_bytes(b"""
-mecano: 1
-gravity: [0, 0, -9.81]
-nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
-elements: {spring: {type: spring_damper, nodes: [a, b], law: {spring: {stiffness: 10}, damper: {coefficient: 1}}}}
-time: {end: 1, step: 0.01}
-""", "light.yaml")  # fmt: skip
-    assert remarks(prepare(deck)) == ["nothing in the model has a mass: is it meant so?"]
 
 
 def test_a_fixed_step_that_newton_cannot_take_is_told():

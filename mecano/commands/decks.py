@@ -28,12 +28,14 @@ def list_():
 
 
 @click.command()
-@click.argument("name")
+@click.argument("name", nargs=-1, required=True)
 def explain(name):
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
+    Of a word that is used elsewhere, such as "motor" or "ball joint", it names what there is for it.
     `mecano explain study` is about the files of `mecano sweep`.
     """
+    name = " ".join(name)
     if name == "study":
         from mecano.study.describe import explain_study
 

@@ -7,6 +7,7 @@ from mecano.deck.describe import WIDTH, describe, describe_section, describe_sha
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.plain_maths import plain_text
 from mecano.deck.sections import SECTIONS
+from mecano.deck.synonyms import SYNONYMS, synonym
 from mecano.deck.units import ALONE, PREFIXED, PREFIXES
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
@@ -17,6 +18,10 @@ from mecano.schema import Type
 
 ROLES = {"curve": "laws of one variable", "force": "laws of extension and rate"}
 ALSO = {"law": "laws"}
+SEPARATOR = "\n" + "-" * WIDTH + "\n\n"
+ELSEWHERE = {  # what `mecano explain` knows besides kinds, terms, sections and fields
+    "units": "Units of numbers, as in 25 mm, 3 bar, 12 deg.", "study": "The files of `mecano sweep`.",
+}  # fmt: skip
 LAWS = [
     "A law is a sum of terms, each with its fields. It stands in the section 'laws' under a name, or in place:",
     "",
@@ -71,20 +76,62 @@ def catalogue():
 def explain(name):
     """Text on a kind, a term of a law or a section of the deck; on all of that name.
 
-    Raises UsageError for an unknown name, with the most similar one.
+    Of a word that is used elsewhere, what there is for it. Raises UsageError for an unknown name, with the most similar
+    ones.
     """
+    texts, known = _called(name)
+    meant = synonym(name)
+    if not texts and not meant:
+        raise UsageError(f"there is no kind, law or section {quoted(name)}; {_nearest(name, known)}")
+    if meant:
+        texts.append(_for_synonym(name, *meant, bool(texts)))
+    return SEPARATOR.join(texts)
+
+
+def _called(name):
+    """Texts on all that has the name, and names of kinds, shapes, terms and sections."""
     if name == "units":
-        return UNITS_TEXT
+        return [UNITS_TEXT], ()
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
     name = ALSO.get(name, name)
     found = [(KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (sections, _section)]
     texts = [plain_text(text(known[name])) for known, text in found if name in known]
     texts = texts or [plain_text(text) for text in _inside(name)]
-    if not texts:
-        known = [*KINDS, *SHAPES, *TERMS, *sections]
-        hint = suggestion(name, known) or "`mecano list` names all"
-        raise UsageError(f"there is no kind, law or section {quoted(name)}; {hint}")
-    return ("\n" + "-" * WIDTH + "\n\n").join(texts)
+    return texts, [*KINDS, *SHAPES, *TERMS, *sections]
+
+
+def _nearest(name, known):
+    """Hint for an unknown name: names of what there is before what is called so elsewhere."""
+    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` names all"
+
+
+def _for_synonym(name, targets, note, known):
+    """Text on what there is for a word that is used elsewhere: of one thing all, of several the first sentences."""
+    lines = [f"See also, for {quoted(name)}:" if known else f"{name}: what mecano has for it", ""]
+    width = max(map(len, targets), default=0)
+    for target in targets:
+        head, rest = f"  {target:<{width}}  ", " " * (width + 4)
+        lines += wrap(_first_words(target), WIDTH, initial_indent=head, subsequent_indent=rest)
+    lines += wrap(f"{note[0].upper()}{note[1:]}.", WIDTH) if note else []
+    return "\n".join([*lines, *(["", "mecano explain NAME says more of each."] if targets else []), ""])
+
+
+def _first_words(target):
+    """The first sentence on a target of a synonym."""
+    sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
+    for known in (KINDS, SHAPES, TERMS, sections):
+        if target in known:
+            return _sentence(known[target].doc)
+    return ELSEWHERE.get(target) or next(_found(target))[1].doc
+
+
+def _found(name):
+    """(place, Field) of fields with the name "owner.field"."""
+    owner, _, last = name.rpartition(".")
+    for place, fields in _declared():
+        for where, field in _walk(fields, place):
+            if field.name == last and (not owner or where == owner):
+                yield where, field
 
 
 def _section(section):

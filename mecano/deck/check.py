@@ -5,12 +5,14 @@ from dataclasses import replace
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
+from mecano.deck.language import LANGUAGE
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.similar import similar
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
@@ -81,7 +83,8 @@ def written_out(root, sections, scope):
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:
-        filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, root.value)
+        known = dict.fromkeys(f.name for f in (*sections, *LANGUAGE))
+        filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, known)
         raise DeckError(scope.problems, UNCHECKED)
     return root
 
@@ -162,9 +165,10 @@ def _has_weight(node, kinds):
 def _check_version(root, problems):
     """The version comes first: of a deck of another version nothing else can be said."""
     if "mecano" not in root.value:
-        raise DeckError(
-            [*problems, Problem("missing 'mecano', the version of the deck", root.mark, "begin with 'mecano: 1'")]
-        )
+        key = next((node for key, (node, _) in root.value.items() if similar(key, ("mecano",))), None)
+        text = f"unknown key {quoted(key.value)}" if key else "missing 'mecano', the version of the deck"
+        hint = "did you mean 'mecano'?" if key else "begin with 'mecano: 1'"
+        raise DeckError([*problems, Problem(text, (key or root).mark, hint)])
     node = root.value["mecano"][1]
     if type(node.value) is not int or node.value != VERSION:
         text = f"this program reads decks of version {VERSION}, got {found(node)}"

@@ -5,17 +5,14 @@ from dataclasses import replace
 
 from mecano.deck.expressions import is_expression
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
+from mecano.deck.similar import similar
+from mecano.deck.synonyms import synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
-CALLED_ELSEWHERE = {  # what other programs call some kinds
-    "revolute": "hinge", "pin": "hinge", "ball": "spherical", "slider": "prismatic", "translational": "prismatic",
-    "weld": "fixed", "rigid": "fixed", "hooke": "universal", "motor": "prescribed_angle", "gear": "gear_pair",
-    "spring": "spring_damper", "damper": "spring_damper", "mass": "point_mass", "body": "rigid_body",
-    "rod": "rigid_rod", "rope": "cable", "tire": "wheel", "tyre": "wheel",
-}  # fmt: skip
+LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, gone when it is checked
 RESERVED = {"nodes": ("ground", "all")}
 
 
@@ -67,7 +64,8 @@ def filled(node, field, fields, scope, given=None):
         scope.path.append(field.name)
     for key, (key_node, _) in node.value.items():
         if key not in known:
-            hint = scope.suggest(key, sorted(known)) if ":" not in key else "a space stands behind ':'"
+            near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
+            hint = scope.suggest(key, near or sorted(known)) if ":" not in key else "a space stands behind ':'"
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
     for inner in fields:
         pair = node.value.get(inner.name)
@@ -166,6 +164,8 @@ def shorthand(node, field, scope):
         if type(node.value) is type(word) and node.value == word:
             node = node_of(meaning)
             break
+    if type(node.value) not in (dict, list):
+        return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=replace(type_, expects=field.type.expects)), scope)
 
 
@@ -175,13 +175,22 @@ def kind(node, field, scope):
         return scope.refuse_value(node, field)
     section = field.type.options[0]
     if "type" not in node.value:
-        return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(_kinds_of(section, scope)))
+        return _missing_type(node, section, scope)
     type_node = node.value["type"][1]
     found = scope.kinds.get(type_node.value) if type(type_node.value) is str else None
     if found is None or found.section != section:
         return _unknown_kind(type_node, found, section, scope)
     scope.subject = f"{found.name} {scope.subject.partition(' ')[2]}"
     return filled(node, field, found.fields, scope, {"type": found.name})
+
+
+def _missing_type(node, section, scope):
+    """Note that an entry has no type, or a key that is nearly 'type'."""
+    kinds = _kinds_of(section, scope)
+    for key, (key_node, value) in node.value.items():
+        if value.value in kinds and similar(key, ("type",)):
+            return scope.refuse(key_node, f"unknown key {quoted(key)}", scope.suggest(key, ("type",)))
+    return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(kinds))
 
 
 def _kinds_of(section, scope):
@@ -194,7 +203,9 @@ def _unknown_kind(type_node, found, section, scope):
     if found and found.section:
         text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
         return scope.refuse(type_node, text)
-    known = CALLED_ELSEWHERE.get(type_node.value.lower().removesuffix("_joint"))
-    hint = f"here it is called {quoted(known)}" if known in scope.kinds else ""
+    meant, _ = synonym(type_node.value) or ((), "")
+    known = next((name for name in meant if name in _kinds_of(section, scope)), None)
+    known = known or next((name for name in meant if name in scope.kinds), None)
+    hint = f"here it is called {quoted(known)}" if known else ""
     hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` names all"
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

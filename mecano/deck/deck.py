@@ -23,11 +23,18 @@ class Deck:
     values: dict
     overrides: tuple = ()  # "path=value"
     files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
+    warnings: tuple = ()  # Problem: what is legal but suspicious in it
+    keys: dict = field(default_factory=dict, repr=False)  # section -> {name: node of the tree where it is named}
 
     @property
     def kinds(self):
         """Names of the kinds of its elements, joints and loads."""
         return {d["type"] for section in SECTIONS for d in self.values[section].values()}
+
+    def mark(self, section, name):
+        """Where something is named in the deck, or None where it is not."""
+        node = self.keys.get(section, {}).get(name)
+        return node and node.mark
 
     def resolved(self):
         """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.

@@ -26,6 +26,7 @@ class Parameters:
         self.nodes = nodes or {}
         self.outer = outer
         self.values = {}  # name -> number, or None when it was refused
+        self.used = set()  # names that have been asked for
         self._open = []  # names that are being worked out
 
     def known(self, name):
@@ -58,6 +59,7 @@ class Parameters:
             if self.outer and self.outer.known(name):
                 return self.outer(name, column)
             raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.names()))
+        self.used.add(name)
         if name in self._open:
             circle = [*self._open[self._open.index(name) :], name]
             raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)

@@ -3,11 +3,13 @@
 import os
 import re
 
+from mecano.contract import SECTIONS as ELEMENT_SECTIONS
 from mecano.deck.check import checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
 from mecano.deck.include import Inclusion
 from mecano.deck.language import LANGUAGE
+from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Unreadable, decoded, read_source
@@ -49,7 +51,15 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     root = written_out(root, sections, scope)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files)
+    warnings = tuple(suspicious(values, root, scope.used_names(), kinds))
+    keys = {section: _keys(root, section) for section in ("nodes", *ELEMENT_SECTIONS)}
+    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys)
+
+
+def _keys(root, section):
+    """{name: node of the name} of a section of a checked tree."""
+    given = root.value.get(section)
+    return {name: key for name, (key, _) in given[1].value.items()} if given and given[1].value else {}
 
 
 def deck_of_bytes(data, file, **options):

@@ -50,7 +50,7 @@ def _unknown(reference, known, scope):
     if reference.name == "ground" and reference.section == "nodes":
         hint = "'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"
     elif known:
-        hint = scope.suggest(reference.name, known)
+        hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
     else:
         hint = f"the deck has no '{reference.section}'"
     meant = [kind for kind in scope.kinds if kind.startswith(f"{reference.name}_")]

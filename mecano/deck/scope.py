@@ -6,13 +6,22 @@ from dataclasses import dataclass, field
 from mecano.deck.compose import Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_expression
 from mecano.deck.parameters import Parameters, Refused
+from mecano.deck.similar import similar
 from mecano.deck.source import Source
 from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
+from mecano.schema import SECTION_OF
 
 MAX_PROBLEMS = 10_000
-MAX_SUGGESTIONS = 100  # looking for similar words is slow in a large deck
+MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
+MAX_SUGGESTIONS = 100
 QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
+KEYWORDS = {  # type -> the words that may stand for a value
+    "boolean": lambda type_: ("true", "false"),
+    "either": lambda type_: type_.options[1],
+    "shorthand": lambda type_: ["true" if word is True else word for word, _ in type_.options[1]],
+}
+MAX_KEYWORD = 20  # letters
 DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
 
@@ -49,6 +58,7 @@ class Scope:
     path: list = field(default_factory=list)  # keys between the subject and the value at hand
     owner: Node | None = None  # node of the key of the value at hand: where a missing key is reported
     suggestions: int = 0
+    compared: int = 0  # words, in search of suggestions
 
     def refuse(self, node, message, hint=""):
         """Note a problem of the subject at the place of a node; returns INVALID."""
@@ -64,8 +74,14 @@ class Scope:
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
         expression = type(node.value) is str and is_expression(node.value)
-        hint = hint or ("" if expression else how_to_write(node, declared))
+        hint = hint or ("" if expression else self._keyword(node, declared) or how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
+
+    def _keyword(self, node, declared):
+        """A hint for a mistyped word of the type; "" where nothing is near."""
+        words = KEYWORDS.get(declared.type.name, lambda type_: ())(declared.type)
+        near = type(node.value) is str and len(node.value) <= MAX_KEYWORD and similar(node.value, words)
+        return self.suggest(node.value, near) if near else ""
 
     def name_of(self, name):
         """The dotted path of a key below the subject."""
@@ -80,10 +96,19 @@ class Scope:
                 pass
         return found(node)
 
+    def used_names(self):
+        """{section: names of what the deck refers to}, once all of it has been checked."""
+        used = {section: set() for section in SECTION_OF.values()}
+        for reference in self.references:
+            used[reference.section].add(reference.name)
+        return {**used, "parameters": self.parameters.used}
+
     def suggest(self, word, known):
         """A hint for an unknown word, as long as few were given."""
         self.suggestions += 1
-        return suggestion(word, known) if self.suggestions <= MAX_SUGGESTIONS else ""
+        self.compared += len(known)
+        few = self.suggestions <= MAX_SUGGESTIONS and self.compared <= MAX_COMPARED
+        return suggestion(word, known) if few else ""
 
     def evaluated(self, node):
         """The number that an expression stands for; None when the text is none."""

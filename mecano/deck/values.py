@@ -13,6 +13,7 @@ from mecano.deck.wording import quoted
 from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
+END = replace(NODE, name="end")  # one of two nodes, which may be the ground
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
 SIX = replace(NUMBERS, expects="six numbers")
@@ -191,7 +192,8 @@ def node_names(node, field, scope):
         if length and item.value == "ground" and "ground" not in values:
             values.append("ground")
         else:
-            values.append(node_name(item, replace(field, name=f"{field.name}[{i}]", type=NODE), scope))
+            type_ = END if length else NODE
+            values.append(node_name(item, replace(field, name=f"{field.name}[{i}]", type=type_), scope))
     return INVALID if INVALID in values else values
 
 

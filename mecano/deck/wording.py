@@ -1,9 +1,9 @@
 """Words for messages: quoted texts, what was found, and did-you-mean."""
 
-import difflib
 import re
 
 from mecano.deck.scalar import number
+from mecano.deck.similar import similar
 from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "either")  # types whose values may be numbers
@@ -65,9 +65,9 @@ def suggestion(word, known):
     """Hint for a word that is not among the known ones: the nearest, or all when they are few."""
     known = list(known)
     if len(word) <= MAX_SHOWN:
-        near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+        near = [quoted(name) for name in similar(word, known)]
         if near:
-            return f"did you mean {quoted(near[0])}?"
+            return f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if near[1:] else near)}?"
     if 0 < len(known) <= MAX_LISTED:
         return "known: " + ", ".join(quoted(name)[1:-1] for name in known)
     return ""

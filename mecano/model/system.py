@@ -24,9 +24,10 @@ class System:
 
     def __init__(self, model):
         model = with_ground(divided(model))
-        self.nodes = model.nodes
+        self.model, self.nodes = model, model.nodes
         self.context = Context(model.laws, np.asarray(model.gravity, float))
         instances, shared, used = expand(model, self.context)
+        self.shared = [(what, i, j, instances[owner].owner) for what, i, j, owner in shared]
         multipliers = [(f"{item.owner}: {row.name}", row) for item in instances for row in item.kind.multipliers]
         scalars = [f"{item.owner}: {name}" for item in instances for name in item.kind.scalars]
         fixed = {i for i, node in enumerate(model.nodes) if node.fixed}

@@ -79,7 +79,7 @@ def _spent(data):
 
 def _run(results):
     lines = [str(results.path)]
-    remarks = [("remark", text) for text in results.remarks]
+    remarks = [("warning", text) for text in results.remarks]
     for label, text in [*facts(results), *remarks, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]

@@ -105,7 +105,7 @@ def _model(run):
     rows.append(("gravity", ", ".join(number(g) for g in run.deck.get("gravity") or (0.0,) * 3) + " m/s2"))
     yield Table(("", ""), rows, 2)
     for text in run.results.remarks:
-        yield Text(f"Remark: {text}")
+        yield Text(f"Warning: {text}")
 
 
 def _run(results):

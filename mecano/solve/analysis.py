@@ -94,7 +94,7 @@ def analyse(system, s, length):
     """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
     B, size, holds = gradient(system, s, length)
     of = system.numbering
-    loops, n_l = _in_loops(B, of.group), int(holds.sum())
+    loops, n_l = in_loops(B, of.group), int(holds.sum())
     loops, names = loops[holds[loops]], of.name[: of.n_q]
     if len(loops) > DENSE_ROWS:
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
@@ -128,7 +128,16 @@ def gradient(system, s, length):
     return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
-def _in_loops(B, group):
+def dependent_rows(B, group):
+    """Rows of B that stand in closed loops, and an orthonormal basis (m, d) of the y with B^T y = 0 for them.
+
+    None in the place of the basis where more than ``DENSE_ROWS`` stand there; ``group`` numbers the columns of a node.
+    """
+    loops = in_loops(B, group)
+    return loops, (None if len(loops) > DENSE_ROWS else _left_null(B.dense(loops)))
+
+
+def in_loops(B, group):
     """Rows that are left when those are peeled off which a node of their own makes independent, again and again.
 
     What hangs on a chain peels off from its end; only closed loops stay.

@@ -6,6 +6,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
+from mecano.solve.apart import contradicting
 from mecano.solve.events import Watch
 from mecano.solve.increments import displaced
 
@@ -50,7 +51,7 @@ def assemble_positions(system, linear, s, length):
     phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
     error = np.abs(phi) / scale
     if len(phi) and not error.max() <= FULFILLED:
-        raise AssemblyError(_refusal(system, phi, error))
+        raise AssemblyError(_refusal(system, s, phi, error, length))
     s = displaced(s, np.zeros(system.n_q), of)
     shift = np.abs(s.z - start.z)[of.x[:, None] + np.arange(3)] if len(of.x) else np.zeros(1)
     return s, float(shift.max(initial=0.0))
@@ -73,7 +74,7 @@ def _least_change(system, linear, s, phi, weight):
     return x[: system.n_q] if status.ok else None
 
 
-def _refusal(system, phi, error):
+def _refusal(system, s, phi, error, length):
     worst = np.argsort(-error)[:NAMED]
     lines = [
         f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
@@ -81,4 +82,7 @@ def _refusal(system, phi, error):
         for i in worst
         if error[i] > FULFILLED
     ]
+    taking_part = dict.fromkeys(name.partition(":")[0] for name in contradicting(system, s, length, phi))
+    if len(taking_part) > 1:
+        lines.append(f"  taking part: {', '.join(taking_part)}")
     return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)

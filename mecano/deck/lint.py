@@ -1,0 +1,160 @@
+"""Legal but suspicious input: warnings of what a checked deck is allowed to say, and seldom means.
+
+Negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half numbers, which
+are degrees; gravity, moduli and densities in other units; loads on fixed nodes; lengths that elements are stretched to;
+and what is given and never used.
+"""
+
+import math
+
+from mecano.contract import SECTIONS
+from mecano.deck.containers import singular
+from mecano.deck.wording import quoted
+from mecano.errors import Problem
+
+PUSHES = "it pushes away from its zero instead of back to it; is it meant so, as where something snaps through?"
+DRIVES = "it drives slow motions on instead of braking them; is it meant so, as in what keeps itself swinging?"
+SUSPECT = {  # term of a law: what may be negative in it, its number, what follows
+    "spring": ("stiffness", lambda values: values["stiffness"], PUSHES),
+    "linear": ("slope", lambda values: values["slope"], PUSHES),
+    "damper_polynomial": ("coefficients[1]", lambda values: sum(values["coefficients"][1:2]), DRIVES),
+}
+MOST_NAMES = 3
+MEANT_DEGREES = "is {0:g} rad, more than a turn; is it meant so? Degrees are written as '{0:g} deg'"
+MATERIALS = {  # field of a section: its unit, below what no solid has it, what that is, another unit
+    "E": ("Pa", 1e6, "softer than rubber", "GPa"),
+    "density": ("kg/m3", 5.0, "lighter than foam", "g/cm3"),
+}
+
+
+LARGEST_GRAVITY = 30.0  # m/s2, more than that of any planet
+OF_THE_EARTH = (9.78, 9.84)  # m/s2
+NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of things that others refer to
+
+
+def suspicious(values, root, used, kinds):
+    """Warnings (list of Problem) of checked deck ``values``, each at its place in the checked tree ``root``.
+
+    ``used`` is {section: names} of the parameters, and of all things with names, that the deck refers to; ``kinds``
+    are those of its elements by name.
+    """
+    found = [
+        *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
+        *_idle(values["loads"], values["nodes"]),
+    ]  # fmt: skip
+    return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
+
+
+def _place(root, path):
+    """The deepest node of the tree on a path of keys: a value, or the key of what has none of the further keys."""
+    key = node = root
+    for word in path:
+        if type(node.value) is not dict or word not in node.value:
+            break
+        key, node = node.value[word]
+    return key if type(node.value) is dict else node
+
+
+def _unused(root, used):
+    """Warnings of what is named in the deck itself and never used; of a template, one for all its copies."""
+    marks = set()
+    for section in ("parameters", *NAMED):
+        _, node = root.value.get(section, (None, root))
+        entries = node.value if node is not root and type(node.value) is dict else {}
+        for name, (key, _) in entries.items():
+            included = key.source.file != root.source.file
+            if name not in used[section] and not included and (key.line, key.column) not in marks:
+                marks.add((key.line, key.column))
+                yield Problem(f"{singular(section)} {quoted(name)} is not used", key.mark)
+
+
+def _gravity(vector):
+    """(path, text) on gravity that is in other units."""
+    size = math.hypot(*vector)
+    if size == 0.0:
+        return
+    power = round(math.log10(size / 9.81))
+    shifted = (power > 0 or power == -3) and OF_THE_EARTH[0] <= size / 10.0**power <= OF_THE_EARTH[1]
+    if shifted or size > LARGEST_GRAVITY:
+        text = f"'gravity' has {size:g} m/s2; that of the earth has 9.81, and the units of decks are m, kg and s"
+        yield ("gravity",), text
+
+
+def _signs(values, kinds):
+    """(path, text) on negative stiffness and damping, one for all that is alike."""
+    found = {}
+    for section in SECTIONS:
+        for name, d in values[section].items():
+            for path, what, number, follows in _negative(d, kinds):
+                found.setdefault((section, d["type"], f"{path}.{what}", follows), {})[name] = number
+    for (section, kind, path, follows), numbers in found.items():
+        names, lowest, highest = [f"'{name}'" for name in numbers], min(numbers.values()), max(numbers.values())
+        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+        value = f"{lowest:g}" if lowest == highest else f"{lowest:g} to {highest:g}"
+        text = f"{kind} {', '.join(names[:MOST_NAMES])}{more}: '{path}' is negative ({value}): {follows}"
+        yield (section, next(iter(numbers)), *path.split(".")), text
+
+
+def _negative(d, kinds):
+    """(path of a law, what is negative in it, the number, what follows) of the values of an element."""
+    for path, law in _laws(kinds[d["type"]].fields, d):
+        for term, values in law:
+            if term in SUSPECT:
+                what, number, follows = SUSPECT[term]
+                if number(values) < 0.0:
+                    yield path, f"{term}.{what}", number(values), follows
+
+
+def _laws(fields, values, path=""):
+    """(path, terms) of the laws of force among checked values."""
+    for field in fields:
+        value = values[field.name]
+        if value is not None and field.type.name == "law":
+            yield f"{path}{field.name}", value
+        elif value is not None and field.type.name == "mapping":
+            yield from _laws(field.type.options, value, f"{path}{field.name}.")
+
+
+def _degrees(values, kinds):
+    """(path, text) on angles that look like degrees."""
+    for name, d in values["nodes"].items():
+        size = math.hypot(*d["orientation"])
+        if size > 2.0 * math.pi and all(_is_half(c) for c in d["orientation"]):
+            yield ("nodes", name, "orientation"), f"node '{name}': 'orientation' {MEANT_DEGREES.format(size)}"
+    for section in SECTIONS:
+        for name, d in values[section].items():
+            for path, angle in _angles(kinds[d["type"]].fields, d):
+                if abs(angle) > 2.0 * math.pi and _is_half(angle):
+                    text = f"{d['type']} '{name}': '{path}' {MEANT_DEGREES.format(angle)}"
+                    yield (section, name, *path.split(".")), text
+
+
+def _angles(fields, values, path=""):
+    """(path, angle) of the angles among checked values."""
+    for field in fields:
+        value = values[field.name]
+        if field.unit == "rad" and isinstance(value, float) and math.isfinite(value):
+            yield f"{path}{field.name}", value
+        elif field.type.name == "mapping" and value is not None:
+            yield from _angles(field.type.options, value, f"{path}{field.name}.")
+
+
+def _is_half(number):
+    return (2.0 * number).is_integer()
+
+
+def _materials(sections):
+    """(path, text) on moduli and densities of no solid."""
+    for name, d in sections.items():
+        for field, (unit, least, what, other) in MATERIALS.items():
+            if 0.0 < d.get(field, 0.0) < least:
+                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
+                yield ("sections", name, field), text
+
+
+def _idle(loads, nodes):
+    """(path, text) on loads that can do nothing."""
+    for name, d in loads.items():
+        if d.get("node") in nodes and nodes[d["node"]]["fixed"]:
+            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load moves nothing"
+            yield ("loads", name, "node"), text

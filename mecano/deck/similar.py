@@ -1,0 +1,40 @@
+"""The names that a mistyped word can stand for: those with the fewest letters wrong, left out, added or exchanged."""
+
+import difflib
+from collections import Counter
+
+LIMITS = (0, 0, 1)  # letters that may be wrong in a word of so many; in longer ones two
+MOST = 4  # names that are equally near
+
+
+def similar(word, known):
+    """The names (at most ``MOST``) among ``known`` that are nearest to a ``word``; none where no name is near."""
+    limit, word = LIMITS[len(word)] if len(word) < len(LIMITS) else 2, word.lower()
+    letters, found = Counter(word), {}
+    for name in known:
+        lower = name.lower()
+        if abs(len(lower) - len(word)) > limit or (letters - Counter(lower)).total() > limit:
+            continue
+        distance = edits(word, lower)
+        if distance <= limit:
+            found.setdefault(distance, []).append(name)
+    if found:
+        nearest = found[min(found)]
+        return difflib.get_close_matches(word, nearest, n=MOST, cutoff=0.0)
+    return difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+
+
+def edits(a, b):
+    """Number of letters that are replaced, left out, added, or exchanged with the next, from ``a`` to ``b``.
+
+    The optimal string alignment distance, a restricted Damerau-Levenshtein distance.
+    """
+    before, row = [], list(range(len(b) + 1))
+    for i, x in enumerate(a, 1):
+        last, before, row = before, row, [i]
+        for j, y in enumerate(b, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (x != y))
+            if i > 1 and j > 1 and x == b[j - 2] and a[i - 2] == y:
+                cost = min(cost, last[j - 2] + 1)
+            row.append(cost)
+    return row[-1]

@@ -1,0 +1,131 @@
+"""What other programs and books call things, and what mecano has for it: targets of `mecano explain`, or commands."""
+
+import re
+
+NOTES = {  # (targets, what has to be said besides), of words that mean the same
+    "motor, actuator, drive, servo, angle driver, rheonomic": ("prescribed_angle prescribed_position couple", ""),
+    "linear actuator, hydraulic cylinder, jack, ram": (
+        "prescribed_position bar screw",
+        "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
+    ),
+    "pulley, sheave, block": (
+        "rack_and_pinion gear_pair cable",
+        "there is none; a rack_and_pinion ties a rope to the turn of a drum, a gear_pair one drum to another"
+    ),
+    "belt, chain drive, sprocket, timing belt": ("gear_pair", "there is none; a gear_pair has the ratio of the speeds"),
+    "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
+    "worm, lead screw, ball screw, nut, helical, helical joint": ("screw", ""),
+    "revolute, revolute joint, pin, pin joint, pivot, axle": ("hinge", ""),
+    "bearing, journal": ("hinge bushing", "an elastic one is a hinge with 'compliance', or a bushing"),
+    "ball, ball joint, ball and socket, globe joint": ("spherical", ""),
+    "slider, slide, translational, translational joint, sliding joint, sleeve": (
+        "prismatic cylindrical slider_on_beam",
+        "",
+    ),
+    "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
+    "cam, follower": ("point_on_curve", ""),
+    "weld, rigid, rigid joint, clamp, fixed joint, lock, glue": (
+        "fixed rigid_link", "a node that is held where it is has 'fixed: true'"
+    ),
+    "gimbal, cardan, cardan joint, hooke, hooke joint, u joint, universal joint": ("universal", ""),
+    "constant velocity joint, homokinetic": (
+        "universal",
+        "there is none; two universals with a shaft between are nearest",
+    ),
+    "plane joint, planar joint": ("planar", ""),
+    "support, ground joint, fixation, boundary condition, constraint": (
+        "nodes fixed prescribed_position held_rotation",
+        "a node with 'fixed: true' is held; 'ground' may be one of two nodes",
+    ),
+    "body, link, inertia, lumped mass body": ("rigid_body", ""),
+    "mass, lumped mass, concentrated mass": ("point_mass rigid_body", ""),
+    "rod, massless rod, distance joint, distance constraint": ("rigid_rod bar", "a bar is elastic"),
+    "strut, truss, truss element": ("bar rigid_rod spring_damper", ""),
+    "rope, wire, tendon, string, winch, hoist, winder": (
+        "cable", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
+    ),
+    "flexible body, fem, finite element, reduced model, craig bampton, substructure, component mode": (
+        "superelement beam", "`mecano reduce` makes the matrices of a superelement"
+    ),
+    "shell, plate, membrane, solid, volume": (
+        "superelement", "there are none; a superelement takes their reduced matrices from another program"
+    ),
+    "profile, cross section": ("sections circle tube rectangle stiffness matrix", ""),
+    "spring": ("spring_damper torsion_spring_damper bushing", ""),
+    "damper, dashpot, viscous damper": ("spring_damper torsion_spring_damper damper", ""),
+    "torsion spring, rotational spring, torsional spring, rotational damper": ("torsion_spring_damper hinge", ""),
+    "bush, rubber mount, silent block, mount, six dof spring": ("bushing", ""),
+    "shock absorber, shock strut, oleo, oleo strut, landing gear strut, damper strut": (
+        "spring_damper gas_spring oil_damper metering_pin", "its law is a sum of terms: gas spring, oil damper, stop"
+    ),
+    "gas, air spring, nitrogen": ("gas_spring", ""),
+    "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
+    "bump stop, end stop, limit stop, limit, buffer": ("stop hinge.stops", "joints have 'stops', laws the term stop"),
+    "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
+    "latch, catch, locking": ("hinge.latch", ""),
+    "contact, collision, impact, unilateral": ("plane_contact rigid_wheel stop", ""),
+    "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
+    "friction": ("dry_friction", ""),
+    "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),
+    "tyre, tire, pneumatic, pacejka, magic formula": ("wheel flexible_wheel adhesive_wheel tire_laws", ""),
+    "wheel": ("flexible_wheel adhesive_wheel rigid_wheel paper_wheel tire_laws", ""),
+    "knife edge, blade, nonholonomic, sled": ("skate", ""),
+    "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
+    "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),
+    "load, external force, weight": ("force moment gravity", ""),
+    "torque": ("moment couple", ""),
+    "thrust, thruster, following force": ("follower_force", ""),
+    "pressure, distributed load, wind, aerodynamics, drag, lift": (
+        "force follower_force", "there are none; forces at nodes, whose laws are of time, are nearest"
+    ),
+    "function, signal, time series, spline, curve": ("laws table polynomial", ""),
+    "ramp up, smooth step": ("step ramp", ""),
+    "harmonic, excitation, vibration, sinusoidal": ("sine prescribed_position", ""),
+    "noise, stochastic": ("random", ""),
+    "sensor, probe, request, measure": (
+        "output",
+        "all outputs of all elements are in the results; `mecano post --plot` draws them",
+    ),
+    "controller, pid, feedback, control": (
+        "spring_damper", "there is none; a spring_damper or torsion_spring_damper is a controller of position and rate"
+    ),
+    "initial conditions, initial condition, initial velocity, start": ("initial", ""),
+    "equilibrium, static equilibrium": ("static initial", ""),
+    "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),
+    "results, result, sampling, save": ("output", "`mecano info`, `mecano post` and `mecano export` read the results"),
+    "unit, si, dimensions": ("units", ""),
+    "parameter, variable, constant value": ("parameters", ""),
+    "sweep, doe, optimization, monte carlo, parameter study": (
+        "study",
+        "`mecano sweep` runs the cases of a study file",
+    ),
+    "modes, mode, eigenvalues, eigenvalue, eigenfrequency, eigenmodes, frequency, frequencies, modal, linearize, "
+    "natural frequency, stability, root locus": (
+        "", "`mecano modes` finds frequencies, damping and shapes of small motions; no section of a deck is needed"
+    ),
+    "integrator, integration, solver, time step, timestep, newmark, alpha": ("time", ""),
+    "tolerance, newton, convergence": ("time static", ""),
+    "penalty, augmented lagrangian": ("time", ""),
+    "g, acceleration of gravity": ("gravity", ""),
+    "marker, frame, node, point, coordinate system, body frame": ("nodes", ""),
+    "group, assembly, subsystem, macro": ("templates place include", ""),
+    "loop, copies, pattern, array": ("repeat templates", ""),
+    "import, file": ("include", ""),
+    "animation, picture, plot, graph": ("", "`mecano post` draws results, with --animate a page with the motion"),
+}  # fmt: skip
+SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}
+SEPARATORS = re.compile(r"[\s_-]+")
+
+
+def synonym(name):
+    """(names of what mecano has for it, most fitting first; note) of a word from elsewhere, or None."""
+    word = SEPARATORS.sub(" ", name.lower().strip())
+    entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
+    return entry and (tuple(entry[0].split()), entry[1])
+
+
+def _forms(word):
+    """A word, and its other forms: singular, without "joint" or "element"."""
+    yield word
+    yield word.removesuffix("s")
+    yield word.removesuffix(" joint").removesuffix(" element")

@@ -1,0 +1,204 @@
+"""Warnings of legal but suspicious decks and models, each with its place; none of decks that are as they should be."""
+
+import pytest
+from marching import INPUTS, deck, input_deck
+from process import flowing
+
+from mecano.deck.read import read_deck
+from mecano.prepare import prepare, remarks, warnings_of
+from mecano.summary import summary
+
+SUSPICIOUS_INPUTS = {
+    "hoist": "bar 'wire' is strained by 0.4 % at the start"
+}  # its rope carries the load from the start
+STARTERS = INPUTS.parent / "mecano" / "deck" / "starters"
+HEAD = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    time: {end: 1, step: 0.01}
+    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
+    elements:
+      weight: {type: point_mass, node: b, mass: 2}
+      rope: {type: cable, nodes: [a, b], axial_stiffness: 1000}
+"""
+
+
+def warned(text):
+    """Texts of the warnings of a deck."""
+    return warnings_of(prepare(deck(text)))
+
+
+def at(text, line):
+    """The place of the first character of a line of HEAD and what follows that begins with ``line``."""
+    lines = deck(text).text.splitlines()
+    number = next(i for i, found in enumerate(lines) if found.strip().startswith(line))
+    return f"test.yaml:{number + 1}:{len(lines[number]) - len(lines[number].lstrip()) + 1}: "
+
+
+def test_negative_stiffness_and_damping():
+    """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
+    bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
+    given = input_deck("snap_through", *bars)
+    (said,) = remarks(prepare(given))
+    assert said.startswith("--set elements.left_bar.law:1:")
+    assert (
+        "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away" in said
+    )
+    assert f"warning {said}" in flowing(summary(given))
+    swings = "{linear: {slope: 1}, damper_polynomial: {coefficients: [0, -1, 0, 4]}}"
+    (found,) = input_deck("pendulum", f"joints.hinge.compliance={{along_1: {swings}}}").warnings
+    assert found.message.startswith(
+        "hinge 'hinge': 'compliance.along_1.damper_polynomial.coefficients[1]' is negative (-1): it"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "override", "text"),
+    [
+        ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
+        ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
+        ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
+        ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
+        ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),
+        (
+            "flexible_pendulum",
+            "sections.rubber.E=210000",
+            "section 'rubber': 'E' is 210000 Pa, softer than rubber; is it meant",
+        ),
+        ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load moves nothing"),
+        ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
+        ("pendulum", "gravity=[0, 0, -9810]", "'gravity' has 9810 m/s2; that of the earth has 9.81"),
+        ("pendulum", "gravity=[0, 0, -981]", "'gravity' has 981 m/s2"),
+        ("pendulum", "gravity=[0, -32.17, 0]", "'gravity' has 32.17 m/s2"),
+        ("pendulum", "gravity=[0, 0, -9.81e-3]", "'gravity' has 0.00981 m/s2"),
+        ("pendulum", "gravity=[0, 0, -1.62]", ""),
+        ("pendulum", "gravity=[0, 0, -24.8]", ""),
+        ("pendulum", "gravity=[0, 0, -9.81e-6]", ""),
+        ("pendulum", "gravity=none", ""),
+    ],
+)
+def test_suspicious_numbers(name, override, text):
+    """With the place of the number, here on the command line."""
+    found = input_deck(name, override).warnings
+    assert len(found) == bool(text) and all(problem.message.startswith(text) for problem in found)
+    assert all(str(problem.mark).startswith(f"--set {override.split('=')[0]}:1:") for problem in found)
+
+
+UNUSED = """
+    parameters: {used: 2, other: $used, spare: 3}
+    laws:
+      pull: 3.0
+      rising: {linear: {slope: 1}}
+    sections:
+      rod: {type: circle, diameter: 0.1, E: 2.1e11, nu: 0.3, density: 7800}
+    grounds:
+      road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+    tire_laws:
+      tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}
+    loads:
+      force: {type: force, node: b, direction: [1, 0, 0], value: pull}
+"""
+
+
+def test_what_is_never_used():
+    """A parameter that only another one uses is used; what is used in a name or a range is, too."""
+    text = HEAD + UNUSED
+    places = ["rising: ", "rod: ", "road: ", "tyre: "]
+    whats = ["law 'rising'", "section 'rod'", "ground 'road'", "tire law 'tyre'"]
+    expected = {f"{at(text, place)}{what} is not used" for place, what in zip(places, whats, strict=True)}
+    said = warned(text)
+    assert {line for line in said if "parameter" not in line} == expected
+    parameters = [line.partition(": ")[2] for line in said if "parameter" in line]
+    assert parameters == ["parameter 'other' is not used", "parameter 'spare' is not used"]
+    used = "parameters: {n: 2, m: 0.1}\nnodes: {p$i: {repeat: {i: 1..$n}, position: [$i, $m, 0]}}\nelements:\n"
+    used += "  w$i: {repeat: {i: 1..$n}, type: point_mass, node: p$i, mass: 1}\n"
+    assert warned("mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n" + used) == []
+
+
+def test_what_an_included_file_has_need_not_be_used(tmp_path):
+    (tmp_path / "laws.yaml").write_text("laws: {oleo: 3.0}\n")
+    text = deck(HEAD).text.replace("mecano: 1", "mecano: 1\ninclude: laws.yaml")
+    (tmp_path / "deck.yaml").write_text(text)
+    assert read_deck(tmp_path / "deck.yaml").warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("element", "text"),
+    [
+        ("type: bar, nodes: [a, b], axial_stiffness: 1000, natural_length: 0.997", "strained by 0.301 % at the start"),
+        ("type: bar, nodes: [a, b], axial_stiffness: 1000, natural_length: 1.003", "strained by -0.299 %"),
+        ("type: bar, nodes: [a, b], axial_stiffness: 1000, natural_length: 0.9985", ""),
+        ("type: cable, nodes: [a, b], axial_stiffness: 1000, natural_length: 0.9", "strained by 11.1 %"),
+        ("type: cable, nodes: [a, b], axial_stiffness: 1000, natural_length: 1.5", ""),
+        ("type: bar, nodes: [a, b], axial_stiffness: 1000, natural_length: {linear: {slope: 1, offset: 1}}", ""),
+        (
+            "type: spring_damper, nodes: [a, b], natural_length: 1000, law: {spring: {stiffness: 3}}",
+            "strained by -99.9",
+        ),
+        ("type: spring_damper, nodes: [a, b], natural_length: 0.8, law: {spring: {stiffness: 3}}", ""),
+    ],
+)
+def test_what_is_strained_at_the_start(element, text):
+    whole = HEAD + f"      line: {{{element}}}\n"
+    said = warned(whole)
+    assert len(said) == bool(text)
+    assert all(line.startswith(f"{at(whole, 'line: ')}{element.split()[1][:-1]} 'line' is {text}") for line in said)
+
+
+def test_beams_that_the_assembly_stretches():
+    """A tip that is prescribed elsewhere: a beam of 1 m is stretched by 10 mm."""
+    whole = HEAD.partition("      rope")[0] + BEAM
+    (said,) = warned(whole)
+    assert said.startswith(f"{at(whole, 'line: ')}beam 'line' is strained by 1 %")
+
+
+BEAM = """      line: {type: beam, nodes: [a, b], section: rod, mesh: 2}
+    sections: {rod: {type: circle, diameter: 0.1, E: 2.1e11, nu: 0.3, density: 7800}}
+    joints:
+      push: {type: prescribed_position, node: b, direction: [1, 0, 0], value: 0.01}
+"""
+
+
+SPRING = "s: {type: spring_damper, nodes: [b, c], law: {spring: {stiffness: 9}}}"
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        (SPRING, ["node c: nothing gives mass to its displacement, which"]),
+        ("link: {type: rigid_body, node: c, mass: 1, inertia: [1, 1, 1]}", []),
+        (f"{SPRING}\n      link: {{type: rigid_link, nodes: [c, d]}}",
+         ["node c, d: nothing gives mass to its rotation", "node c: nothing gives mass to its displacement",
+          "node d: nothing gives mass to its displacement"]),
+        ("link: {type: rigid_body, node: c, mass: 1, inertia: [1, 1, 1], attached: [d]}", []),
+    ],
+    ids=["spring", "body", "link", "attached"],
+)  # fmt: skip
+def test_massless_nodes(more, expected):
+    """A node between springs, a link that nothing gives mass; not those that hang on a body."""
+    where = "c: {position: [2, 0, 0]}" + (", d: {position: [3, 0, 0]}" if "d]" in more else "")
+    whole = HEAD.replace("b: {position: [1, 0, 0]}", f"b: {{position: [1, 0, 0]}}, {where}") + f"      {more}\n"
+    said = sorted(warned(whole), key=lambda line: line.partition("node")[2])
+    assert len(said) == len(expected)
+    for line, start in zip(said, expected, strict=True):
+        assert line.startswith("test.yaml:5:") and line.partition(": ")[2].startswith(start)
+
+
+def test_a_model_without_mass():
+    text = HEAD.replace("weight: {type: point_mass, node: b, mass: 2}", "")
+    assert remarks(prepare(deck(text))) == ["nothing in the model has a mass: is it meant so?"]
+
+
+DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]
+
+
+@pytest.mark.parametrize("path", DECKS, ids=lambda path: path.stem)
+def test_no_warning_of_the_text_of_good_decks(path):
+    assert read_deck(path).warnings == ()
+
+
+@pytest.mark.parametrize("name", ["hoist", "pendulum", "cable_catch", "base_excitation", "slider_crank", "gears"])
+def test_no_warning_of_good_models(name):
+    said = warnings_of(prepare(input_deck(name)))
+    assert len(said) == (name in SUSPICIOUS_INPUTS)
+    assert all(SUSPICIOUS_INPUTS[name] in line for line in said)

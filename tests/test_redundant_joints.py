@@ -1,0 +1,142 @@
+"""Redundant and contradictory constraints: all joints that take part are named, also those that share unknowns.
+
+What takes part is known from statics: a group is a set of constraints that can bear against one another, and leaving
+any of its joints out makes what is left isostatic.
+"""
+
+import pytest
+from marching import deck, input_deck
+
+from mecano.errors import AssemblyError
+from mecano.prepare import prepare, remarks
+from mecano.summary import summary
+
+HEAD = "mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n"
+BODY = "type: rigid_body, mass: 1, inertia: [1, 1, 1]"
+# two bodies at the same places, a with the nodes a1, a2 and a3 of a triangle, b with b1, b2 and b3
+PLACES = {"1": "[0, 0, 0]", "2": "[1, 0, 0]", "3": "[0, 1, 0]"}
+PAIR = "nodes: {a: {position: [0, 0, 1]}, b: {position: [0, 0, 2]}, " + ", ".join(
+    f"{body}{i}: {{position: {x}}}" for body in "ab" for i, x in PLACES.items()
+)
+PAIR += f"""}}
+elements:
+  body_a: {{{BODY}, node: a, attached: [a1, a2, a3]}}
+  body_b: {{{BODY}, node: b, attached: [b1, b2, b3]}}
+joints:
+"""
+# two links of 1 m in a line, from the ground at 0 to 2 m
+TOGGLE = f"""nodes:
+  a: {{position: [0, 0, 0]}}
+  a2: {{position: [1, 0, 0]}}
+  b: {{position: [1, 0, 0]}}
+  b2: {{position: [2, 0, 0]}}
+elements:
+  one: {{{BODY}, node: a, attached: [a2]}}
+  two: {{{BODY}, node: b, attached: [b2]}}
+joints:
+"""
+ONE = f"""nodes: {{a: {{position: [0, 0, 0]}}, tip: {{position: [1, 0, 0]}}, side: {{position: [0, 1, 0]}}}}
+elements: {{body: {{{BODY}, node: a, attached: [tip, side]}}}}
+joints:
+"""
+
+
+def joints(**lines):
+    """Lines of the section ``joints``, "type between"."""
+    text = ""
+    for name, line in lines.items():
+        kind, nodes, *more = line.split(" ", 2)
+        text += f"  {name}: {{type: {kind}, nodes: [{nodes}]{', ' if more else ''}{''.join(more)}}}\n"
+    return text
+
+
+Y, Z = "axis: [0, 1, 0]", "axis: [0, 0, 1]"
+BAD = {  # what it is: text, redundant constraints, joints that take part
+    "two fixed": (PAIR + joints(f="fixed a1,b1", g="fixed a2,b2", free="spherical ground,a3"), 6, "f g"),
+    "two fixed at one node": (PAIR + joints(f="fixed a1,b1", g="fixed a1,b1"), 6, "f g"),
+    "three sphericals": (PAIR + joints(r="spherical a1,b1", s="spherical a2,b2", t="spherical a3,b3"), 3, "r s t"),
+    "straight toggle": (
+        TOGGLE + joints(r=f"hinge ground,a {Y}", s=f"hinge a2,b {Y}", t="spherical ground,b2"), 2, "r s t"),
+    "straight toggle of sphericals": (
+        TOGGLE + joints(r="spherical ground,a", s="spherical a2,b", t="spherical ground,b2"), 1, "r s t"),
+    "two hinges on one axis": (PAIR + joints(r="hinge a1,b1 axis: [1, 0, 0]", s="hinge a2,b2 axis: [1, 0, 0]"),
+                               5, "r s"),
+    "motor on what is held": (
+        TOGGLE + joints(f="fixed ground,a", m=f"prescribed_angle ground,a2 {Y}, value: 0", s="spherical a2,b"),
+        1, "f m"),
+    "two prismatics": (PAIR + joints(r=f"prismatic a1,b1 {Z}", s=f"prismatic a2,b2 {Z}"), 5, "r s"),
+    "fixed and a hinge": (PAIR + joints(f="fixed a1,b1", h=f"hinge a2,b2 {Z}"), 5, "f h"),
+    "rod and spherical": (
+        PAIR + joints(r="spherical a1,b1", s="spherical a2,b2", t="rigid_rod a1,b2"), 2, "r s t"),
+}  # fmt: skip
+
+
+def named(groups):
+    """Names of the joints of some groups."""
+    return {text.split("'")[1] for group in groups for text in group.names if not text.startswith("rigid_body")}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_all_joints_that_take_part_are_named(name):
+    text, count, expected = BAD[name]
+    prepared = prepare(deck(HEAD + text))
+    assert sum(group.count for group in prepared.redundant) == count
+    assert named(prepared.redundant) == set(expected.split())
+    said = summary(prepared.deck)
+    assert f"redundant        {count} constraint(s)" in said
+    assert all(f" '{joint}': " in said.partition("redundant  ")[2] for joint in expected.split())
+    assert any("redundant constraint(s) among" in text for text in remarks(prepared))
+
+
+GOOD = {
+    "one fixed": PAIR + joints(f="fixed a1,b1", free="spherical ground,a3"),
+    "one spherical": PAIR + joints(r="spherical a1,b1"),
+    "spherical and rod": PAIR + joints(r="spherical a1,b1", s="rigid_rod a2,b3"),
+    "toggle that is bent": TOGGLE.replace("b2: {position: [2, 0, 0]}", "b2: {position: [1.6, 0, 0.8]}")
+    + joints(r=f"hinge ground,a {Y}", s="spherical a2,b", t="spherical ground,b2"),
+    "straight open chain": TOGGLE + joints(r=f"hinge ground,a {Y}", s=f"hinge a2,b {Y}"),
+    "fixed chain": TOGGLE + joints(r=f"hinge ground,a {Y}", s="fixed a2,b"),
+    "motor on a hinge": ONE
+    + joints(r=f"hinge ground,a {Y}")
+    + f"  motor: {{type: prescribed_angle, nodes: [ground, a], {Y}, value: 0}}\n",
+    "six rods": PAIR
+    + joints(**{f"r{i}{j}": f"rigid_rod a{i},b{j}" for i, j in ("12", "23", "31")}, s="spherical ground,a1"),
+    "prismatic": PAIR + joints(r=f"prismatic a1,b1 {Z}"),
+    "hinge and cylindrical": PAIR + joints(r=f"cylindrical a1,b1 {Z}"),
+}
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_no_false_alarm(name):
+    prepared = prepare(deck(HEAD + GOOD[name]))
+    assert prepared.redundant == () and not any("redundant" in text for text in remarks(prepared))
+
+
+INPUTS_WITHOUT = ("pendulum", "double_pendulum", "hanging_chain", "slider_crank", "gears", "free_body")
+
+
+@pytest.mark.parametrize("name", INPUTS_WITHOUT)
+def test_no_false_alarm_of_decks(name):
+    prepared = prepare(input_deck(name))
+    assert prepared.redundant == () == prepared.analysis.redundant
+
+
+def test_the_count_is_that_of_the_shared_unknowns():
+    """Taken apart, a model has the same redundant constraints, where nothing is identified twice."""
+    for name in ("four_bar", "n_four_bar"):
+        prepared = prepare(input_deck(name))
+        counts = [sum(group.count for group in groups) for groups in (prepared.redundant, prepared.analysis.redundant)]
+        assert counts[0] == counts[1] > 0
+
+
+def test_what_cannot_be_met_together_is_named():
+    """A rod that is too short for where sphericals hold a body; the other rod does not take part."""
+    text = ONE.replace(
+        "nodes: {", "nodes: {pin: {position: [1, 0, 0], fixed: true}, far: {position: [3, 0, 0], fixed: true}, "
+    )
+    text += joints(s="spherical ground,a", t="spherical pin,tip", short="rigid_rod far,tip length: 0.5")
+    text += joints(apart="rigid_rod far,side")
+    with pytest.raises(AssemblyError) as error:
+        prepare(deck(HEAD + text))
+    last = str(error.value).splitlines()[-1]
+    assert last == "  taking part: rigid_rod 'short', spherical 't'"

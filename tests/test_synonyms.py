@@ -1,0 +1,63 @@
+"""Words from elsewhere: what mecano has for them, each target of which can be explained or called."""
+
+import re
+
+import pytest
+from click.testing import CliRunner
+
+from mecano.cli import commands
+from mecano.deck.catalogue import explain
+from mecano.deck.synonyms import NOTES, SYNONYMS, synonym
+from mecano.elements import KINDS
+from mecano.errors import UsageError
+
+ASKED = """motor, actuator, pulley, revolute, ball joint, slider, translational joint, bushing, damper, spring, contact,
+    modes, eigenvalues, tyre, tire, oleo, shock absorber, latch, stop, cable, rope, winch, truss, rod, link, weld,
+    gimbal, cardan, rail, friction, brake, runway, initial conditions, output, units, parameters, sweep, gear, belt,
+    strut, backlash, superelement, tires, Revolute_Joint, ball-joint"""
+
+
+def explained(name):
+    """What `mecano explain` prints; it must succeed."""
+    result = CliRunner().invoke(commands, ["explain", *name.split()])
+    assert result.exception is None, (name, result.output)
+    return result.output
+
+
+@pytest.mark.parametrize("word", re.split(r",\s+", ASKED))
+def test_words_are_answered(word):
+    assert len(explained(word).splitlines()) >= 3
+
+
+@pytest.mark.parametrize("words", NOTES, ids=lambda words: words.partition(",")[0])
+def test_all_targets_exist(words):
+    """And are named in the answer; words in quotes of a command are commands."""
+    targets, note = NOTES[words]
+    assert targets or note
+    for target in targets.split():
+        assert explained(target)
+    for command in re.findall(r"`mecano (\w+)", note):
+        assert command in commands.commands
+    for word in words.split(", "):
+        answer = explained(word)
+        assert all(f"  {target}  " in answer or f"  {target}\n" in answer for target in targets.split())
+
+
+def test_every_word_stands_once():
+    assert len(SYNONYMS) == sum(len(words.split(", ")) for words in NOTES)
+
+
+def test_forms_of_a_word():
+    assert synonym("Motors") == synonym("motor") and synonym("Universal_Joint") == synonym("cardan")
+    assert synonym("flux capacitor") is None
+
+
+def test_no_kind_is_hidden():
+    """A word that is the name of a kind is answered with the kind first."""
+    for name in KINDS:
+        assert explain(name).startswith(f"{name} (section ")
+
+
+def test_an_unknown_word_gets_the_nearest():
+    with pytest.raises(UsageError, match="did you mean 'motor'"):
+        explain("motro")
