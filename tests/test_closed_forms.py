@@ -50,7 +50,7 @@ def test_stewart_platform(verify):
     of_legs = lambda m: np.array([m[f"joints/leg{k}/force"] for k in range(1, 7)]).T
     coarse, fine = pair("stewart", of_legs, TENTHS, 4e-3)
     verify.second_order(
-        V, "Stewart platform: forces of six legs [N]", coarse, fine, force[:, None], 2e-3, "closed form"
+        V, "Stewart platform: forces of six legs [N]", coarse, fine, force[:, None], 2e-5, "closed form"
     )
 
 
