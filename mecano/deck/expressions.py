@@ -41,6 +41,14 @@ def is_expression(text):
     return "$" in text or text.startswith("=")
 
 
+def names_in(text, parameters):
+    """Return the names of the parameters that an expression asks for."""
+    whole = WHOLE.fullmatch(text)
+    if whole and parameters.known(whole[2]):
+        return [whole[2]]
+    return NAME.findall(text)
+
+
 def has_inserts(text):
     """True when a text is a name into which values are inserted; no expression can look so."""
     return INSERTED.search(text) is not None

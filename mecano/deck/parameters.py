@@ -6,7 +6,7 @@ where they may also be words: ``side: left``.
 
 from contextlib import contextmanager
 
-from mecano.deck.expressions import ExpressionError, evaluate, is_expression
+from mecano.deck.expressions import ExpressionError, evaluate, is_expression, names_in
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
 
 
@@ -65,13 +65,40 @@ class Parameters:
             raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)
         if self.word(name):
             raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', no number", column)
-        if name not in self.values:
-            self.values[name] = self._worked_out(name, column)
+        self._work_out(name, column)
         if self.values[name] is None:
             raise Refused
         return self.values[name]
 
-    def _worked_out(self, name, column):
+    def _work_out(self, name, column):
+        """Find the value of ``name`` and before it all that it needs, deepest first: chains may be of any length."""
+        chain = {name: None}  # each needs the next one
+        while chain:
+            last = next(reversed(chain))
+            needed = next((other for other in self._needed(last) if other not in self.values), None)
+            if needed in chain or needed in self._open:
+                self._refuse_circle([*self._open, *chain], needed, column)
+            if needed is not None:
+                chain[needed] = None
+                continue
+            if last not in self.values:
+                self.values[last] = self._worked_out(last)
+            del chain[last]
+
+    def _needed(self, name):
+        """Return the names of these parameters that the value of ``name`` needs."""
+        value = self.nodes[name].value
+        if name in self.values or type(value) is not str or not is_expression(value):
+            return []
+        return [other for other in names_in(value, self) if other in self.nodes and not self.word(other)]
+
+    def _refuse_circle(self, path, name, column):
+        """Raise Circle where ``path`` comes back to ``name``; what leads into the circle has no value, either."""
+        first = path.index(name)
+        self.values |= dict.fromkeys([other for other in path[:first] if other not in self._open])
+        raise Circle(f"parameters go round in a circle: {' -> '.join([*path[first:], name])}", column)
+
+    def _worked_out(self, name):
         value = self.nodes[name].value
         if type(value) in (int, float):
             return value
@@ -87,8 +114,6 @@ class Parameters:
         with self.working_on(name):
             try:
                 return evaluate(value, self)
-            except Circle as error:
-                raise Circle(error.message, column) from None
             except (ExpressionError, Refused):
                 return None
 
