@@ -5,6 +5,7 @@ import contextlib
 import gc
 import os
 import sys
+import warnings
 
 import click
 
@@ -51,6 +52,8 @@ for _command in (
 
 def main():
     """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # Python's and NumPy's are for developers: `python -W default -m mecano`
     try:
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
