@@ -7,7 +7,7 @@ import numpy as np
 
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, DeckError, Problem
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.model_lint import suspicious_model
@@ -52,8 +52,9 @@ class Prepared:
 
 
 def prepare(deck):
-    """Build the model of a checked deck and assemble its positions; raises AssemblyError."""
+    """Build the model of a checked deck and assemble its positions; raises AssemblyError, or DeckError if it is rigid."""
     system = System(build(deck))
+    _refuse_fixed(deck, system)
     of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
@@ -65,6 +66,13 @@ def prepare(deck):
     analysis = analyse(system, state, length)
     soft = compliance(system, state, length, analysis)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
+
+
+def _refuse_fixed(deck, system):
+    """Raise DeckError for a model without degrees of freedom."""
+    if not system.n_q:
+        text = "nothing can move: every node is fixed, or held by a joint to one that is"
+        raise DeckError([Problem(text, deck.mark("nodes", system.nodes[0].name), "free a node, or a joint to 'ground'")])
 
 
 def march_of(prepared, observers=()):
