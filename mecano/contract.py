@@ -154,7 +154,7 @@ class Kind:
     at_start: Callable | None = None
     """record -> index of the mode in which it starts, where the deck puts it; the first of ``modes`` without it"""
     shares: Callable = nothing
-    """(deck values, number of nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
+    """(deck values, nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
     divide: Callable | None = None

@@ -191,7 +191,7 @@ def _motion(kind, values, nodes, rng):
     R = np.array([node[1] for node in nodes]) @ Rotation.from_rotvec(SPREAD * rng.normal(size=(n, 3))).as_matrix()
     x[:, 0] = [node[0] for node in nodes] + SPREAD * x[:, 0]
     turn[:, 0] = 0.0
-    for what, i, j in kind.chosen(values).shares(values, n):
+    for what, i, j in kind.chosen(values).shares(values, nodes):
         if what == "x":
             x[j] = x[i]
         else:

@@ -9,12 +9,12 @@ ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [
 NODES = Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground")
 
 
-def one_position(d, n_nodes):
+def one_position(d, nodes):
     """The ``shares`` of a joint of two nodes at one place."""
     return [("x", 0, 1)]
 
 
-def one_rotation(d, n_nodes):
+def one_rotation(d, nodes):
     """The ``shares`` of a joint of two nodes that turn as one."""
     return [("R", 0, 1)]
 
@@ -68,7 +68,10 @@ def turned_onto(a, b):
 def not_at_one_place(nodes):
     """Texts when two nodes that share a position do not start at one place; nodes as in contract.py."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    return [f"its nodes must be at the same place; they are {gap:.6g} m apart"] if gap > PLACE else []
+    if gap <= PLACE:
+        return []
+    how = "for a joint elsewhere on a body give it a node there: 'attached' of a rigid_body, or a rigid_link"
+    return [f"its nodes must be at the same place; they are {gap:.6g} m apart ({how})"]
 
 
 def not_parallel(nodes):
@@ -77,7 +80,8 @@ def not_parallel(nodes):
     if turn <= ANGLE:
         return []
     degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn / 2.0)))
-    return [f"its nodes must have the same rotation; they are turned by {degrees:.6g} degrees"]
+    how = "a node 'attached' to a rigid_body, or of a rigid_link, may have an orientation of its own"
+    return [f"its nodes must have the same rotation; they are turned by {degrees:.6g} degrees ({how})"]
 
 
 def at_one_place(nodes):

@@ -62,7 +62,7 @@ def variant(d):
     return FIXED_HELD if d["compliance"] else FIXED
 
 
-def shares(d, n_nodes):
+def shares(d, nodes):
     """One position and one rotation."""
     return [("x", 0, 1), ("R", 0, 1)]
 

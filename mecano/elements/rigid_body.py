@@ -6,16 +6,16 @@ about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`
 
 .. math::  f_x = m (a + R w - g), \qquad f_\Theta = J \alpha + \Omega \times J \Omega + m\, c \times R^T (a - g)
 
-``attached`` nodes move with the body as if welded to it: they share its rotation, and their positions are held
-by three constraints each.
+``attached`` nodes move with the body as if welded to it: their positions are held by three constraints each. They share
+its rotation; one with an ``orientation`` of its own (a marker) is held by three more.
 """
 
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.joint_frame import not_parallel
-from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.contract import Kind, Output, Part, record
+from mecano.constraints.attachment import attached_rotations, attachment
+from mecano.constraints.joint_samples import ORIENTATIONS
+from mecano.contract import Kind, Output, record
 from mecano.maths.vec import (
     EYE,
     add,
@@ -98,30 +98,14 @@ def prepare(d, nodes, context):
     return {"mass": d["mass"], "c": c, "J": J, "J_C": J_C, "gravity": context.gravity}
 
 
-def shares(d, n_nodes):
-    """The attached nodes share the rotation of the body."""
-    return [("R", 0, i) for i in range(1, n_nodes)]
-
-
 def parts(d, nodes, context):
-    """One rigid offset for each attached node."""
-    x, R = nodes[0]
-    return [Part(RIGID_OFFSET, (0, i), {"d": R.T @ (nodes[i][0] - x)}) for i in range(1, len(nodes))]
+    """What holds each attached node."""
+    return [part for i in range(1, len(nodes)) for part in attachment(nodes, i, context)]
 
 
 def check(d, nodes):
-    """Principal moments must be positive and fulfil the triangle inequality; attached nodes start with one rotation."""
-    return _check_inertia(inertia_matrix(d["inertia"])) + _check_attached(d, nodes)
-
-
-def _check_attached(d, nodes):
-    turned = [name for name, node in zip(d["attached"], nodes[1:], strict=True) if not_parallel([nodes[0], node])]
-    if not turned:
-        return []
-    return [f"'attached' nodes must be oriented as the node of the body; these are not: {', '.join(turned)}"]
-
-
-def _check_inertia(J):
+    """Principal moments must be positive and fulfil the triangle inequality."""
+    J = inertia_matrix(d["inertia"])
     if not np.allclose(J, J.T, rtol=1e-9, atol=0):
         return ["'inertia' must be a symmetric matrix"]
     moments = np.linalg.eigvalsh(J)
@@ -136,12 +120,13 @@ def _check_inertia(J):
 
 
 def sample(rng):
-    """Random bodies with an offset centre of mass."""
+    """Random bodies with an offset centre of mass, alone and with nodes attached."""
     A = rng.normal(size=(3, 3))
     masses = A @ A.T + np.eye(3)
     J = np.trace(masses) * np.eye(3) - masses
     d = {"mass": rng.uniform(1, 9), "center_of_mass": rng.normal(size=3), "inertia": J, "attached": []}
-    return [(d, 1, "")]
+    nodes = [(rng.normal(size=3), R) for R in (*ORIENTATIONS, ORIENTATIONS[0])]
+    return [(d, 1, ""), ({**d, "attached": ["marker", "lug"]}, nodes, "")]
 
 
 RIGID_BODY = Kind(
@@ -155,7 +140,7 @@ RIGID_BODY = Kind(
         Field("mass", NUMBER, "kg", "mass", check=positive),
         Field("inertia", INERTIA, "kg m2", "inertia about the centre of mass, in the axes of the node"),
         Field("center_of_mass", NODE_VECTOR, "m", "centre of mass from the node, in the axes of the node", (0.0,) * 3),
-        Field("attached", NODES, "-", "further nodes that move with the body", ()),
+        Field("attached", NODES, "-", "further nodes that move with the body, of any orientation", ()),
     ),
     outputs=(
         Output("center_of_mass", "m", "position of the centre of mass, inertial", (3,), rate="velocity"),
@@ -163,7 +148,7 @@ RIGID_BODY = Kind(
         Output("kinetic_energy", "J", "kinetic energy"),
     ),
     prepare=prepare,
-    shares=shares,
+    shares=attached_rotations,
     parts=parts,
     check=check,
     force=force,

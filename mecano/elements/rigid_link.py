@@ -1,57 +1,63 @@
 r"""Rigid link: a massless rigid arm between two nodes.
 
-The follower shares the rotation of the master (Boolean identification); with d, material, from the start:
+With d, material, from the start:
 
 .. math::  x_f - x_m - R_m d = 0
+
+The follower shares the rotation of the master (Boolean identification); one with an orientation of its own at the
+start is held there by three constraints.
 """
 
-import numpy as np
-
 from mecano.compiled.kernel import kernel
-from mecano.constraints.joint_frame import not_parallel, one_rotation
-from mecano.constraints.joint_samples import two_parallel
-from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.contract import Kind, Output, Part
+from mecano.constraints.attachment import attached_rotations, attachment, is_marker
+from mecano.constraints.joint_samples import two_parallel, two_places
+from mecano.contract import Kind, Output, record
 from mecano.maths.vec import mat, mul, put, scale, vec
 from mecano.schema import NODE_PAIR, Field
+
+RECORD = record(turned=())  # 1: three multipliers hold the rotation, in the axes of the master
+FORCE, MOMENT = 12, 15  # in q
 
 
 @kernel
 def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     """Reactions on the follower."""
-    put(y, 0, vec(q, 12))
-    put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
+    put(y, 0, vec(q, FORCE))
+    if p.turned > 0.0:
+        put(y, 3, mul(mat(R[0]), (-q[MOMENT + 1], q[MOMENT], q[MOMENT + 2])))
+    else:
+        put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
+
+
+def prepare(d, nodes, context):
+    """Whether the follower is turned."""
+    return {"turned": float(is_marker(nodes, 1))}
 
 
 def parts(d, nodes, context):
-    """One rigid offset."""
-    (x_m, R_m), (x_f, _) = nodes
-    return [Part(RIGID_OFFSET, (0, 1), {"d": R_m.T @ np.subtract(x_f, x_m)})]
-
-
-def check(d, nodes):
-    """The nodes start with one rotation."""
-    return not_parallel(nodes)
+    """What holds the follower."""
+    return attachment(nodes, 1, context)
 
 
 def sample(rng):
-    """Two nodes of one rotation."""
-    return [({}, two_parallel(rng), "")]
+    """Two nodes of one rotation, and of two."""
+    return [({}, two_parallel(rng), ""), ({}, two_places(rng), "")]
 
 
 RIGID_LINK = Kind(
     name="rigid_link",
     section="elements",
     doc=__doc__,
+    dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "master and follower"),),
     outputs=(
         Output("force", "N", "force of the link on the follower, inertial axes", (3,)),
         Output("moment", "N m", "moment of the link on the follower, inertial axes", (3,)),
     ),
-    shares=one_rotation,
+    prepare=prepare,
+    shares=attached_rotations,
     parts=parts,
-    check=check,
     observe=observe,
     sample=sample,
 )

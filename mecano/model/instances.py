@@ -34,7 +34,7 @@ def expand(model, context):
         for part in parts:
             on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.borrows)
             instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label))
-        for what, i, j in kind.shares(element.values, len(nodes)):
+        for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
     for item in instances:
         if item.kind.force is not None:

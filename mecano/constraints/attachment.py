@@ -1,0 +1,36 @@
+"""Attachment: nodes that move with a first one as if welded to it.
+
+A node that starts with the rotation of the first shares it (Boolean identification). One with an orientation of its
+own, a marker, is held by three constraints between the axes of both. Positions are held by a rigid offset.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.constraints.joint_frame import not_parallel
+from mecano.constraints.pair import pair_parts
+from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.contract import Part
+
+TURNS = ("about_2", "about_1", "about_axis")
+
+
+def attached_rotations(d, nodes):
+    """Return the ``shares`` of nodes attached to the first: the rotation, of those that start with the same one."""
+    return [("R", 0, i) for i in range(1, len(nodes)) if not is_marker(nodes, i)]
+
+
+def attachment(nodes, i, context):
+    """Return the Parts that hold node i at the first one: an offset, and for a marker the three rotations."""
+    x, R = nodes[0]
+    parts = [Part(RIGID_OFFSET, (0, i), {"d": R.T @ np.subtract(nodes[i][0], x)})]
+    if is_marker(nodes, i):
+        place = {"mu": np.eye(3), "xi": R.T @ nodes[i][1], "start": np.zeros(3)}
+        parts += [replace(part, nodes=(0, i)) for part in pair_parts(place, TURNS, None, context)]
+    return parts
+
+
+def is_marker(nodes, i):
+    """Return whether node i starts with another rotation than the first one."""
+    return bool(not_parallel([nodes[0], nodes[i]]))
