@@ -35,6 +35,7 @@ MATRIX_6 = Type("matrix_6", "6 numbers (a diagonal) or a 6x6 matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 NUMBERS = Type("numbers", "a list of numbers")
+COEFFICIENT_LIST = Type("coefficients", "a list of numbers")  # of ascending powers, with units that go together
 POINTS = Type("points", "a list of [x, y] pairs")
 COLUMNS = Type("columns", "a list of 2 headers, or numbers of columns, from 1")
 UNITS = Type("units", "a list of 2 units")
@@ -126,6 +127,11 @@ def positive(value):
 def not_negative(value):
     """Check: >= 0."""
     return None if value >= 0 else "must not be negative"
+
+
+def not_zero(value):
+    """Check: not zero."""
+    return None if value else "must not be zero"
 
 
 def share(value):

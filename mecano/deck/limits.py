@@ -1,6 +1,10 @@
 """Checks of single values that several sections of a deck share: value -> what is wrong, or None."""
 
+import numpy as np
+
 AUTOMATIC = "automatic"
+ARITHMETIC = (ArithmeticError, np.linalg.LinAlgError)  # of a calculation with numbers near the ends of their range
+BEYOND_FLOATS = "too large or too small, taken together, to calculate with"
 
 
 def not_empty(value):
@@ -21,11 +25,6 @@ def below_one(value):
 def above_rounding(value):
     """Check: a relative tolerance that rounding lets one meet."""
     return None if 1e-14 <= value < 1.0 else "must lie between 1e-14 and 1"
-
-
-def not_zero(value):
-    """Check: not zero."""
-    return None if value else "must not be zero"
 
 
 def at_least_one(value):

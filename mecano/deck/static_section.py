@@ -2,7 +2,7 @@
 
 import math
 
-from mecano.deck.limits import AUTOMATIC, above_rounding, at_least_one, below_one, not_zero
+from mecano.deck.limits import AUTOMATIC, above_rounding, at_least_one, below_one
 from mecano.schema import (
     DIRECTION,
     INTEGER,
@@ -13,6 +13,7 @@ from mecano.schema import (
     either,
     mapping,
     not_negative,
+    not_zero,
     positive,
 )  # fmt: skip
 

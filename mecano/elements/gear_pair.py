@@ -14,6 +14,13 @@ angles relative to the carrier, counted over any turns,
 so that external gears with parallel axes turn as :math:`r_a\theta_a = -r_b\theta_b`. The multiplier is the tangential
 force of the teeth on a, along :math:`\tau` at the pitch point; b feels the opposite, and the carrier what the joints of
 both gears give it. The separating force of inclined flanks does no work and is left out, as are play and friction.
+
+Gears that do not touch, coupled by a chain or by gears between them, have a ``ratio`` i in place of the radius of b:
+
+.. math::  r_a \theta_a - r_a\, i\, \theta_b - c = 0
+
+for any axes and centres. Each gear feels a moment alone, that on a :math:`r_a` times the multiplier, and the carrier
+what balances both.
 """
 
 from itertools import product
@@ -26,7 +33,7 @@ from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
 from mecano.constraints.joint_frame import triad
 from mecano.contract import Kind, Output, Part
 from mecano.maths.vec import mat, vec
-from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, positive
+from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
 
 PARALLEL = 1e-6  # sine of the angle up to which two axes count as parallel
 GAP = 1e-4  # of the smaller radius: how far apart the circles may be in the deck
@@ -78,13 +85,14 @@ def _touching(d, nodes):
 
 def prepare(d, nodes, context):
     """Axes of the gears in the carrier and in themselves, travels, tangent and its constant."""
-    (mu_a, mu_b), (e_a, e_b, _), (carrier, a, b) = _axes(d), _touching(d, nodes), nodes
+    (mu_a, mu_b), (carrier, a, b) = _axes(d), nodes
+    axes = {"mu_1": mu_a @ carrier[1], "xi_1": mu_a @ a[1], "mu_2": mu_b @ carrier[1], "xi_2": mu_b @ b[1]}
+    if d["ratio"] is not None:
+        return {**axes, "travel": (d["radius_a"], -d["radius_a"] * d["ratio"]), "tangent": np.zeros(3), "offset": 0.0}
+    e_a, e_b, _ = _touching(d, nodes)
     tangent = np.cross(mu_a[2], e_a)
     return {
-        "mu_1": mu_a @ carrier[1],
-        "xi_1": mu_a @ a[1],
-        "mu_2": mu_b @ carrier[1],
-        "xi_2": mu_b @ b[1],
+        **axes,
         "travel": (d["radius_a"], -d["radius_b"] * (mu_b[2] @ np.cross(e_b, tangent))),
         "tangent": tangent @ carrier[1],
         "offset": tangent @ np.subtract(a[0], b[0]),
@@ -97,17 +105,22 @@ def parts(d, nodes, context):
 
 
 def check(d, nodes):
-    """The pitch circles touch at a point."""
+    """The pitch circles touch at a point, or there is a ratio."""
+    if (d["radius_b"] is None) == (d["ratio"] is None):
+        return ["give either 'radius_b', of gears whose pitch circles touch, or 'ratio'"]
+    if d["ratio"] is not None:
+        return []
     e_a, _, gap = _touching(d, nodes)
     if not e_a.any():
         return ["its nodes a and b must not lie on one axis"]
     if gap <= GAP * min(d["radius_a"], d["radius_b"]):
         return []
-    return [f"its pitch circles must touch at a point in the plane of both axes; they are {gap:.6g} m apart there"]
+    text = f"its pitch circles must touch at a point in the plane of both axes; they are {gap:.6g} m apart there"
+    return [f"{text} (gears with a chain or other gears between them have a 'ratio' in place of 'radius_b')"]
 
 
 def sample(rng):
-    """External, internal and bevel gears in general position."""
+    """External, internal and bevel gears in general position, and a ratio."""
     frame, x = triad(rng.normal(size=3)), rng.normal(size=3)
     e, _, n = frame
     tilted = np.cos(1.2) * n + np.sin(1.2) * e
@@ -116,6 +129,7 @@ def sample(rng):
         ({"radius_b": 0.3}, x + 0.8 * e),
         ({"radius_b": 0.9}, x - 0.4 * e),
         ({"radius_b": 0.3, "axis_b": tilted}, pitch + 0.3 * np.cross(np.cross(n, e), tilted)),
+        ({"ratio": -2.5, "axis_b": tilted}, x + 2.0 * e),
     ]
     found = []
     for values, center in cases:
@@ -135,7 +149,15 @@ GEAR_PAIR = Kind(
         Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; the carrier and a carry it"),
         Field("axis_b", DIRECTION, "-", "axis of b at the start, inertial; when absent, that of a", None),
         Field("radius_a", NUMBER, "m", "radius of the pitch circle of a", check=positive),
-        Field("radius_b", NUMBER, "m", "radius of the pitch circle of b", check=positive),
+        Field("radius_b", NUMBER, "m", "radius of the pitch circle of b, which touches that of a", None, positive),
+        Field(
+            "ratio",
+            NUMBER,
+            "-",
+            "angle_a over angle_b, < 0 where they turn against one another; in place of radius_b",
+            None,
+            not_zero,
+        ),
     ),
     outputs=(
         Output(
@@ -152,7 +174,7 @@ GEAR_PAIR = Kind(
             rate="rate_b",
         ),
         Output("rate_b", "rad/s", "rate of angle_b"),
-        Output("force", "N", "tangential force of the teeth of b on a; > 0 turns a about +axis_a"),
+        Output("force", "N", "tangential force on a at radius_a; > 0 turns a about +axis_a"),
     ),
     memory=("angle_a", "angle_b"),
     prepare=prepare,
