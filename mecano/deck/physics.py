@@ -6,6 +6,7 @@ import numpy as np
 
 from mecano.contract import SECTIONS
 from mecano.deck.hollows import check_hollows
+from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.pointing import pointed_at
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
@@ -47,17 +48,13 @@ def poses(nodes):
 
 def check_model(values, root, scope):
     """Note everything in the elements, joints, loads and nodes that cannot be."""
-    at, used, owners, told, sound = poses(values["nodes"]), set(), {}, set(), set()
+    at, used, told, sound = poses(values["nodes"]), set(), set(), set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():
             key, node = root.value[section][1].value[name]
             kind = scope.kinds[element["type"]]
             scope.subject = f"{kind.name} {quoted(name)}"
-            if name in owners:
-                hint = "names of elements, joints and loads must differ"
-                scope.refuse(key, f"the name is already that of a {owners[name]}", hint)
-            owners.setdefault(name, kind.name)
             names = element_nodes(kind, element)
             if section != "loads":
                 used.update(names)
@@ -125,14 +122,22 @@ def _check_element(kind, element, names, at, entry, root, scope, told):
         return False
     held = next((name for name in names if name != "ground"), None)
     given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
-    with np.errstate(all="ignore"):
-        texts = kind.check(element, given)
+    texts = _texts(kind, element, given)
     for text in texts:
         place = pointed_at(text, kind, entry, root)
         if (id(place), text) not in told:
             told.add((id(place), text))
             scope.refuse(place, text)
     return not texts
+
+
+def _texts(kind, element, nodes):
+    """Return the texts of the check of a kind, or that its numbers are beyond the limits of floating point."""
+    try:
+        with np.errstate(all="ignore"):
+            return kind.check(element, nodes)
+    except ARITHMETIC:
+        return [f"its numbers are {BEYOND_FLOATS}"]
 
 
 def _check_unused(nodes, used, root, scope):

@@ -47,7 +47,8 @@ def with_ground(model):
         names = list(element.nodes)
         if GROUND in names:
             other = by_name[names[1 - names.index(GROUND)]]
-            ground = Node(f"{GROUND} of {element.name}", other.x.copy(), other.R.copy(), fixed=True, internal=True)
+            title = f"{GROUND} of {element.kind.name} {element.name}"
+            ground = Node(title, other.x.copy(), other.R.copy(), fixed=True, internal=True)
             nodes.append(ground)
             names[names.index(GROUND)] = ground.name
         elements.append(Element(element.name, element.kind, tuple(names), element.values))

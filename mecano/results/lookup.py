@@ -51,7 +51,7 @@ class Lookup:
             return self._by_path[path]
         found = self._by_ending.get(dotted, [])
         if len(found) > 1:
-            paths = ", ".join(one.path for one in found[:6])
+            paths = ", ".join(one.path.replace("/", ".") for one in found[:6])
             raise UnknownNameError(f"'{dotted}' may be any of {paths}: write more of its path")
         return found[0] if found else None
 
