@@ -52,7 +52,7 @@ class Prepared:
 
 
 def prepare(deck):
-    """Build the model of a checked deck and assemble its positions; raises AssemblyError, or DeckError if it is rigid."""
+    """Build the model of a checked deck and assemble its positions; raises AssemblyError, DeckError if it is rigid."""
     system = System(build(deck))
     _refuse_fixed(deck, system)
     of, values = system.numbering, deck.values["time"] or deck.values["static"]

@@ -12,6 +12,7 @@ from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
+from mecano.deck.sections import shortest_interval
 from mecano.deck.similar import similar
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
@@ -41,6 +42,7 @@ CHECKS = {
     "text": values.text,
     "choice": values.choice,
     "numbers": values.numbers,
+    "coefficients": values.coefficients,
     "vector": values.vector,
     "direction": values.direction,
     "inertia": values.inertia,
@@ -104,6 +106,7 @@ def checked_values(root, sections, scope):
     for start in ("static", "steady"):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
+    _check_saved_times(result, root, scope)
     resolve(result, scope)
     _stop_at(problems, UNCHECKED)
     check_model(result, root, scope)
@@ -160,6 +163,14 @@ def _has_weight(node, kinds):
         return False
     optional = [field.name for field in kind.fields if field.name == "mass_per_length"]
     return all(name in entry and entry[name][1].value not in (None, 0) for name in optional)
+
+
+def _check_saved_times(result, root, scope):
+    """The interval of saved results must be longer than rounding of times."""
+    time, every = result["time"], result["output"]["every"]
+    if time and type(every) is float and every < (shortest := shortest_interval(time)):
+        _, node = root.value["output"][1].value["every"]
+        scope.refuse(node, f"'output.every' must be at least {shortest:g} s here, got {found(node)}", "write 'step'")
 
 
 def _check_version(root, problems):

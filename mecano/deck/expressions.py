@@ -1,7 +1,8 @@
 """Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; by an allow-list of what may stand there, nothing is executed.
 
-A text is an expression when it has a ``$`` or begins with ``=``. Names with a ``$`` are those of parameters; angles are
-plain numbers [rad]. In the names of copies, values are inserted: ``post$(i + 1)``, ``post$i``.
+A text is an expression when it has a ``$``, begins with ``=``, or is arithmetic of numbers alone, such as ``1/3`` or
+``-pi/2``. Names with a ``$`` are those of parameters; angles are plain numbers [rad]. In the names of copies, values
+are inserted: ``post$(i + 1)``, ``post$i``.
 """
 
 import ast
@@ -26,6 +27,8 @@ ANGLES = ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "degrees", "radi
 FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log", "hypot")}
 FUNCTIONS |= {"abs": abs, "min": min, "max": max}
 CONSTANTS = {"pi": math.pi}
+WORDS = "|".join([*FUNCTIONS, *CONSTANTS])
+ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{WORDS})\b)+")
 
 
 class ExpressionError(Exception):
@@ -39,6 +42,22 @@ class ExpressionError(Exception):
 def is_expression(text):
     """True when a text is to be evaluated."""
     return "$" in text or text.startswith("=")
+
+
+def is_arithmetic(text):
+    """Return whether a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name."""
+    return (
+        len(text) <= LONGEST
+        and ARITHMETIC.fullmatch(text) is not None
+        and re.search("[0-9]|pi", text) is not None
+        and not text.strip().isidentifier()
+        and ("," not in text or "(" in text)
+    )
+
+
+def is_evaluated(text):
+    """Return whether a text stands for a number that ``evaluate`` finds."""
+    return is_expression(text) or is_arithmetic(text)
 
 
 def names_in(text, parameters):

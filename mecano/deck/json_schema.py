@@ -12,7 +12,7 @@ from mecano.elements.cross_section import SHAPES
 from mecano.laws import TERMS
 from mecano.schema import SECTION_OF, not_negative, positive, share
 
-EXPRESSION = r"^\s*=|\$|^[-+]?\.?[0-9]"  # of a text in place of a number: an expression, or a quantity such as 25 mm
+EXPRESSION = r"^\s*=|\$|^[-+( ]*(\.?[0-9]|pi\b|[a-z0-9]+\()"  # in place of a number: an expression, or 25 mm
 NAME = r"^[A-Za-z_$][A-Za-z0-9_$()+*/% -]*$"
 BOUNDS = {positive: {"exclusiveMinimum": 0}, not_negative: {"minimum": 0}, share: {"minimum": 0, "maximum": 1}}
 TEXT, NULL = {"type": "string"}, {"type": "null"}
@@ -26,7 +26,7 @@ def deck_schema():
     definitions = {
         "repeat": _repeat(),
         "law": _law(),
-        **{f"term {term.name}": mapping_schema(term.fields, term.doc) for term in TERMS.values()},
+        **{f"term {term.name}": _term(term) for term in TERMS.values()},
         **{f"kind {kind.name}": _kind(kind) for kind in (*KINDS.values(), *SHAPES.values())},
         "template": _template(),
     }
@@ -138,6 +138,12 @@ def _law():
     }  # fmt: skip
 
 
+def _term(term):
+    """A mapping of fields; of a term with one field, its value alone will do."""
+    fields = mapping_schema(term.fields, term.doc)
+    return {"anyOf": [_of(term.fields[0].type), fields]} if len(term.fields) == 1 else fields
+
+
 def _repeat():
     value = {"type": ["number", "string"]}
     values = {"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": [TEXT, _list(value, 1)]}}
@@ -159,7 +165,8 @@ def _template():
 ARRAY_OR_ROWS = {"anyOf": [NUMBER, _list(NUMBER)]}
 WRITTEN = {
     "number": NUMBER, "parameter": NUMBER, "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
-    "boolean": {"type": "boolean"}, "text": TEXT, "numbers": _list(NUMBER), "vector": _list(NUMBER, 3, 3),
+    "boolean": {"type": "boolean"}, "text": TEXT, "numbers": _list(NUMBER), "coefficients": _list(NUMBER),
+    "vector": _list(NUMBER, 3, 3),
     "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),
     "matrix_6": _list(ARRAY_OR_ROWS, 6, 6), "points": _list(_list(NUMBER, 2, 2)), "law": {"anyOf": [TEXT, LAW]},
     "curve": {"anyOf": [{"type": "number"}, TEXT, LAW]}, "law_in_place": {"anyOf": [NUMBER, LAW]},

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
 from mecano.deck.scope import INVALID, Reference, place_of
 from mecano.deck.tables import Wanted, table
@@ -62,6 +63,8 @@ def _term(name, key, node, field, scope):
     if not fits(term, field.type.name):
         return scope.refuse(key, f"{quoted(name)} is a force of extension and rate; here must be {field.type.expects}")
     scope.owner = key
+    if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
+        node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
     values = filled(node, Field(name, TERM, "-", term.doc), term.fields, scope)
     if values is INVALID or ("file" in values and not _with_points(values, term, node, scope)):
         return INVALID

@@ -6,7 +6,8 @@ where they may also be words: ``side: left``.
 
 from contextlib import contextmanager
 
-from mecano.deck.expressions import ExpressionError, evaluate, is_expression, names_in
+from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
+from mecano.deck.scalar import number
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
 
 
@@ -63,7 +64,7 @@ class Parameters:
         if name in self._open:
             circle = [*self._open[self._open.index(name) :], name]
             raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)
-        if self.word(name):
+        if self.word(name) and not _reads_as_number(self.nodes[name].value):
             raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', no number", column)
         self._work_out(name, column)
         if self.values[name] is None:
@@ -104,12 +105,14 @@ class Parameters:
             return value
         if type(value) is not str:
             return None
+        if (quoted_number := number(value)) is not None:
+            return quoted_number
         if is_quantity(value):
             try:
                 return converted(value, ANY)
             except UnitError:
                 return None
-        if not is_expression(value):
+        if not is_evaluated(value):
             return None
         with self.working_on(name):
             try:
@@ -118,6 +121,10 @@ class Parameters:
                 return None
 
 
+def _reads_as_number(text):
+    return number(text) is not None or is_evaluated(text)
+
+
 def is_word(node):
-    """True when a value is a text that stands for no number."""
+    """True when a value is a text that names use as it is written; "01" and 1/3 are numbers in expressions."""
     return type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value)

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, field
 
 from mecano.deck.compose import Node
-from mecano.deck.expressions import ExpressionError, evaluate, is_expression
+from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated
 from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.similar import similar
 from mecano.deck.source import Source
@@ -73,7 +73,7 @@ class Scope:
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
-        expression = type(node.value) is str and is_expression(node.value)
+        expression = type(node.value) is str and is_evaluated(node.value)
         hint = hint or ("" if expression else self._keyword(node, declared) or how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
@@ -89,7 +89,7 @@ class Scope:
 
     def got(self, node):
         """The value in words, with the value of an expression."""
-        if type(node.value) is str and is_expression(node.value):
+        if type(node.value) is str and is_evaluated(node.value):
             try:
                 return f"{evaluate(node.value, self.parameters)} ({node.value})"
             except (ExpressionError, Refused):
@@ -112,7 +112,7 @@ class Scope:
 
     def evaluated(self, node):
         """The number that an expression stands for; None when the text is none."""
-        if not is_expression(node.value):
+        if not is_evaluated(node.value):
             return None
         try:
             return evaluate(node.value, self.parameters)

@@ -38,6 +38,7 @@ from mecano.schema import (
 PARAMETER = Type("parameter", "a number")
 LAW_IN_PLACE = Type("law_in_place", "a number or a mapping of terms")
 ZERO = (0.0, 0.0, 0.0)
+MOST_INTERVALS = 1e12
 
 
 def check_time(time):
@@ -46,6 +47,8 @@ def check_time(time):
         return f"'end' must be later than 'start', {time['start']:g} s"
     if time["step"] > time["end"] - time["start"]:
         return "'step' must not be longer than the time from 'start' to 'end'"
+    if time["step"] < (shortest := shortest_interval(time)):
+        return f"'step' must be at least {shortest:g} s here, for a time has 16 digits"
     if time["method"] == "hht" and time["rho_inf"] < 0.5:
         return "'rho_inf' must be at least 0.5 with the method hht"
     bounds = time["adaptive"] or {"minimum_step": AUTOMATIC, "maximum_step": AUTOMATIC}
@@ -55,6 +58,11 @@ def check_time(time):
     if high != AUTOMATIC and high < time["step"]:
         return "'step' must not be greater than 'adaptive.maximum_step'"
     return None
+
+
+def shortest_interval(time):
+    """Return the shortest interval [s] that steps and saved times may have: it must be more than rounding of times."""
+    return max(abs(time["start"]), abs(time["end"])) / MOST_INTERVALS
 
 
 def check_initial(initial):

@@ -14,7 +14,7 @@ from mecano.deck.include import confined
 from mecano.deck.scalar import number
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.units import UnitError, factor_of, parsed, unit_of
-from mecano.deck.values import LARGEST
+from mecano.deck.values import in_range
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError
 
@@ -182,7 +182,7 @@ class _Reading:
         point = []
         for column, factor in zip(self.columns, self.factors, strict=True):
             value = number(cells[column])
-            if value is None or not abs(value) <= LARGEST:
+            if value is None or not in_range(value):
                 place = max(self.source.lines[line].find(cells[column]), 0)
                 self.scope.refuse(
                     Node(None, self.source, line, place), f"must be a finite number, got {quoted(cells[column])}"

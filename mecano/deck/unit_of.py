@@ -13,7 +13,7 @@ from mecano.schema import mapping
 ALL_KINDS = {**KINDS, **SHAPES}
 EITHER = ("either", "shorthand")  # types of which the first option is another type
 LAWS = ("law", "curve", "law_in_place")
-SEVERAL = ("list", "vector", "numbers", "direction")
+SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
 
 
 def unit_of(path, values, texts=()):

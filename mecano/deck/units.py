@@ -1,7 +1,7 @@
 """Quantities with units: "25 mm", "3 bar", "12 deg", "2 kN/mm" -> numbers in SI units, their dimension checked.
 
-A unit is a product of factors, each with a whole power, and divided by single ones: "N m", "m/s2", "kg m2", "kN/mm",
-"N m/rad". Angles are a dimension of their own, so that degrees cannot be taken for metres.
+A unit is a product of factors, each with a power, and divided by single ones: "N m", "m/s2", "kg m2", "kN/mm",
+"N m/rad", "N/m^1.5". Angles are a dimension of their own, so that degrees cannot be taken for metres.
 """
 
 import difflib
@@ -12,9 +12,10 @@ from functools import lru_cache
 from mecano.deck.scalar import number
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
-QUANTITY = re.compile(rf"({NUMBER})\s*([A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*|1/[^\s,\[\]]+)\s*")
+UNIT = r"[A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*"
+QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/))({UNIT}|1/[^\s,\[\]]+)\s*")
 NAME = re.compile("[A-Za-zµμ°%]+")
-FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|([²³]))?")
+FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
 LENGTH, MASS, TIME, ANGLE, NONE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 0)
@@ -70,6 +71,16 @@ def converted(text, declared):
     return float(match[1]) * factor_of(match[2], declared)
 
 
+def go_together(coefficients):
+    """Return whether quantities {power: text} can be the coefficients of one polynomial."""
+    powers = {n: parsed(QUANTITY.fullmatch(text)[2])[1][:3] for n, text in coefficients.items()}  # radians are numbers
+    for argument in (NONE, LENGTH, TIME, FORCE, (1, 0, -1, 0), PER_TIME):
+        values = {tuple(a + n * b for a, b in zip(own, argument, strict=False)) for n, own in powers.items()}
+        if len(values) <= 1:
+            return True
+    return False
+
+
 def si_unit(text):
     """The SI unit of a quantity that has been read, as near to the written one as can be: of "40 km/h" it is m/s."""
     unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], QUANTITY.fullmatch(text)[2])
@@ -100,7 +111,7 @@ def parsed(unit):
         known = match and _simple(match[1])
         if not known:
             return None
-        power = sign * int(match[2] or {"²": 2, "³": 3}.get(match[3], 1))
+        power = sign * (float(match[3]) if match[3] else int(match[2] or {"²": 2, "³": 3}.get(match[4], 1)))
         value *= known[0] ** power
         powers = tuple(a + power * b for a, b in zip(powers, known[1], strict=True))
     return (value, powers) if factors else None

@@ -7,12 +7,14 @@ be an expression, such as ``$speed / 0.35`` (expressions.py).
 import math
 from dataclasses import replace
 
+from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Reference
-from mecano.deck.units import UnitError, converted, is_quantity, unit_of
+from mecano.deck.units import UnitError, converted, go_together, is_quantity, unit_of
 from mecano.deck.wording import quoted
 from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
+SMALLEST = 1e-100  # below it they vanish; zero itself is a number like others
 END = replace(NODE, name="end")  # one of two nodes, which may be the ground
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
@@ -22,6 +24,8 @@ SIX = replace(NUMBERS, expects="six numbers")
 def plain_number(node, field, scope):
     """The int or float of a node, of its expression or quantity; None when it is none, INVALID when that is wrong."""
     value = node.value
+    if type(value) is str and (quoted_number := number_in(value)) is not None:
+        return quoted_number
     if type(value) is str:
         value = _quantity(node, field, scope) if is_quantity(value) else scope.evaluated(node)
     return value if value is INVALID or type(value) in (int, float) else None
@@ -42,9 +46,16 @@ def number(node, field, scope):
         return INVALID
     if value is None:
         return scope.refuse_value(node, field)
-    if abs(value) <= LARGEST:
+    if in_range(value):
         return float(value)
+    if abs(value) < SMALLEST:
+        return scope.refuse_value(node, field, f"is not zero, and less than {SMALLEST:g}", hint="write 0")
     return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
+
+
+def in_range(value):
+    """Return whether a number is finite, and neither it nor its square overflows or vanishes."""
+    return SMALLEST <= abs(value) <= LARGEST or value == 0
 
 
 def integer(node, field, scope):
@@ -81,7 +92,7 @@ def items(node, field, scope, item_type):
     """A list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
-    if item_type is NUMBER and all(type(i.value) in (int, float) and abs(i.value) <= LARGEST for i in node.value):
+    if item_type is NUMBER and all(type(i.value) in (int, float) and in_range(i.value) for i in node.value):
         return [float(item.value) for item in node.value]  # most of a large deck: no field is made for each
     check = scope.checks[item_type.name]
     own = item_type is NUMBER  # each number of a list may have a unit of its own, lists in a list have the same
@@ -97,6 +108,19 @@ def numbers(node, field, scope):
     return items(node, field, scope, NUMBER)
 
 
+def coefficients(node, field, scope):
+    """A list of coefficients of ascending powers, whose units are those of one value over powers of one argument."""
+    values = items(node, field, scope, NUMBER)
+    if values is INVALID:
+        return INVALID
+    units = {n: item for n, item in enumerate(node.value) if type(item.value) is str and is_quantity(item.value)}
+    if go_together({n: item.value for n, item in units.items()}):
+        return values
+    last, given = node.value[max(units)], ", ".join(f"{item.value} (power {n})" for n, item in units.items())
+    text = f"units do not go together: {given}; each is the unit of the value over that of the argument to the power"
+    return scope.refuse(last, f"{quoted(scope.name_of(field.name))}: {text}", "such as [0, 2 kN/mm, 3 N/mm^2]")
+
+
 def vector(node, field, scope):
     """A list of three numbers."""
     if type(node.value) is not list or len(node.value) != 3:
@@ -107,7 +131,7 @@ def vector(node, field, scope):
 def direction(node, field, scope):
     """A vector that is not zero."""
     value = vector(node, field, scope)
-    if value is INVALID or math.hypot(*value) > 1 / LARGEST:
+    if value is INVALID or any(value):
         return value
     return scope.refuse_value(node, field)
 

@@ -2,12 +2,10 @@
 
 import re
 
-from mecano.deck.scalar import number
 from mecano.deck.similar import similar
 from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "either")  # types whose values may be numbers
-ARITHMETIC = re.compile(r"[-+(]*\.?\d[\d.eE()*/+ -]*")
 MAX_SHOWN = 60
 MAX_LISTED = 12
 
@@ -38,10 +36,6 @@ def how_to_write(node, field):
     text = node.value
     if type(text) is not str or field.type.name not in NUMERIC or is_quantity(text):
         return ""
-    if number(text) is not None:
-        return "leave out the quotes"
-    if ARITHMETIC.fullmatch(text) and any(letter in "+-*/" for letter in text[1:]):
-        return f"an expression begins with '=': '={text}'"
     unit = re.split(r" or |,", field.unit)[0].strip() if "unit" not in field.unit else ""
     shown = f"2.5 or 2.5 {unit}" if unit not in ("", "-") else "2.5"
     return f"a number is written as {shown}" if any(letter.isdigit() for letter in text) else ""

@@ -15,6 +15,7 @@ from mecano.schema import NUMBER, POINTS, Field, Type, not_negative, positive
 MATRIX = Type("matrix", "6 rows of 6 numbers, symmetric")
 TRIPLE = Type("vector", "3 numbers, about the axes 1, 2, 3")
 MOST_POINTS = 8
+SMALLEST = 1e-100  # of stiffnesses and masses, whose squares must not vanish
 
 
 @dataclass(frozen=True)
@@ -208,7 +209,15 @@ SHAPES = {
 
 def check_section(d):
     """What is wrong with the deck values of a section taken together: a text, or None."""
-    return SHAPES[d["type"]].check(d) or None
+    return SHAPES[d["type"]].check(d) or _out_of_range(constants(d))
+
+
+def _out_of_range(section):
+    """Return a text where stiffnesses or the mass of Constants overflow or vanish, else None."""
+    numbers = np.array([*np.diag(section.C), section.mass])
+    if (numbers > SMALLEST).all() and (numbers < 1.0 / SMALLEST).all():
+        return None
+    return f"gives stiffnesses or a mass that overflow or vanish: {', '.join(f'{number:g}' for number in numbers)}"
 
 
 def constants(d):

@@ -9,6 +9,7 @@ from mecano.laws.dry_friction import DRY_FRICTION
 from mecano.laws.gas_spring import GAS_SPRING
 from mecano.laws.linear_forces import DAMPER, PRELOAD, SPRING
 from mecano.laws.polynomial import CONSTANT, LINEAR, POLYNOMIAL
+from mecano.laws.power import DAMPER_POWER, POWER
 from mecano.laws.roads import BUMP, RANDOM
 from mecano.laws.stops import DEAD_BAND, STOP
 from mecano.laws.tabulated import TABLE
@@ -20,6 +21,7 @@ TERMS = {
         CONSTANT,
         LINEAR,
         POLYNOMIAL,
+        POWER,
         TABLE,
         SINE,
         RAMP,
@@ -31,6 +33,7 @@ TERMS = {
         PRELOAD,
         DAMPER,
         DAMPER_POLYNOMIAL,
+        DAMPER_POWER,
         DAMPER_TABLE,
         GAS_SPRING,
         OIL_DAMPER,

@@ -3,8 +3,8 @@
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.laws.term import ARGUMENT, SLOPE, VALUE, Term, numbers_of
-from mecano.schema import NUMBER, NUMBERS, Field
+from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term, numbers_of
+from mecano.schema import COEFFICIENT_LIST, NUMBER, Field
 
 SHOWN = 257  # arguments that show the shape of a polynomial
 
@@ -72,7 +72,11 @@ def shape_of_polynomial(values, low, high):
 
 
 COEFFICIENTS = Field(
-    "coefficients", NUMBERS, "-", "c0, c1, c2 ... (SI), in ascending powers from the power 0", check=at_least_one
+    "coefficients",
+    COEFFICIENT_LIST,
+    OF_A_POWER,
+    "c0, c1, c2 ..., in ascending powers p from 0",
+    check=at_least_one,
 )
 
 CONSTANT_FIELDS = (Field("value", NUMBER, VALUE, "the value"),)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 ARGUMENT = "unit of the argument"
 VALUE = "unit of the value"
 SLOPE = "unit of the value / unit of the argument"
+OF_A_POWER = "unit of the value / unit of the argument^p"
 
 OF_A_WAVE = 32  # parts of a wave or an edge that show its shape: second derivatives within 0.5 %
 MOST_SHOWN = 100_000  # arguments that show the shape of something endless, from the lowest on

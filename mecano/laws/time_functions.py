@@ -99,7 +99,7 @@ def shape_of_sine(values, low, high):
     if not frequency:
         return []
     part, zero = 1.0 / (OF_A_WAVE * abs(frequency)), -values["phase"] / (2.0 * math.pi * frequency)
-    first, count = math.ceil((low - zero) / part), max(OF_A_WAVE, math.ceil((high - low) / part))
+    first, count = np.ceil((low - zero) / part), max(OF_A_WAVE, np.ceil((high - low) / part))
     return zero + part * (first + np.arange(min(count, MOST_SHOWN)))
 
 

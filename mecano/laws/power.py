@@ -1,0 +1,80 @@
+r"""Power terms: :math:`c\,\mathrm{sign}(s)|s|^p` of the argument, or of the rate, for any real exponent p > 0.
+
+A sphere on a plane gives p = 3/2 (Hertz 1881), turbulent drag p = 2. Where p < 1 the slope at zero is infinite: within
+``NEAR`` of zero derivatives are those at ``NEAR``, the value stays exact.
+"""
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.laws.linear_forces import no_energy
+from mecano.laws.polynomial import SHOWN
+from mecano.laws.term import OF_A_POWER, Term, numbers_of
+from mecano.schema import NUMBER, Field, not_negative, positive
+
+NEAR = 1e-9
+
+
+@kernel
+def power(a, i, s):
+    """Numbers: coefficient, exponent."""
+    c, p = a[i], a[i + 1]
+    sign, size = (-1.0, -s) if s < 0.0 else (1.0, s)
+    near = max(size, NEAR)
+    return sign * c * size**p, c * p * _derivative(size, near, p - 1.0), sign * c * p * (p - 1.0) * near ** (p - 2.0)
+
+
+@kernel
+def _derivative(size, near, exponent):
+    """size^exponent, finite at zero."""
+    return size**exponent if exponent >= 0.0 else near**exponent
+
+
+@kernel
+def power_integral(a, i, s):
+    """Antiderivative that is zero at s = 0."""
+    return a[i] * abs(s) ** (a[i + 1] + 1.0) / (a[i + 1] + 1.0)
+
+
+@kernel
+def damper_power(a, i, s, v):
+    """The power, of the rate."""
+    y, d, _ = power(a, i, v)
+    return y, 0.0, d
+
+
+def breakpoints_of_power(values):
+    """The argument zero, where some derivative jumps unless the exponent is odd."""
+    return [] if values["exponent"] % 2.0 == 1.0 else [0.0]
+
+
+def shape_of_power(values, low, high):
+    """Equally spaced, and both sides of zero."""
+    return [*np.linspace(low, high, SHOWN), *(s for s in (-NEAR, NEAR) if low < s < high)]
+
+
+EXPONENT = Field("exponent", NUMBER, "-", "exponent p: 1.5 of a Hertz contact, 2 of turbulent drag", check=positive)
+
+POWER_FIELDS = (Field("coefficient", NUMBER, OF_A_POWER, "coefficient c"), EXPONENT)
+POWER = Term(
+    name="power",
+    doc="y = coefficient sign(s) |s|^exponent, for any exponent > 0.",
+    role="curve",
+    fields=POWER_FIELDS,
+    pack=numbers_of(POWER_FIELDS),
+    evaluate=power,
+    integral=power_integral,
+    shape=shape_of_power,
+    breakpoints=breakpoints_of_power,
+)
+
+DAMPER_POWER_FIELDS = (Field("coefficient", NUMBER, OF_A_POWER, "coefficient c", check=not_negative), EXPONENT)
+DAMPER_POWER = Term(
+    name="damper_power",
+    doc="F = coefficient sign(v) |v|^exponent, a power of the rate, for any exponent > 0.",
+    role="force",
+    fields=DAMPER_POWER_FIELDS,
+    pack=numbers_of(DAMPER_POWER_FIELDS),
+    evaluate=damper_power,
+    integral=no_energy,
+)
