@@ -151,7 +151,7 @@ def elements(of):
             sign = "rising" if at_a == "low" else "falling"
             ends = f"post{a}_{at_a}, post{b}_{at_b}"
             yield (
-                f"  {face(a, b)}_{sign}: {{type: cable, nodes: [{ends}], young_modulus: $cable_modulus, "
+                f"  {face(a, b)}_{sign}: {{type: cable, nodes: [{ends}], E: $cable_modulus, "
                 f"area: $cable_area, natural_length: {length:.15g}, payout_tension: $payout_tension, "
                 "at_full_length: shock}"
             )

@@ -107,14 +107,14 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
 def test_stiffness_and_length_are_checked():
     nodes = [(np.zeros(3), np.eye(3)), (np.array([2.0, 0, 0]), np.eye(3))]
     for d, texts in (
-        ({}, ["give either 'axial_stiffness' or 'young_modulus' with 'area'"]),
+        ({}, ["give either 'axial_stiffness' or 'E' with 'area'"]),
         (
-            {"axial_stiffness": 1.0, "young_modulus": 1.0},
-            ["give either 'axial_stiffness' or 'young_modulus' with 'area'"],
+            {"axial_stiffness": 1.0, "E": 1.0},
+            ["give either 'axial_stiffness' or 'E' with 'area'"],
         ),
-        ({"young_modulus": 1.0}, ["'area' is missing: 'young_modulus' alone gives no axial stiffness"]),
+        ({"E": 1.0}, ["'area' is missing: 'E' alone gives no axial stiffness"]),
         ({"axial_stiffness": 1.0, "natural_length": 0.0}, ["'natural_length' must be greater than zero at t = 0"]),
-        ({"young_modulus": 1.0, "area": 1.0}, []),
+        ({"E": 1.0, "area": 1.0}, []),
     ):
         for kind in (KINDS["bar"], KINDS["cable"]):
             assert kind.check({**{f.name: f.default for f in kind.fields}, **d}, nodes) == texts

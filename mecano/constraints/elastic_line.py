@@ -59,7 +59,7 @@ def line_record(d, nodes, context):
     mass, area = d["mass_per_length"] * curve_at(natural, 0.0)[0], d["area"]
     own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
     return {
-        "EA": d["young_modulus"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
+        "EA": d["E"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
         "inverse_area": 0.0 if area is None else 1.0 / area,
         "damping": d["damping"],
         "law": context.laws.add(natural),

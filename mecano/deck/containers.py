@@ -3,7 +3,9 @@
 import re
 from dataclasses import replace
 
-from mecano.deck.expressions import is_expression
+from mecano.deck.expressions import is_evaluated
+from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
+from mecano.deck.scalar import number
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
 from mecano.deck.similar import similar
 from mecano.deck.synonyms import synonym
@@ -13,6 +15,10 @@ from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, gone when it is checked
+KEYS_ELSEWHERE = {  # what other programs call some fields, without '_'
+    "youngmodulus": "E", "youngsmodulus": "E", "elasticmodulus": "E", "modulus": "E", "shearmodulus": "G",
+    "poisson": "nu", "poissonratio": "nu", "rho": "density",
+}  # fmt: skip
 RESERVED = {"nodes": ("ground", "all")}
 
 
@@ -24,13 +30,21 @@ def checked(node, field, scope):
         return value
     if field.type.name == "either" and type(value) is str:
         return value
-    text = field.check(value)
+    text = _complaint(field, value)
     if not text:
         return value
     if type(value) is dict and field.type.name != "named":
         path = scope.name_of(field.name)
         return scope.refuse(place_of(text, node, owner or node), f"{path}: {text}" if path else text)
     return scope.refuse_value(node, field, text)
+
+
+def _complaint(field, value):
+    """Return what the check of a field says of a value, or None."""
+    try:
+        return field.check(value)
+    except ARITHMETIC:
+        return f"has numbers that are {BEYOND_FLOATS}"
 
 
 def default(field, scope):
@@ -64,9 +78,7 @@ def filled(node, field, fields, scope, given=None):
         scope.path.append(field.name)
     for key, (key_node, _) in node.value.items():
         if key not in known:
-            near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
-            hint = scope.suggest(key, near or sorted(known)) if ":" not in key else "a space stands behind ':'"
-            scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
+            scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", _meant(key, known, field, scope))
     for inner in fields:
         pair = node.value.get(inner.name)
         if pair and not _left_out(pair[1], inner):
@@ -81,6 +93,17 @@ def filled(node, field, fields, scope, given=None):
     # a parameter that was refused elsewhere makes a value invalid without another problem
     refused = len(scope.problems) > before or any(value is INVALID for value in values.values())
     return INVALID if refused else values
+
+
+def _meant(key, known, field, scope):
+    """Hint for a key that is none of the known ones."""
+    if ":" in key:
+        return "a space stands behind ':'"
+    name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
+    if name in known:
+        return f"here it is called {quoted(name)}"
+    near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
+    return scope.suggest(key, near or sorted(known))
 
 
 def _as_mapping(node, fields):
@@ -152,9 +175,13 @@ def either(node, field, scope):
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
         return node.value
-    if type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value):
+    if type(node.value) is str and not _is_number(node.value):
         return scope.refuse_value(node, field)
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
+
+
+def _is_number(text):
+    return is_evaluated(text) or is_quantity(text) or number(text) is not None
 
 
 def shorthand(node, field, scope):

@@ -38,7 +38,7 @@ EXAMPLES = {
     "held_rotation": "upright: {type: held_rotation, nodes: [ground, slider]}",
     "beam": "leg: {type: beam, nodes: [crank, slider], section: pipe, mesh: 4}",
     "superelement": "wing: {type: superelement, nodes: [crank, slider], file: wing.npz}",
-    "bar": "tie: {type: bar, nodes: [crank, slider], young_modulus: 210 GPa, area: 80 mm2}",
+    "bar": "tie: {type: bar, nodes: [crank, slider], E: 210 GPa, area: 80 mm2}",
     "cable": "rope: {type: cable, nodes: [crank, slider], axial_stiffness: 50 kN, natural_length: 0.9 m}",
     "spring_damper": "strut: {type: spring_damper, nodes: [crank, slider], law: viscous}",
     "torsion_spring_damper":
@@ -73,9 +73,10 @@ EXAMPLES = {
         "[0, 0, 0, 50, 10, 0], [0, 0, 0, 10, 80, 0], [0, 0, 0, 0, 0, 900]], "
         "mass: [[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], "
         "[0, 0, 0, 2.0e-3, 0, 0], [0, 0, 0, 0, 1.0e-3, 0], [0, 0, 0, 0, 0, 1.0e-3]]}",
-    "constant": "load: {constant: {value: 3 kN}}",
+    "constant": "load: {constant: 3 kN, sine: {amplitude: 1 kN, frequency: 2 Hz}}",
     "linear": "turning: {linear: {slope: 60 rpm}}",
-    "polynomial": "rising: {polynomial: {coefficients: [0, 0, 60]}} # 60 s^2",
+    "polynomial": "stiffening: {polynomial: {coefficients: [0, 2 kN/mm, 3 N/mm^2]}}",
+    "power": "contact: {power: {coefficient: 1.0e9 N/m^1.5, exponent: 1.5}} # of Hertz",
     "table": "measured: {table: {points: [[0, 0], [10 mm, 2 kN], [20 mm, 5 kN]], beyond: extend}}",
     "sine": "shaking: {sine: {amplitude: 2 mm, frequency: 5 Hz}}",
     "ramp": "pull: {ramp: {start: 0.5 s, end: 1 s, from: 0, to: 3 kN}}",
@@ -87,6 +88,7 @@ EXAMPLES = {
     "preload": "coil: {spring: {stiffness: 20 kN/m}, preload: {force: 500 N}}",
     "damper": "shock: {spring: {stiffness: 20 kN/m}, damper: {coefficient: 300}}",
     "damper_polynomial": "shock: {damper_polynomial: {coefficients: [0, 300, 0, 20]}}",
+    "damper_power": "drag: {damper_power: {coefficient: 12 N s2/m2, exponent: 2}}",
     "damper_table": "shock: {damper_table: {points: [[-1, -500], [0, 0], [1, 2000]]}}",
     "gas_spring": "oleo: {gas_spring: {force: 20 kN, length: 0.5 m, exponent: 1.2}}",
     "oil_damper": "oleo: {oil_damper: {compression: 8.0e3, rebound: 6.0e4}}",

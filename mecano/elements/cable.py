@@ -127,10 +127,10 @@ def variant(d):
 def check(d, nodes):
     """The line has a direction and a natural length at the start, and one axial stiffness."""
     texts = at_one_place(nodes)
-    if (d["axial_stiffness"] is None) == (d["young_modulus"] is None):
-        texts.append("give either 'axial_stiffness' or 'young_modulus' with 'area'")
-    elif d["young_modulus"] is not None and d["area"] is None:
-        texts.append("'area' is missing: 'young_modulus' alone gives no axial stiffness")
+    if (d["axial_stiffness"] is None) == (d["E"] is None):
+        texts.append("give either 'axial_stiffness' or 'E' with 'area'")
+    elif d["E"] is not None and d["area"] is None:
+        texts.append("'area' is missing: 'E' alone gives no axial stiffness")
     if d["natural_length"] is not None and not curve_at(d["natural_length"], 0.0)[0] > 0.0:
         texts.append("'natural_length' must be greater than zero at t = 0")
     return texts
@@ -154,7 +154,7 @@ def sample_bar(rng):
     growing = (("linear", {"slope": 0.4, "offset": 1.0}),)
     given = {"axial_stiffness": 50.0, "mass_per_length": 2.0, "natural_length": 1.9, "damping": 0.3}
     lumped = {
-        "young_modulus": 200.0, "area": 0.1, "natural_length": growing, "damping": 0.2, "mass_per_length": 0.7,
+        "E": 200.0, "area": 0.1, "natural_length": growing, "damping": 0.2, "mass_per_length": 0.7,
         "mass_distribution": "lumped",
     }  # fmt: skip
     return [(given, _apart(rng, 1.5), ""), (lumped, _apart(rng, 2.0), "")]
@@ -181,8 +181,8 @@ def _apart(rng, distance):
 
 FIELDS = (
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-    Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give young_modulus and area", None, positive),
-    Field("young_modulus", NUMBER, "Pa", "Young's modulus, where axial_stiffness is not given", None, positive),
+    Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give E and area", None, positive),
+    Field("E", NUMBER, "Pa", "modulus of elasticity, where axial_stiffness is not given", None, positive),
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
     Field("natural_length", CURVE, "m", "length without force, as a function of time [s]; the initial distance", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
