@@ -337,7 +337,6 @@ REFUSED = [
     ("fixed", {}, TURNED, "the same rotation; they are turned by 180 degrees"),
     ("prismatic", {}, TURNED, "the same rotation"),
     ("held_rotation", {}, TURNED, "the same rotation"),
-    ("rigid_link", {}, TURNED, "the same rotation"),
     ("rigid_rod", {}, HERE, "must not be at the same place"),
 ]
 

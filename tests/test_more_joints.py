@@ -73,6 +73,32 @@ def test_gears_share_one_inertia():
     close(march["joints/bearing_a/moment"][-1], 0.0, 2.0)
 
 
+CHAIN = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0.5]}}
+    elements:
+      a: {type: rigid_body, node: a, mass: 1, inertia: [0.01, 0.01, 0.01]}
+      b: {type: rigid_body, node: b, mass: 1, inertia: [0.04, 0.04, 0.04]}
+    joints:
+      a: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}
+      b: {type: hinge, nodes: [ground, b], axis: [1, 0, 0]}
+      chain: {type: gear_pair, nodes: [ground, a, b], axis_a: [0, 0, 1], axis_b: [1, 0, 0], radius_a: 0.1, ratio: -2}
+    loads: {motor: {type: couple, nodes: [ground, a], axis: [0, 0, 1], value: 3.0}}
+    time: {end: 1.0, step: 0.01}
+"""
+
+
+def test_ratio_of_gears_that_do_not_touch():
+    """Inertia J_a + J_b/i^2 = 0.02 kg m2 under 3 N m; the chain takes 3 - 0.01 * 150 N m off a, at 0.1 m."""
+    march = March(deck(CHAIN))
+    t = march.time
+    close(march["joints/chain/angle_a"], 75.0 * t**2, 75.0)
+    close(march["joints/chain/angle_b"], -37.5 * t**2, 37.5)
+    close(march["joints/chain/force"], -15.0)
+    close(march["joints/a/force"], 0.0, 15.0)
+
+
 PLANET = """
     mecano: 1
     gravity: [0, 0, -9.81]
@@ -120,12 +146,14 @@ def test_pinion_pulls_a_rack():
     close(march["joints/guide/moment"][-1], 0.0, 2.0)
 
 
-GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2}
+GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2, "ratio": None}
 REFUSED = [
     ("gear_pair", GEARS, (0 * X, 0.31 * X), "they are 0.01 m apart"),
     ("gear_pair", GEARS, (0 * X, 0.3 * X + 0.02 * Z), "they are 0.02 m apart"),
     ("gear_pair", {**GEARS, "axis_b": X}, (0 * X, 0.1 * X + 0.2 * Z + 0.05 * Y), "they are 0.05 m apart"),
     ("gear_pair", GEARS, (0 * X, Z), "must not lie on one axis"),
+    ("gear_pair", {**GEARS, "ratio": -2.0}, (0 * X, 0.3 * X), "give either 'radius_b'"),
+    ("gear_pair", {**GEARS, "radius_b": None}, (0 * X, 0.3 * X), "give either 'radius_b'"),
     ("rack_and_pinion", {"axis": Z, "direction": X + Z}, (0 * X, X), "perpendicular; they are 45 degrees apart"),
     ("planar", {"axis": Z, "axis_1": -Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
     ("screw", {"axis": Z, "axis_1": Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),

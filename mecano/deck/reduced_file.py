@@ -7,8 +7,10 @@ in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a m
 
 import hashlib
 import io
+import math
 import os
 import zipfile
+import zlib
 
 import numpy as np
 
@@ -32,7 +34,11 @@ CONTENT = (
     Field("interior_basis", ROWS, "-", "displacements of the inner nodes, 3 rows each, by the coordinates", None),
     Field("lines", ROWS, "-", "pairs of nodes, from 0, boundary before inner ones, joined by a line in pictures", None),
 )
-UNREADABLE = (ValueError, TypeError, OSError, KeyError, IndexError, EOFError, RuntimeError, zipfile.BadZipFile)
+UNREADABLE = (
+    ValueError, TypeError, OSError, KeyError, IndexError, EOFError, RuntimeError, OverflowError, zipfile.BadZipFile,
+    zlib.error,
+)  # fmt: skip
+MOST_NUMBERS = 4_000_000  # of one matrix, which a small file can claim to have
 KEYS = {field.name: field for field in CONTENT}
 
 
@@ -101,15 +107,40 @@ def _yaml(data, name, node, field, scope):
 
 
 def _npz(data, name, node, field, scope):
-    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-        return _arrays({key: archive[key] for key in archive.files}, name, node, scope)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        arrays = {}
+        for entry in archive.namelist():
+            if (key := entry.removesuffix(".npy")) not in KEYS:
+                return scope.refuse(node, f"file {quoted(name)} has an unknown key {quoted(key)}", _hint())
+            with archive.open(entry) as stream:
+                _refuse_large(_bytes_of_array(stream))
+            with archive.open(entry) as stream:
+                arrays[key] = np.lib.format.read_array(stream, allow_pickle=False)
+    return _arrays(arrays, name, node, scope)
+
+
+def _bytes_of_array(stream):
+    """Return how many bytes the array of an .npy stream has, from its header alone."""
+    version = np.lib.format.read_magic(stream)
+    read = np.lib.format.read_array_header_1_0 if version[0] == 1 else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(stream)
+    return math.prod(shape) * dtype.itemsize
+
+
+def _refuse_large(size):
+    """Raise ValueError for an array of more than so many bytes."""
+    if size > 8 * MOST_NUMBERS:
+        raise ValueError(f"a matrix of {size:.3g} bytes is too large; {MOST_NUMBERS} numbers are allowed")
 
 
 def _hdf5(data, name, node, field, scope):
     import h5py
 
     with h5py.File(io.BytesIO(data), "r") as file:
-        arrays = {key: item[()] for key, item in file.items() if isinstance(item, h5py.Dataset)}
+        datasets = {key: item for key, item in file.items() if isinstance(item, h5py.Dataset)}
+        for item in datasets.values():
+            _refuse_large(item.size * item.dtype.itemsize)
+        arrays = {key: item[()] for key, item in datasets.items()}
     found = {}
     for key, value in arrays.items():
         if isinstance(value, bytes):
@@ -157,7 +188,7 @@ def _unfit(array, width=None):
         return f"must be a matrix of real numbers, is an array {array.shape} of {array.dtype}"
     if width and array.shape[1] != width:
         return f"must have {width} columns, has {array.shape[1]}"
-    return "" if np.all(np.abs(array) <= LARGEST) else "has numbers that are not finite"
+    return "" if np.all(np.abs(array.astype(float)) <= LARGEST) else "has numbers that are not finite or out of range"
 
 
 def rows(node, field, scope):
@@ -184,7 +215,7 @@ def _matrix(name, node, scope):
     if data is None:
         return None
     try:
-        array = _market(data) if suffix == ".mtx" else np.load(io.BytesIO(data), allow_pickle=False)
+        array = _market(data) if suffix == ".mtx" else _npy(data)
     except UNREADABLE as error:
         scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
         return None
@@ -195,8 +226,15 @@ def _matrix(name, node, scope):
     return array.astype(float)
 
 
-def _market(data):
-    from scipy.io import mmread
+def _npy(data):
+    _refuse_large(_bytes_of_array(io.BytesIO(data)))
+    return np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
 
+
+def _market(data):
+    from scipy.io import mminfo, mmread
+
+    rows, columns, entries, *_ = mminfo(io.BytesIO(data))
+    _refuse_large(8 * max(rows * columns, entries))
     array = mmread(io.BytesIO(data))
     return array.toarray() if hasattr(array, "toarray") else array

@@ -29,6 +29,14 @@ class Source:
         """The lines without their ends."""
         return _lines(self.text)
 
+    def each_line(self):
+        """Yield the lines one by one, without keeping them."""
+        begin = 0
+        for end in LINE_END.finditer(self.text):
+            yield self.text[begin : end.start()]
+            begin = end.end()
+        yield self.text[begin:]
+
     def mark(self, line, column):
         """The Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
         if line >= len(self.lines):

@@ -7,6 +7,7 @@ the unit, as in ``force [kN]``; ``units`` gives units where it has none.
 import csv
 import os
 import re
+from array import array
 from dataclasses import dataclass, field
 
 from mecano.deck.compose import Node
@@ -19,6 +20,7 @@ from mecano.deck.wording import quoted
 from mecano.errors import DeckError
 
 HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?")
+MOST_COLUMNS = 10_000
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
 
@@ -28,7 +30,7 @@ class Table:
 
     source: object
     points: list = field(default_factory=list)
-    rows: list = field(default_factory=list)  # number of the line of each point, from 0
+    rows: array = field(default_factory=lambda: array("q"))  # number of the line of each point, from 0
 
     def place(self, i):
         """A node at the point i."""
@@ -102,19 +104,20 @@ class _Reading:
     def __init__(self, source, wanted, scope):
         self.source, self.wanted, self.scope = source, wanted, scope
         self.found = Table(source)
-        self.columns, self.factors = None, (1.0, 1.0)  # known from the first row on
+        self.columns, self.factors, self.width = None, (1.0, 1.0), 2  # known from the first row on
+        self.is_plain = source.text.isascii() and "_" not in source.text  # float() reads what ``number`` does
 
     def table(self):
         """The Table of all rows that are right."""
-        lines = self.source.lines
-        rows, first = csv.reader(lines, delimiter=_delimiter(lines), skipinitialspace=True), True
+        delimiter = _delimiter(self.source.each_line())
+        rows, first = csv.reader(self.source.each_line(), delimiter=delimiter, skipinitialspace=True), True
         try:
             for cells in rows:
-                cells = [cell.strip() for cell in cells]
-                if not any(cells) or cells[0].startswith("#"):
+                if not cells or cells[0].startswith("#") or not any(map(str.strip, cells)):
                     continue
                 if first:
-                    first, header = False, all(number(cell) is None for cell in cells)
+                    cells, first = [cell.strip() for cell in cells], False
+                    header = all(number(cell) is None for cell in cells)
                     if not self._choose(cells, header, rows.line_num - 1):
                         break
                     if header:
@@ -126,6 +129,9 @@ class _Reading:
 
     def _choose(self, cells, header, line):
         """Which columns, and by what to multiply them, from the first row; False when that cannot be told."""
+        if len(cells) > MOST_COLUMNS:
+            self._refuse(line, f"the table has {len(cells)} columns; {MOST_COLUMNS} are allowed")
+            return False
         matches = [HEADER.fullmatch(cell) for cell in cells] if header else []
         names = [match[1] for match in matches]
         if self.wanted.columns[0] is None:
@@ -137,6 +143,7 @@ class _Reading:
                 return False
         else:
             self.columns = tuple(self._column(node, names, len(cells)) for node in self.wanted.columns)
+            self.width = len(cells)
         if None in self.columns:
             return False
         units = [match[2] or (match[3] if parsed(match[3] or "") else None) for match in matches]
@@ -171,26 +178,39 @@ class _Reading:
             return None
 
     def _add(self, cells, line):
+        point = self._plain(cells) or self._checked(cells, line)
+        if point:
+            self.found.points.append(point)
+            self.found.rows.append(line)
+
+    def _plain(self, cells):
+        """The point of a row of plain numbers, most of a long table; None of another one."""
+        try:
+            if len(cells) != self.width:
+                return None
+            (i, j), (to_x, to_y) = self.columns, self.factors
+            x, y = float(cells[i]), float(cells[j])
+        except ValueError:
+            return None
+        return [x * to_x, y * to_y] if self.is_plain and in_range(x) and in_range(y) else None
+
+    def _checked(self, cells, line):
+        """The point of a row; None with the problem noted when it has none."""
         if self.wanted.columns[0] is None and len(cells) != 2:
-            self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
-            return
+            return self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
         if max(self.columns) >= len(cells):
-            self._refuse(
-                line, f"the row has {len(cells)} columns, and column {max(self.columns) + 1} is needed", SEPARATED
-            )
-            return
+            text = f"the row has {len(cells)} columns, and column {max(self.columns) + 1} is needed"
+            return self._refuse(line, text, SEPARATED)
         point = []
         for column, factor in zip(self.columns, self.factors, strict=True):
-            value = number(cells[column])
+            cell = cells[column].strip()
+            value = number(cell)
             if value is None or not in_range(value):
-                place = max(self.source.lines[line].find(cells[column]), 0)
-                self.scope.refuse(
-                    Node(None, self.source, line, place), f"must be a finite number, got {quoted(cells[column])}"
-                )
-                return
+                place = Node(None, self.source, line, max(self.source.lines[line].find(cell), 0))
+                self.scope.refuse(place, f"must be a finite number, got {quoted(cell)}")
+                return None
             point.append(float(value) * factor)
-        self.found.points.append(point)
-        self.found.rows.append(line)
+        return point
 
     def _refuse(self, line, message, hint=""):
         self.scope.refuse(Node(None, self.source, line), message, hint)
