@@ -13,7 +13,7 @@ from mecano.deck.scalar import number
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 UNIT = r"[A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*"
-QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/))({UNIT}|1/[^\s,\[\]]+)\s*")
+QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/|[eE][-+]?[0-9]))({UNIT}|1/[^\s,\[\]]+)\s*")
 NAME = re.compile("[A-Za-zµμ°%]+")
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,

@@ -1,0 +1,173 @@
+"""Decks at the limits: numbers that vanish, long names and chains, files that claim to be huge, nothing that moves."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from mecano.deck.format import deck_error_text
+from mecano.deck.read import deck_of_bytes
+from mecano.errors import DeckError
+from mecano.prepare import prepare
+
+DECK = """\
+mecano: 1
+gravity: [0, 0, -9.81]
+parameters: {a: 1/3, word: "0.5"}
+nodes:
+  a: {position: [0, 0, 0], fixed: true}
+  b: {position: [1, 0, 0]}
+elements:
+  m: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}
+  beam: {type: beam, nodes: [a, b], section: s}
+sections: {s: {type: circle, diameter: 0.01, E: 2.0e+11, nu: 0.3, density: 7800}}
+loads: {f: {type: force, node: b, direction: [1, 0, 0], value: 1.0}}
+time: {end: 1, step: 0.1}
+output: {every: 0.2}
+"""
+
+
+def values(*changes):
+    """Checked values of the deck with texts replaced."""
+    text = DECK
+    for old, new in changes:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    return deck_of_bytes(text.encode(), "deck.yaml").values
+
+
+def refused(*changes):
+    """The text of the one error of such a deck."""
+    with pytest.raises(DeckError) as info:
+        values(*changes)
+    (problem,) = info.value.problems
+    assert problem.mark.line and problem.mark.column
+    return deck_error_text(info.value).splitlines()[0]
+
+
+@pytest.mark.parametrize("tiny", ["5e-324", "1e-300", "9.9e-101"])
+@pytest.mark.parametrize(
+    "old", ["E: 2.0e+11", "step: 0.1", "every: 0.2", "mass: 1", "diameter: 0.01", "position: [1", "value: 1.0"]
+)
+def test_numbers_that_vanish_are_refused_by_place(old, tiny):
+    number = old.replace("[", " ").split()[-1]
+    line = 1 + DECK[: DECK.index(old)].count("\n")
+    text = refused((old, old.replace(number, tiny)))
+    assert text.startswith(f"deck.yaml:{line}:") and "is not zero, and less than 1e-100" in text
+
+
+def test_numbers_that_vanish_together_are_refused_by_place():
+    text = refused(("E: 2.0e+11", "E: 1e-90"), ("diameter: 0.01", "diameter: 1e-50"))
+    assert text.startswith("deck.yaml:10:12: circle 's': gives stiffnesses or a mass that overflow or vanish")
+    assert "'step' must be at least 1e-12 s here" in refused(("step: 0.1", "step: 1e-13"), ("end: 1", "end: 1"))
+    assert "'output.every' must be at least 1e-12 s here" in refused(("every: 0.2", "every: 1e-13"))
+
+
+@pytest.mark.parametrize(
+    ("written", "number"),
+    [
+        ("1/3", 1 / 3), ('"2"', 2.0), ("'1e3'", 1000.0), ("2*pi", 2 * np.pi), ("sqrt(2)/2", np.sqrt(2) / 2),
+        ("(1 + 2) * 3", 9.0), ("11/4", 2.75), ("1e3 * 2", 2000.0), ('"0x10"', 16.0), ("$a * 3", 1.0),
+        ("$word * 2", 1.0), ("$word", 0.5), ('"3 kg"', 3.0),
+    ],
+)  # fmt: skip
+def test_arithmetic_and_quoted_numbers_are_numbers(written, number):
+    assert values(("mass: 1", f"mass: {written}"))["elements"]["m"]["mass"] == pytest.approx(number, rel=1e-15)
+    if "kg" not in written:
+        assert values(("end: 1", f"end: {written} * 10" if "'" not in written and '"' not in written else "end: 5"))
+
+
+@pytest.mark.parametrize("written", ["pi", "1_000", "12:30:45", "'1,5'", "one/3", "'-'", "1/", "1//2", "(1", "1 2"])
+def test_other_texts_are_no_numbers(written):
+    assert refused(("mass: 1", f"mass: {written}")).startswith("deck.yaml:8:")
+
+
+def test_long_texts_of_digits_are_read_at_once():
+    """The pattern of arithmetic does not go back over what it has read."""
+    start = time.process_time()
+    refused(("mass: 1", "mass: " + "1" * 400 + "x"))
+    refused(("mass: 1", "mass: " + "1e" * 200 + "x"))
+    assert time.process_time() - start < 1.0
+
+
+@pytest.mark.parametrize("count", [250, 3000])
+def test_long_chains_of_parameters(count):
+    chain = ", ".join(f"p{i}: $p{i + 1} + 1" for i in range(count))
+    found = values(("parameters: {", f"parameters: {{{chain}, p{count}: 1, "))
+    assert found["parameters"]["p0"] == count + 1
+    text = refused(("parameters: {", f"parameters: {{{chain}, p{count}: $p0, "))
+    assert "p0 -> p1 -> p2" in text
+
+
+def test_nothing_that_moves():
+    text = DECK.replace("position: [1, 0, 0]", "position: [1, 0, 0], fixed: true")
+    with pytest.raises(DeckError, match="nothing can move") as info:
+        prepare(deck_of_bytes(text.encode(), "deck.yaml"))
+    assert str(info.value.problems[0].mark) == "deck.yaml:4:1"
+
+
+NAMES = ["a" * 303, "z/" * 2500 + "z"]
+
+
+@pytest.mark.parametrize("name", NAMES, ids=["long", "deep"])
+def test_long_names_of_files(name):
+    assert "File name too long" in refused(("parameters:", f"include: {name}\nparameters:"))
+    assert "File name too long" in refused(("value: 1.0", f"value: {{table: {{file: {name}.csv}}}}"))
+    for suffix in ("yaml", "npz", "h5"):
+        wing = f"  wing: {{type: superelement, nodes: [a, b], file: {name}.{suffix}}}\nsections:"
+        assert "File name too long" in refused(("sections:", wing))
+
+
+def market(size, entry="1 1 1.0", kind="real"):
+    """The text of a Matrix Market file of one entry."""
+    return f"%%MatrixMarket matrix coordinate {kind} general\n{size} 1\n{entry}\n".encode()
+
+
+def npy(shape):
+    """The bytes of an .npy file without its numbers."""
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "text"),
+    [
+        ("k.mtx", market("999999999 999999999"), "too large"),
+        ("k.mtx", market("60000 60000"), "too large"),
+        ("k.mtx", market("99999999999999999999999 9"), "out of range"),
+        ("k.mtx", market("12 12", "1 1 99999999999999999999999999", "integer"), "out of range"),
+        ("k.npy", npy((10**11, 10**8)), "too large"),
+        ("k.npy", npy((100_000, 100_000)), "too large"),
+    ],
+)  # fmt: skip
+def test_matrices_that_no_memory_holds(tmp_path, monkeypatch, name, data, text):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_bytes(data)
+    (tmp_path / "wing.yaml").write_text(f"positions: [[0, 0, 0], [1, 0, 0]]\nstiffness: {name}\nmass: {name}\n")
+    wing = "  wing: {type: superelement, nodes: [a, b], file: wing.yaml}\nsections:"
+    with pytest.raises(DeckError) as info:
+        values(("sections:", wing))
+    assert text in info.value.problems[0].message and info.value.problems[0].mark.file == "wing.yaml"
+
+
+def test_archives_that_grow(tmp_path, monkeypatch):
+    import h5py
+
+    monkeypatch.chdir(tmp_path)
+    np.savez_compressed("bomb.npz", positions=np.zeros((2, 3)), stiffness=np.zeros((3000, 3000)), mass=np.eye(12))
+    with h5py.File("bomb.h5", "w") as file:
+        file["positions"], file["mass"] = np.zeros((2, 3)), np.eye(12)
+        file.create_dataset("stiffness", shape=(10**6, 10**6), dtype=float, chunks=(1000, 1000))
+    for name in ("bomb.npz", "bomb.h5"):
+        wing = f"  wing: {{type: superelement, nodes: [a, b], file: {name}}}\nsections:"
+        assert "too large" in refused(("sections:", wing))
+
+
+def test_warnings_of_python_stay_off_the_terminal(tmp_path):
+    """The compiler of Python warns of a number before a keyword."""
+    path = tmp_path / "deck.yaml"
+    path.write_text(DECK.replace("mass: 1", "mass: '=1or 2'"))
+    done = subprocess.run([sys.executable, "-m", "mecano", "check", path], capture_output=True, text=True)
+    assert done.returncode == 2 and "Warning" not in done.stderr and done.stderr.startswith(str(path))
