@@ -7,7 +7,9 @@ from deck_samples import VALID, problems_of, read_fake
 
 from mecano.deck.catalogue import _declared as declared_fields
 from mecano.deck.catalogue import _walk
+from mecano.deck.read import deck_of_bytes
 from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed
+from mecano.errors import DeckError
 
 EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
     ("25 mm", "m", 0.025), ("25mm", "m", 0.025), ("-3.5e2 cm", "m", -3.5), ("1 in", "m", 0.0254),
@@ -76,3 +78,33 @@ def test_quantities_that_are_refused(old, new, told):
     assert VALID.count(old) == 1
     (problem,) = problems_of(VALID.replace(old, new))
     assert told in problem
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "values"),
+    [
+        ("[0, 2 kN/mm, 3 N/mm^2]", [0.0, 2e6, 3e6]),
+        ("[1 N, 2 kN/mm, 0, 4 N/m3]", [1.0, 2e6, 0.0, 4.0]),
+        ("[0, 5 N s/m, 0, 2 N s3/m3]", [0.0, 5.0, 0.0, 2.0]),
+        ("[0, 2 N m/rad, 3 N m]", [0.0, 2.0, 3.0]),
+    ],
+)
+def test_units_of_coefficients(coefficients, values):
+    text = VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{polynomial: {coefficients}}}")
+    ((name, found),) = read_fake(text).values["loads"]["push"]["value"]
+    assert name == "polynomial" and found["coefficients"] == pytest.approx(values, rel=1e-15)
+
+
+def test_units_of_coefficients_that_do_not_go_together():
+    coefficients = "[2 N, 2 N/mm, 3 N/mm]"
+    text = VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{polynomial: {coefficients}}}")
+    (problem,) = problems_of(text)
+    assert "units do not go together: 2 N (power 0), 2 N/mm (power 1), 3 N/mm (power 2)" in problem
+
+
+def test_other_names_of_the_modulus():
+    text = "mecano: 1\ngravity: [0, 0, 0]\nnodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}\n"
+    text += "elements: {s: {type: bar, nodes: [a, b], young_modulus: 1 GPa, area: 1 mm2}}\ntime: {end: 1, step: 0.1}\n"
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(text.encode(), "deck.yaml")
+    assert info.value.problems[0].hint == "here it is called 'E'"
