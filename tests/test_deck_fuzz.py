@@ -13,6 +13,7 @@ import pytest
 from deck_samples import FAKE, FAKE_KINDS, REAL, VALID
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scorecard.mutate import MUTATIONS, NASTY
 
 from mecano.deck.compose import compose
 from mecano.deck.format import deck_error_text
@@ -25,15 +26,6 @@ from mecano.summary import summary
 
 INPUTS = sorted((Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 DECKS = [(VALID, "fake.yaml", FAKE), (REAL, "real.yaml", {})] + [(path.read_text(), str(path), {}) for path in INPUTS]
-TOKEN = re.compile(r"[A-Za-z_$][A-Za-z0-9_$-]*|[-+]?[0-9.]+(?:e[-+]?[0-9]+)?|[^\sA-Za-z0-9]")
-NUMBER = re.compile(r"[-+]?\b[0-9]+\.?[0-9]*(?:e[-+]?[0-9]+)?\b")
-NASTY = [
-    "nan", ".nan", ".inf", "-.inf", "1e400", "-1e400", "1e-400", "0", "-0.0", "-1", "1e308", "-1e99", "9" * 400,
-    "0x1F", "0o17", "1_000", "1,5", "12:30:45", "no", "true", "null", "~", "''", '"x"', "[]", "{}", "[1, 2]", "{a: 1}",
-    "[[[]]]", "ground", "all", "$", "-$sink", "$none", "*a", "&a 1", "!x 1", "|", ">", "? ", "- ", ": ", "#", "%",
-    "@", "`", "\t", "\\", '"', "'", "---", "...", "<<", "[" * 300, "{a: " * 80, "é", "\u2028", "\x85", "\ud7ff", "😀",
-    "x" * 3000,
-]  # fmt: skip
 
 
 def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
@@ -56,68 +48,6 @@ def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
         with contextlib.suppress(AssemblyError):
             summary(deck)
     return True
-
-
-def tokens_of(text, pattern=TOKEN):
-    """The places of all tokens."""
-    return [match.span() for match in pattern.finditer(text)]
-
-
-def replaced(rng, text, pattern, new):
-    """The text with one token made into something else."""
-    begin, end = rng.choice(tokens_of(text, pattern) or [(0, 0)])
-    return text[:begin] + new(text[begin:end]) + text[end:]
-
-
-def typo(rng, word):
-    """A word with one letter lost, doubled or changed."""
-    i = rng.randrange(len(word)) if word else 0
-    return word[:i] + rng.choice(["", word[i : i + 1] * 2, "q", "_", "A"]) + word[i + 1 :]
-
-
-def on_lines(change):
-    """A mutation of the list of lines at one of them."""
-
-    def mutate(rng, text):
-        lines = text.split("\n")
-        change(rng, lines, rng.randrange(len(lines)))
-        return "\n".join(lines)
-
-    return mutate
-
-
-def delete(rng, lines, i):
-    """Lose a line."""
-    del lines[i]
-
-
-def duplicate(rng, lines, i):
-    """Write a line twice, not always in the same place."""
-    lines.insert(rng.randrange(len(lines)), lines[i])
-
-
-def indent(rng, lines, i):
-    """Shift a line."""
-    lines[i] = rng.choice(["  ", " ", "\t", "      "]) + lines[i] if rng.random() < 0.6 else lines[i].lstrip()
-
-
-def token_from_elsewhere(rng, text):
-    """One token instead of another one."""
-    begin, end = rng.choice(tokens_of(text) or [(0, 0)])
-    return replaced(rng, text, TOKEN, lambda _: text[begin:end])
-
-
-MUTATIONS = [
-    on_lines(delete),
-    on_lines(duplicate),
-    on_lines(indent),
-    token_from_elsewhere,
-    lambda rng, text: replaced(rng, text, NUMBER, lambda _: rng.choice(NASTY)),
-    lambda rng, text: replaced(rng, text, TOKEN, lambda _: rng.choice(NASTY)),
-    lambda rng, text: replaced(rng, text, TOKEN, lambda word: typo(rng, word)),
-    lambda rng, text: replaced(rng, text, TOKEN, lambda _: ""),
-    lambda rng, text: text[: rng.randrange(len(text) + 1)],
-]
 
 
 def with_bytes(rng, data):

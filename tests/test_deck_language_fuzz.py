@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 from deck_samples import FAKE
+from scorecard.mutate import MUTATIONS
 from test_deck_copies import CHAIN, LAWS, LEG, MAIN, PARTS
-from test_deck_fuzz import MUTATIONS, outcome
+from test_deck_fuzz import outcome
 
 from mecano.deck.new import starters
 from mecano.elements import KINDS

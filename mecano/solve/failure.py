@@ -36,7 +36,8 @@ def worst_equations(system):
     """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
     of = system.numbering
     r = np.abs(system.residual[: system.n])
-    relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+    with np.errstate(all="ignore"):
+        relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
     least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
