@@ -72,7 +72,8 @@ def _refuse_fixed(deck, system):
     """Raise DeckError for a model without degrees of freedom."""
     if not system.n_q:
         text = "nothing can move: every node is fixed, or held by a joint to one that is"
-        raise DeckError([Problem(text, deck.mark("nodes", system.nodes[0].name), "free a node, or a joint to 'ground'")])
+        mark = deck.mark("nodes", system.nodes[0].name)
+        raise DeckError([Problem(text, mark, "free a node, or a joint to 'ground'")])
 
 
 def march_of(prepared, observers=()):

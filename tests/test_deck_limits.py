@@ -105,7 +105,7 @@ def test_nothing_that_moves():
     text = DECK.replace("position: [1, 0, 0]", "position: [1, 0, 0], fixed: true")
     with pytest.raises(DeckError, match="nothing can move") as info:
         prepare(deck_of_bytes(text.encode(), "deck.yaml"))
-    assert str(info.value.problems[0].mark) == "deck.yaml:4:1"
+    assert str(info.value.problems[0].mark) == "deck.yaml:5:3"
 
 
 NAMES = ["a" * 303, "z/" * 2500 + "z"]

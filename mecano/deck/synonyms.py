@@ -12,7 +12,7 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
         "rack_and_pinion gear_pair cable",
         "there is none; a rack_and_pinion ties a rope to the turn of a drum, a gear_pair one drum to another"
     ),
-    "belt, chain drive, sprocket, timing belt": ("gear_pair", "there is none; a gear_pair has the ratio of the speeds"),
+    "belt, chain drive, sprocket, timing belt": ("gear_pair", "there is none; a gear_pair may have a 'ratio'"),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
     "worm, lead screw, ball screw, nut, helical, helical joint": ("screw", ""),
     "revolute, revolute joint, pin, pin joint, pivot, axle": ("hinge", ""),
