@@ -34,6 +34,7 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
+MinJobAge=36000
 NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory=4000
 PartitionName=test Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
