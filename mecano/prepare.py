@@ -8,6 +8,7 @@ from mecano.deck import seldom
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError
+from mecano.interrupt import abandonable
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.results.layout import STEPS
@@ -45,7 +46,11 @@ class Prepared:
 
 
 def prepare(deck):
-    """Build the model of a checked deck and assemble its positions; raises AssemblyError."""
+    """Build the model of a checked deck and assemble its positions; raises AssemblyError. A signal may end it."""
+    return abandonable(_prepare, deck)
+
+
+def _prepare(deck):
     system = System(build(deck))
     of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class March:
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
-    pause: object = lambda run: None  # called between steps with a RunState from which the march can go on
+    pause: object = lambda run: None  # called before and in a step with the RunState before it; may raise
     restarted: object = lambda run: None  # called behind an event or a corner of a law, where forces may have jumped
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
@@ -75,6 +76,7 @@ class March:
             if stop - run.motion.t < self._shortest(stop):
                 run = replace(run, motion=replace(run.motion, t=stop))
             while run.motion.t < stop:
+                self.method.pause = partial(self.pause, run)
                 self.pause(run)
                 run = self._advance(run, stop)
             if stop < end:
@@ -100,17 +102,18 @@ class March:
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""
         g0 = self.shocks.departing(run.motion, self.watch.values(run.motion))
-        h, rejected, iterations, found = self._clip(run, stop), 0, 0, None
+        h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
             trial = self._step(run, h)
             iterations += trial[2].iterations
-            smaller = self._instead(run, trial, h)
+            smaller = self._instead(run, trial, h, cuts)
             if smaller is None:
                 found = locate(self.watch, lambda d: self._step(run, d), run.motion, g0, trial, h) if len(g0) else None
                 if found is None or found.ok:
                     break
-                smaller = self._smaller(found.trial[2], run.motion.t, h)
+                smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
             h, rejected = smaller, rejected + 1
+        self.cuts += cuts  # not before: until now ``pause`` may have ended the march, and the step is tried again
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
@@ -118,11 +121,11 @@ class March:
             return self._change_modes(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
-    def _instead(self, run, trial, h):
-        """The step size to try instead of h, or None where the trial with h can be accepted."""
+    def _instead(self, run, trial, h, cuts):
+        """The step size to try instead of h, noted in ``cuts``, or None where the trial with h can be accepted."""
         _, history, info = trial
         if not info.ok:
-            return self._smaller(info, run.motion.t, h)
+            return self._smaller(info, run.motion.t, h, cuts)
         info.error = self._judged(trial, h)
         if self.control.accept(info.error, h):
             return None
@@ -291,9 +294,9 @@ class March:
         for observer in self.observers:
             observer(accepted)
 
-    def _smaller(self, info, t, h):
+    def _smaller(self, info, t, h, cuts):
         if h * AFTER_FAILURE >= self.control.minimum:
-            self.cuts.append((t, h * AFTER_FAILURE))
+            cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, info, t, h)
 
