@@ -35,8 +35,9 @@ def commands():
     mecano schema                   the grammar of decks, for editors
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
-    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 and 143 by Ctrl-C and
-    SIGTERM (all three with a file for --resume), 1 a bug in mecano; 3 of a study: not all of its cases are complete.
+    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
+    SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; 3 of a study: not all of
+    its cases are complete.
     """
 
 
@@ -76,6 +77,10 @@ def program():
         code = 0
     except SystemExit as ended:
         code = ended.code or 0
+    except BaseException as error:
+        if not (stopped := stopped_by(error)):
+            raise
+        code = stopped.exit_code  # of a signal that came again while the first one was answered
     atexit._run_exitfuncs()  # os._exit leaves them out
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError):
@@ -99,5 +104,6 @@ def _report(error):
 
 def _end(code, message=""):
     if message:
-        click.echo(message, err=True)
+        with contextlib.suppress(OSError):  # nobody may listen any more: the terminal was closed
+            click.echo(message, err=True)
     sys.exit(code)
