@@ -11,6 +11,7 @@ import click
 from mecano import __version__
 from mecano.commands import decks, results, solving, studies
 from mecano.interrupt import stopped_by
+from mecano.lifeline import watch_parent
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
@@ -72,6 +73,7 @@ def program():
     To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
     """
     gc.set_threshold(200_000, 20, 20)
+    watch_parent()
     try:
         main()
         code = 0
