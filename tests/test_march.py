@@ -12,6 +12,7 @@ MASS = """
 """
 ROD = """
     mecano: 1
+    gravity: [0, 0, -9.81]
     nodes: {a: {position: [1, 0, 0.3]}, o: {position: [0, 0, 0], fixed: true}}
     elements: {m: {type: point_mass, node: a, mass: 1}}
     joints: {r: {type: rigid_rod, nodes: [o, a]}}
