@@ -12,6 +12,7 @@ import click
 from mecano import __version__
 from mecano.commands import decks, results, solving, studies
 from mecano.interrupt import stopped_by
+from mecano.lifeline import watch_parent
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
@@ -36,8 +37,9 @@ def commands():
     mecano schema                   the grammar of decks, for editors
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
-    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 and 143 by Ctrl-C and
-    SIGTERM (all three with a file for --resume), 1 a bug in mecano; 3 of a study: not all of its cases are complete.
+    output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
+    SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; 3 of a study: not all of
+    its cases are complete.
     """
 
 
@@ -74,11 +76,16 @@ def program():
     To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
     """
     gc.set_threshold(200_000, 20, 20)
+    watch_parent()
     try:
         main()
         code = 0
     except SystemExit as ended:
         code = ended.code or 0
+    except BaseException as error:
+        if not (stopped := stopped_by(error)):
+            raise
+        code = stopped.exit_code  # of a signal that came again while the first one was answered
     atexit._run_exitfuncs()  # os._exit leaves them out
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError):
@@ -102,5 +109,6 @@ def _report(error):
 
 def _end(code, message=""):
     if message:
-        click.echo(message, err=True)
+        with contextlib.suppress(OSError):  # nobody may listen any more: the terminal was closed
+            click.echo(message, err=True)
     sys.exit(code)

@@ -4,15 +4,17 @@ import re
 import shlex
 import signal
 import sys
+import threading
 import time
 from contextlib import contextmanager
 
 CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is looked at between steps only
-EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, CLOCK: 75}
-if hasattr(signal, "SIGUSR1"):
-    EXIT_CODES[signal.SIGUSR1] = 75
+CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGXCPU": 152, "SIGUSR1": 75}
+EXIT_CODES = {getattr(signal, name): code for name, code in CODES.items() if hasattr(signal, name)} | {CLOCK: 75}
+HANGUP = getattr(signal, "SIGHUP", None)
 SIGNALS = tuple(number for number in EXIT_CODES if number in signal.valid_signals())
 WORDS = {CLOCK: "the end of its wall-clock time"}
+STACK = 2**26  # B for a thread: compilers need more than the half megabyte that some systems give
 BEGUN = time.monotonic()  # of the process, but for the time in which Python starts
 RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s], left for the last checkpoint
 UNITS = re.compile(r"(?:(\d+)d)?(?:(\d+)h)?(?:(\d+)m)?(?:(\d+)s?)?")
@@ -45,22 +47,24 @@ class Interruption:
         self._asked, self._longest = None, 0.0
 
     def listen(self, numbers=SIGNALS):
-        """From now on these signals and the clock end the process."""
+        """From now on these signals and the clock end the process; not SIGHUP where `nohup` has it ignored."""
         sys.unraisablehook = _unraisable
-        _swallowed.clear()
         for number in numbers:
-            signal.signal(number, self._ask)
+            if number != HANGUP or signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self._ask)
         if self._deadline < float("inf") and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
 
     def _ask(self, number, frame):
         again, self._number = self._number is not None, self._number or number
-        if not self._postponed or (again and number == signal.SIGINT):
+        if not self._postponed:
             raise Stopped(number)  # where nothing can be raised this is swallowed; then ``wanted`` still knows
+        if _abandonable or (again and number == signal.SIGINT):
+            raise self.stopped("in the midst of a step")
 
     @contextmanager
     def postponed(self):
-        """In this block the process ends where ``wanted`` is asked; at once only by a second SIGINT."""
+        """In this block the process ends where ``wanted`` is asked, in ``abandonable``, or by a second SIGINT."""
         self._postponed = True
         try:
             yield
@@ -115,28 +119,53 @@ class Interruption:
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
 
 
-def stopped_by(error):
-    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place.
+def abandonable(call, *arguments):
+    """Return ``call(*arguments)``, made in a thread of its own: a signal ends the wait for it at once.
 
-    A compiler that calls back to Python swallows the Stopped, and fails later for want of what the call was to give:
-    with an error of its own, never with one of mecano's.
+    The handlers of Python run in the main thread only, between two of its instructions. While a library works there for
+    long, as a compiler or a decomposition of a matrix does, no signal is answered. What the thread does then goes on
+    until the process ends, so it must change nothing that lasts. In another thread than the main one this is a call.
     """
-    from mecano.errors import MecanoError  # as in ``check``
+    global _abandonable
+    if threading.current_thread() is not threading.main_thread():
+        return call(*arguments)
+    outcome, done = [], threading.Event()
+    _abandonable = True
+    try:
+        usual = threading.stack_size(STACK)
+        threading.Thread(target=_keep_outcome, args=(outcome, done, call, arguments), daemon=True).start()
+        threading.stack_size(usual)
+        done.wait()
+    finally:
+        _abandonable = False
+    result, error = outcome
+    if error is not None:
+        raise error
+    return result
 
-    known = isinstance(error, MecanoError)
+
+_abandonable = False  # while the main thread waits in ``abandonable``
+
+
+def _keep_outcome(outcome, done, call, arguments):
+    """Put the result of a call and the exception that it raised into the list ``outcome``; one of them is None."""
+    try:
+        outcome += [call(*arguments), None]
+    except BaseException as error:
+        outcome += [None, error]
+    done.set()
+
+
+def stopped_by(error):
+    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
     while error is not None and not isinstance(error, Stopped):
         error = error.__cause__ or error.__context__
-    return error or (None if known else next(iter(_swallowed), None))
-
-
-_swallowed = []  # each Stopped that was raised where none can be: in a destructor, or a call from compiled code
+    return error
 
 
 def _unraisable(lost):
     """Say what Python says of exceptions that cannot be raised where they occur, but of Stopped nothing."""
-    if isinstance(lost.exc_value, Stopped):
-        _swallowed.append(lost.exc_value)
-    else:
+    if not isinstance(lost.exc_value, Stopped):
         sys.__unraisablehook__(lost)
 
 

@@ -11,14 +11,14 @@ SHARE = 100  # times as long as the last checkpoint took, at least, until the ne
 
 
 class Keeper:
-    """Called between steps: writes a checkpoint now and then, and ends the march where the interruption wants it."""
+    """Called before and in a step: writes a checkpoint now and then, and ends the march where that is asked for."""
 
     def __init__(self, march, recorder, interruption, interval):
         self.march, self.recorder, self.interruption, self.interval = march, recorder, interruption, interval
         self.due = time.monotonic() + interval
 
     def __call__(self, run):
-        """Keep the ``run`` if it is time to; raises Stopped, ResultsError."""
+        """Keep the ``run``, of the beginning of the step, if it is time to; raises Stopped, ResultsError."""
         now = time.monotonic()
         if self.interruption.wanted(now, self.recorder.writer.closing_time):
             self.keep(run)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.errors import UsageError
+from mecano.interrupt import abandonable
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.prepare import march_of, prepare, remarks
 from mecano.results.modes_file import write_modes
@@ -70,7 +71,7 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
-    found = solve(lin, number, method)
+    found = abandonable(solve, lin, number, method)
     told = [*base.remarks, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,

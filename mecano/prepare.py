@@ -8,6 +8,7 @@ import numpy as np
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.errors import AssemblyError, DeckError, Problem
+from mecano.interrupt import abandonable
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.model_lint import suspicious_model
@@ -52,7 +53,14 @@ class Prepared:
 
 
 def prepare(deck):
-    """Build the model of a checked deck and assemble its positions; raises AssemblyError, DeckError if it is rigid."""
+    """Build the model of a checked deck and assemble its positions.
+
+    A signal may end it. Raises AssemblyError, and DeckError where nothing can move.
+    """
+    return abandonable(_prepare, deck)
+
+
+def _prepare(deck):
     system = System(build(deck))
     _refuse_fixed(deck, system)
     of, values = system.numbering, deck.values["time"] or deck.values["static"]

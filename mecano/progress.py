@@ -82,10 +82,10 @@ class Progress:
             self._say("\r\x1b[K")
 
     def _say(self, text):
-        """Print; when nobody listens any more, the run goes on in silence."""
+        """Print; when nobody listens any more, or the terminal is gone, the run goes on in silence."""
         try:
             print(text, end="", file=sys.stderr, flush=True)
-        except BrokenPipeError:
+        except OSError:
             self.quiet = True
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from mecano.errors import ConvergenceError, ResultsError
-from mecano.interrupt import Interruption
+from mecano.interrupt import Interruption, abandonable
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
 from mecano.outcome import cut_short, exceeded, open_latches, unbalanced, unresolved
@@ -30,9 +30,9 @@ def run(
     """
     _refuse_existing(path, force)
     prepared = prepare(deck)
-    found = bring_to_start(prepared)
+    found = abandonable(bring_to_start, prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
-    start = march.begin(prepared.state, deck.values["time"]["step"])
+    start = abandonable(march.begin, prepared.state, deck.values["time"]["step"])
     notes = [*remarks(prepared, start), *found]
     source = _source(deck, chosen(prepared, march, start), model_facts(prepared), notes)
     interruption = interruption or Interruption()

@@ -5,6 +5,7 @@ from textwrap import wrap
 
 from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
+from mecano.interrupt import abandonable
 from mecano.prepare import amount_warnings, mass_of, prepare, some, warnings_of
 from mecano.solve.analysis import DENSE_ROWS
 from mecano.solve.rigidity import stiff_mechanisms
@@ -39,7 +40,7 @@ def summary(deck, every=False):
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
         return "\n".join([*lines, text])
-    lines += _mobility(prepared, every)
+    lines += abandonable(lambda: list(_mobility(prepared, every)))
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in prepared.redundant:

@@ -9,6 +9,7 @@ import numpy as np
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
+from mecano.interrupt import abandonable
 from mecano.modes_run import about, doubts, turning_of
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, write_sweep, write_tables
@@ -139,7 +140,7 @@ class Case:
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
-        found = solve(lin, self.number, self.method)
+        found = abandonable(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))

@@ -9,12 +9,14 @@ from pathlib import Path
 
 PROGRAMS = ("sbatch", "slurmctld", "slurmd", "munged")
 CORES = 8
+REQUEUE_DELAY = 10  # s that a job waits in the queue before it starts again; 120 where cred_expire is not given
 CONFIGURATION = """\
 ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
 SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
+AuthInfo=cred_expire={requeue_delay}
 MpiDefault=none
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
@@ -32,6 +34,7 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 JobAcctGatherType=jobacct_gather/none
 AccountingStorageType=accounting_storage/none
+MinJobAge=36000
 NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory=4000
 PartitionName=test Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
@@ -49,7 +52,7 @@ def running(folder):
     for name in ("spool", "state"):
         (folder / name).mkdir()
     file = folder / "slurm.conf"
-    file.write_text(CONFIGURATION.format(host=host, folder=folder, cores=CORES))
+    file.write_text(CONFIGURATION.format(host=host, folder=folder, cores=CORES, requeue_delay=REQUEUE_DELAY))
     for path, mode in (("/run/munge", 0o755), ("/var/log/munge", 0o700), ("/var/lib/munge", 0o700)):
         Path(path).mkdir(exist_ok=True)
         shutil.chown(path, "munge", "munge")
@@ -85,12 +88,6 @@ def waited(done, seconds=60.0):
     while not done():
         assert time.monotonic() < end
         time.sleep(0.5)
-
-
-def hasten():
-    """Let jobs that were put back into the queue, which wait there for two minutes, start at once."""
-    for number in told("squeue", "-h", "-r", "-t", "PENDING", "-o", "%i").split():
-        subprocess.run(["scontrol", "update", f"JobId={number}", "StartTime=now"], capture_output=True)
 
 
 def states():

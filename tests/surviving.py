@@ -1,5 +1,6 @@
 """Runs that are stopped and gone on with, in this process or in a fork of it, and what their files hold."""
 
+import math
 import os
 import signal
 import traceback
@@ -48,17 +49,20 @@ def long_deck():
 
 
 class StopAfter(Interruption):
-    """Wants the end after so many steps, as a signal would."""
+    """Wants the end after so many steps, of which it is an observer, or questions, as a signal would."""
 
-    def __init__(self, steps):
+    def __init__(self, steps=math.inf, questions=math.inf):
         super().__init__(again="mecano run deck.yaml --resume")
-        self.steps = steps
+        self.steps, self.questions = steps, questions
+
+    def __call__(self, accepted):
+        self.steps -= 1
 
     def wanted(self, now, ending=0.0):
-        self.steps -= 1
-        if self.steps < 0:
+        self.questions -= 1
+        if self.steps <= 0 or self.questions < 0:
             self._number = signal.SIGTERM
-        return self.steps < 0
+        return self._number is not None
 
 
 def contents(path):

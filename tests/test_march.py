@@ -10,6 +10,14 @@ MASS = """
     nodes: {a: {position: [0, 0, 0]}}
     elements: {m: {type: point_mass, node: a, mass: 1}}
 """
+ROD = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [1, 0, 0.3]}, o: {position: [0, 0, 0], fixed: true}}
+    elements: {m: {type: point_mass, node: a, mass: 1}}
+    joints: {r: {type: rigid_rod, nodes: [o, a]}}
+    time: {end: 0.1, step: 1.0e-3}
+"""
 BODY = """
     mecano: 1
     gravity: [0, 0, 0]
@@ -27,6 +35,41 @@ def test_a_jump_of_a_load_acts_from_its_time_on(h):
     assert m["nodes/a/velocity"][-1][0] == pytest.approx(0.5, abs=1e-13)
     assert m["nodes/a/position"][-1][0] == pytest.approx(0.125, abs=1e-13)
     assert m["energy/given"][-1] == pytest.approx(0.125, abs=1e-13)
+
+
+RISES = [1e-4, 1e-8, 1e-10, 1e-12, 1e-13, 1e-15, 7e-18, 1e-18, 1e-300]  # numbers next to 0.05 are 7e-18 apart
+
+
+@pytest.mark.parametrize("control", ["step: 1.0e-3", "step: 1.0e-3, adaptive: {tolerance: 1.0e-6}"])
+@pytest.mark.parametrize("rise", RISES)
+def test_an_edge_may_be_as_short_as_time_can_tell(rise, control):
+    law = f"{{step: {{time: 0.05, rise: {rise}, from: 0, to: 5}}}}"
+    loads = f"    loads: {{f: {{type: force, node: a, direction: [1, 0, 0], value: {law}}}}}\n"
+    m = March(deck(MASS + loads + f"    time: {{end: 0.1, {control}}}\n"))
+    # momentum 5 (0.05 - rise/2), for the edge is symmetric; the step over it may take the force at its end for that in
+    # all of it, and the last one be longer by 1e-6 rather than leave so little, of 0.01 s at most
+    assert m["nodes/a/velocity"][-1][0] == pytest.approx(0.25 - 2.5 * rise, abs=2.5 * rise + 5e-8)
+    assert m.time[-1] == 0.1 and len(m.time) <= 103
+
+
+def test_steps_end_at_times_that_are_next_to_one_another():
+    points = [[0.0, 0.0], [0.05, 0.0], [np.nextafter(0.05, 1.0), 5.0], [np.nextafter(0.1, 0.0), 5.0], [0.1, 5.0]]
+    law = f"{{table: {{points: {[[float(x), y] for x, y in points]}, interpolation: linear}}}}"
+    loads = f"    loads: {{f: {{type: force, node: a, direction: [1, 0, 0], value: {law}}}}}\n"
+    m = March(deck(MASS + loads + "    time: {end: 0.1, step: 1.0e-3}\n"))
+    assert m["nodes/a/velocity"][-1][0] == pytest.approx(0.25, abs=1e-13) and m.run.motion.t == 0.1
+
+
+@pytest.mark.parametrize("rise", [1e-7, 1e-8, 1e-9, 1e-10, 1e-12])
+def test_reactions_at_the_end_of_a_very_short_step_are_no_rounding(rise):
+    """That of the positions, 1e-16 m, over the square of the step would be 4 N of the 2.8 N that there are."""
+    extremes = []
+    for value in (0.0, rise):
+        law = f"{{step: {{time: 0.05, rise: {value}, from: 0, to: 5}}}}"
+        m = March(deck(ROD + f"    loads: {{f: {{type: force, node: a, direction: [1, 0, 1], value: {law}}}}}\n"))
+        tension = m["joints/r/tension"]
+        extremes.append((tension.min(), tension.max()))
+    np.testing.assert_allclose(extremes[1], extremes[0], rtol=1e-5)
 
 
 def test_reactions_of_a_prescribed_motion_are_of_second_order_across_its_corners():

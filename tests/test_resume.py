@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import replace
 
@@ -22,7 +23,7 @@ from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, 
 import mecano
 from mecano import keeper
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
-from mecano.interrupt import EXIT_CODES, Interruption, Stopped, seconds, stopped_by
+from mecano.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
 from mecano.post.info import info
 from mecano.results.seal import seal_file
 from mecano.results.verify import verify
@@ -37,10 +38,11 @@ def whole(request, tmp_path_factory):
     return deck, contents(path)
 
 
-def stopped(deck, path, steps):
-    """Resume a run and stop it after so many steps: the Stopped, or None if it came to its end."""
+def stopped(deck, path, *after):
+    """Resume a run and stop it after so many steps, or questions: the Stopped, or None if it came to its end."""
+    end = StopAfter(*after)
     try:
-        resume(deck, path, interruption=StopAfter(steps))
+        resume(deck, path, interruption=end, observers=(end,))
     except Stopped as error:
         return error
     return None
@@ -59,6 +61,15 @@ class TestTheSameBits:
         assert stops >= 5 and found["events"] == expected["events"][: len(found["events"])]
         check_same(contents(path), expected)
         assert len(mecano.open_results(path).remarks) >= stops
+
+    def test_stopped_within_steps(self, whole, tmp_path):
+        """Between two trials or two factorizations: the step is left, and tried again from its beginning."""
+        deck, expected = whole
+        path, stops = tmp_path / "r.h5", 0
+        while stopped(deck, path, math.inf, len(expected["steps"]) // 3 + stops):
+            stops += 1
+        assert stops >= 3
+        check_same(contents(path), expected)
 
     def test_killed_at_random(self, whole, tmp_path):
         """kill -9 while checkpoints are written every 5 ms."""
@@ -416,11 +427,34 @@ class TestInterruption:
         assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
         assert capsys.readouterr() == ("", "")
 
-    def test_one_that_a_compiler_swallows_is_known(self, listening):
-        """A function of Python that is called from compiled code can raise nothing: what it was to do is not done."""
-        assert stopped_by(RuntimeError("no compiled object yet")) is None
-        ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGUSR1))()
-        assert stopped_by(RuntimeError("no compiled object yet")).exit_code == 75
+    def test_what_a_library_does_for_long_is_not_waited_for(self, listening):
+        """A call of the C library, in which Python runs no handlers, before the march and in it."""
+        begun, sleep = time.monotonic(), ctypes.CDLL(None).sleep
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGHUP)).start()
+        with pytest.raises(Stopped, match="by SIGHUP$") as error:
+            abandonable(sleep, 60)
+        assert error.value.exit_code == 129
+        threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGXCPU)).start()
+        with listening.postponed(), pytest.raises(Stopped, match="in the midst of a step; .* again") as error:
+            abandonable(sleep, 60)
+        assert error.value.exit_code == 129 and time.monotonic() - begun < 30.0  # that of the first signal
+
+    def test_a_call_that_may_be_abandoned_is_one_like_others(self, listening):
+        assert abandonable(divmod, 7, 2) == (3, 1)
+        assert abandonable(lambda: abandonable(threading.current_thread)) is not threading.main_thread()
+        with pytest.raises(ZeroDivisionError):
+            abandonable(divmod, 7, 0)
+        with listening.postponed():
+            signal.raise_signal(signal.SIGTERM)
+        assert listening.wanted(0.0)
+
+    def test_a_hangup_that_is_ignored_stays_so(self):
+        before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        try:
+            Interruption().listen((signal.SIGHUP,))
+            assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+        finally:
+            signal.signal(signal.SIGHUP, before)
 
     def test_in_the_march_it_waits_but_not_for_a_second_ctrl_c(self, listening):
         with listening.postponed():

@@ -1,7 +1,6 @@
 """Commands that solve decks."""
 
 import os
-import signal
 from functools import partial
 
 import click
@@ -25,8 +24,8 @@ from mecano.interrupt import Interruption, again, seconds
 def run(deck, output, force, resume, limit, interval, quiet, overrides):
     """Solve a deck into a results file.
 
-    SIGINT (Ctrl-C), SIGTERM, SIGUSR1 and --max-walltime end the run after the step at hand; --resume goes on with the
-    same bits. A second Ctrl-C ends it at once.
+    SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
+    continues to the same bits. A second Ctrl-C ends it at once.
     """
     if resume and force:
         raise click.UsageError("--resume goes on with a results file, --force replaces it")
@@ -121,7 +120,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
     progress.announce_compiling()
-    Interruption().listen((signal.SIGINT, signal.SIGTERM))
+    Interruption().listen()
     text, total = sweep_into(
         path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
         progress=progress,

@@ -20,6 +20,7 @@ from mecano.compiled import memory
 from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
 from mecano.compiled.entry import Array
 from mecano.compiled.nowhere import Nowhere, wanted
+from mecano.interrupt import abandonable
 
 # What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
 KNOWN = frozenset(
@@ -45,7 +46,7 @@ def compiled(function):
 
 def loop_code(function):
     """(symbol, machine code) of a C function of two addresses that returns nothing."""
-    return _machine_code(cfunc(LOOP, error_model="numpy")(function))
+    return _machine_code(LOOP, function)
 
 
 def entry_code(entry):
@@ -56,7 +57,7 @@ def entry_code(entry):
     source, names = _unpacking(entry)
     exec(compile(source, f"<entry {entry.__qualname__}>", "exec"), names)
     result = types.void if entry.several or not entry.returns else NUMBERS[entry.returns[0]]
-    return _machine_code(cfunc(result(types.int64, types.int64), error_model="numpy")(names["entry"]))
+    return _machine_code(result(types.int64, types.int64), names["entry"])
 
 
 def _unpacking(entry):
@@ -95,8 +96,16 @@ def _array_at(kind: Array, word, names):
     return f"memory.items({place}, {shape}, dtype_{word})"
 
 
-def _machine_code(function):
-    """(symbol, machine code) of a function compiled by numba; raises SystemError if it needs what is not there."""
+def _machine_code(signature, function):
+    """(symbol, machine code) of a function of Python as a C function of that signature of numba.
+
+    Raises SystemError if it needs what is not there. A signal need not wait for the compiler, which takes seconds.
+    """
+    return abandonable(_code_of, signature, function)
+
+
+def _code_of(signature, function):
+    function = cfunc(signature, error_model="numpy")(function)
     module = llvm.parse_assembly(function.inspect_llvm())
     missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
     if missing - ERRORS:

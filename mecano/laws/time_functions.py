@@ -113,6 +113,12 @@ def shape_of_exponential(values, low, high):
     return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
 
 
+def end_of_edge(time, rise):
+    """First time at which the edge is over, of which the sum may be rounded down to one before."""
+    end = time + rise
+    return end if end - time >= rise else math.nextafter(end, math.inf)
+
+
 def end_after_start(values):
     """Check: the ramp takes some time."""
     return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
@@ -169,7 +175,7 @@ STEP = Term(
     integral=step_integral,
     shape=shape_of_step,
     # A smooth edge has no corner, but a step of time must not leap over it.
-    breakpoints=lambda values: sorted({values["time"], values["time"] + values["rise"]}),
+    breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
 )
 
 EXPONENTIAL_FIELDS = (

@@ -23,7 +23,7 @@ _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 def chunk_shape(width):
     """Rows and columns of a chunk: a row of chunks near 1 MB, a chunk near 64 KB so that one series reads little."""
-    rows = min(max(1 << (BLOCK_NUMBERS // width).bit_length() - 1, 16), 1024)
+    rows = min(max(1 << max(BLOCK_NUMBERS // width, 1).bit_length() - 1, 16), 1024)
     return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
 
 

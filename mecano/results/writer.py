@@ -305,12 +305,13 @@ class Writer:
         return self
 
     def __exit__(self, kind, error, trace):
-        if error is None:
-            self.close()
-        elif self._file is not None:
-            stopped = isinstance(error, KeyboardInterrupt)
-            reason = str(error) or ("interrupted" if stopped else kind.__name__)
-            self.close("stopped" if stopped else "failed", reason)
+        with undisturbed():  # by a signal that comes again, as that of a limit of processor time does every second
+            if error is None:
+                self.close()
+            elif self._file is not None:
+                stopped = isinstance(error, KeyboardInterrupt)
+                reason = str(error) or ("interrupted" if stopped else kind.__name__)
+                self.close("stopped" if stopped else "failed", reason)
 
 
 def refuse_existing(path, force):

@@ -115,6 +115,7 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.duration = k, penalty, duration
+        self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
         self._relaxing = np.flatnonzero(system.relaxing)
         self._lasting = np.where(system.relaxing, RELAXES, system.numbering.kind[: system.n_q])
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
@@ -365,6 +366,7 @@ class GeneralizedAlpha:
 
     def _attempt(self, s0, history, h, scales, slope, bend):
         """Newton's iterations from one guess: (state, a code of newton.py, report)."""
+        self.pause()
         s, report = s0.copy(), np.zeros(len(REPORT))
         s.t = s0.t + h
         reach = self._predict(h, history.a, s0.a, slope, bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R)
@@ -387,6 +389,7 @@ class GeneralizedAlpha:
 
     def _renew(self, s, scales, stiffness, reach, report):
         """Factor the tangent at ``s`` and solve for the residual there: STALE if iterations may go on, or a code."""
+        self.pause()
         self._assemble(s, scales)
         report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
         if not report[ITERATIONS]:

@@ -1,7 +1,9 @@
 """The time loop: the only place that accepts a step, commits memories, changes a mode or calls an observer."""
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +17,7 @@ STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
 MOST_REBOUNDS = 10  # of one contact while time stands still: what rebounds so quickly has come to rest
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
+LEAST_ULPS = 1e4  # spacings of floating-point numbers in a step: those between times so near tell them apart too badly
 MOST_NAMES = 8  # named in a remark
 PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
 SHORT = 1e-3  # of a step: what a shorter one tells of reactions is rounding
@@ -43,7 +46,7 @@ class March:
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
-    pause: object = lambda run: None  # called between steps with a RunState from which the march can go on
+    pause: object = lambda run: None  # called before and in a step with the RunState before it; may raise
     restarted: object = lambda run: None  # called behind an event or a corner of a law, where forces may have jumped
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
@@ -70,12 +73,19 @@ class March:
             self.method.use(run.compliance)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
+            if stop - run.motion.t < self._shortest(stop):
+                run = replace(run, motion=replace(run.motion, t=stop))
             while run.motion.t < stop:
+                self.method.pause = partial(self.pause, run)
                 self.pause(run)
                 run = self._advance(run, stop)
             if stop < end:
                 run = self._start_again(run, run.motion)
         return run
+
+    def _shortest(self, stop):
+        """Time to a ``stop`` below which none is left for a step: its size is rounding, or its square nothing."""
+        return max(LEAST_ULPS * math.ulp(stop), SLIVER * self.control.minimum)
 
     def to_plain(self):
         """What the march keeps besides the run, as dicts, lists, texts and numbers."""
@@ -92,17 +102,18 @@ class March:
     def _advance(self, run, stop):
         """One accepted step towards ``stop``, or an event at the beginning of it."""
         g0 = self.shocks.departing(run.motion, self.watch.values(run.motion))
-        h, rejected, iterations, found = self._clip(run, stop), 0, 0, None
+        h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
             trial = self._step(run, h)
             iterations += trial[2].iterations
-            smaller = self._instead(run, trial, h)
+            smaller = self._instead(run, trial, h, cuts)
             if smaller is None:
                 found = locate(self.watch, lambda d: self._step(run, d), run.motion, g0, trial, h) if len(g0) else None
                 if found is None or found.ok:
                     break
-                smaller = self._smaller(found.trial[2], run.motion.t, h)
+                smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
             h, rejected = smaller, rejected + 1
+        self.cuts += cuts  # not before: until now ``pause`` may have ended the march, and the step is tried again
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
@@ -110,11 +121,11 @@ class March:
             return self._change_modes(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
-    def _instead(self, run, trial, h):
-        """The step size to try instead of h, or None where the trial with h can be accepted."""
+    def _instead(self, run, trial, h, cuts):
+        """The step size to try instead of h, noted in ``cuts``, or None where the trial with h can be accepted."""
         _, history, info = trial
         if not info.ok:
-            return self._smaller(info, run.motion.t, h)
+            return self._smaller(info, run.motion.t, h, cuts)
         info.error = self._judged(trial, h)
         if self.control.accept(info.error, h):
             return None
@@ -148,9 +159,8 @@ class March:
             return run.h
         if stop not in self.breakpoints:
             return left if SLIVER * run.h < abs(left - run.h) else run.h
-        while run.motion.t + left >= stop:  # the law of before a jump holds to the end of the step
-            left = np.nextafter(left * (1.0 - 4e-16), 0.0)
-        return left
+        left = np.nextafter(stop, run.motion.t) - run.motion.t  # the law of before a jump holds to the end of the step
+        return left if run.motion.t + left < stop else np.nextafter(left, 0.0)  # unless its sum was rounded up
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
@@ -162,8 +172,11 @@ class March:
         if planned > h:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
+        met = abs(s.t - stop) <= max(SLIVER * h, math.ulp(stop))
+        if met and h <= SHORT * run.h and stop in self.breakpoints:
+            s = self._consistent(s, run.h)
         new = self._stepped(run, s, history, planned, h)
-        if abs(s.t - stop) <= SLIVER * h:
+        if met:
             s.t = stop
         self._tell(Accepted(run.motion, new, info, h, rejected))
         return new
@@ -203,13 +216,20 @@ class March:
         s, history, info = trial
         info.error = self._judged(trial, h)
         reached = self._powers_before(run, s, h)
-        # of a very short step the accelerations and multipliers are rounding of the positions over h^2
-        s, _ = self.method.start(s, run.h)
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        s = self._consistent(s, run.h)
         new = self._stepped(run, s, history, run.h, h, reached)
         after, s, happenings, consistent = self._happen(new, s, hit)
         self._tell(Accepted(run.motion, new, info, h, rejected, tuple(happenings)))
         return self._start_again(after, s, consistent)
+
+    def _consistent(self, s, h):
+        """``s`` with consistent accelerations and multipliers, evaluated: those of a very short step are rounding.
+
+        They have that of the positions over the square of the step size.
+        """
+        s, _ = self.method.start(s, h)
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        return s
 
     def _guard(self, run, happenings):
         """Refuse events that happen again and again while time stands still."""
@@ -274,9 +294,9 @@ class March:
         for observer in self.observers:
             observer(accepted)
 
-    def _smaller(self, info, t, h):
+    def _smaller(self, info, t, h, cuts):
         if h * AFTER_FAILURE >= self.control.minimum:
-            self.cuts.append((t, h * AFTER_FAILURE))
+            cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, info, t, h)
 

@@ -11,7 +11,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
-GO_ON = (75, 130, 143)  # exit codes of runs that --resume goes on with
+GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume goes on with
 WORDS = "was run with other values, or another deck; --force begins the study anew, -o NAME another one"
 
 

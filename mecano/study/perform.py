@@ -5,6 +5,7 @@ import subprocess
 
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.interrupt import Stopped, again
+from mecano.lifeline import tied
 from mecano.progress import COMPILING
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
@@ -43,8 +44,9 @@ def compile_first(deck, announce=lambda text: None):
     """
     settings = [word for text in deck.overrides for word in ("--set", text)]
     process = subprocess.Popen(
-        [*PROGRAM, "warmup", deck.file, *settings], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
+        [*PROGRAM, "warmup", deck.file, *settings], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        **tied(),
+    )  # fmt: skip
     with process:
         for line in process.stderr:
             if COMPILING in line:
@@ -80,7 +82,9 @@ def one_case(folder, number, limits):
         raise UsageError(f"there is no case {number}: the study has {len(folder.study.cases)}")
     case, codes = folder.study.cases[number - 1], []
     with folder.held(alone=False):
-        Pool(folder, 1, limits, lambda case, record: codes.append(record.exit_code)).run([case])
+        number = Pool(folder, 1, limits, lambda case, record: codes.append(record.exit_code)).run([case])
+    if not codes:
+        raise Stopped(number, f" before case {case.number} was begun")
     return codes[0] if codes[0] >= 0 else 128 - codes[0]
 
 

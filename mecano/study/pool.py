@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mecano.interrupt import CLOCK, EXIT_CODES, SIGNALS
+from mecano.lifeline import tied
 from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
 from mecano.study.places import line_in_study
 
@@ -96,13 +97,13 @@ class Pool:
         limit = ["--max-walltime", str(self.limits.time)] if self.limits.time else []
         settings = [word for text in study.overrides(case) for word in ("--set", text)]
         words = ["run", study.deck, "-o", str(folder.file(case, ".h5")), "-q", "--resume", *limit, *settings]
-        before = folder.record(case)
+        before, child = folder.record(case), tied()
+        child["env"] |= ONE_THREAD
         with open(log, "ab") as stream:
             said = stream.tell()
             process = subprocess.Popen(
-                [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=stream, stderr=stream, process_group=0,
-                env={**os.environ, **ONE_THREAD},
-            )  # fmt: skip
+                [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=stream, stderr=stream, process_group=0, **child
+            )
         return Running(case, process, before, log, said)
 
     @contextmanager

@@ -19,15 +19,19 @@ SCRIPT = """\
 #SBATCH --signal=B:USR1@{notice}
 #SBATCH --open-mode=append
 #SBATCH --output={output}
+trap 'asked=yes; [ -n "$run" ] && kill -USR1 $run' USR1
 cd {directory} || exit 5
-trap '[ -n "$run" ] && kill -USR1 $run' USR1
 {command} "$SLURM_ARRAY_TASK_ID" &
 run=$!
+[ -n "$asked" ] && kill -USR1 $run # the signal came before the case had begun
 wait $run; code=$?
 while kill -0 $run 2>/dev/null; do wait $run; code=$?; done # the signal ended the first wait
-if [ $code -eq 75 ] || [ $code -eq 138 ]; then # stopped in time, or while it began: back into the queue, to go on
-    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
-fi
+case $code in 75 | 138 | 152) # stopped in time, while it began, or by its limit of processor time: into the queue again
+    for attempt in 1 2 3 4 5; do # a busy controller may refuse
+        scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}" && break
+        sleep 5
+    done ;;
+esac
 exit $code
 """
 

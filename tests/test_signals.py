@@ -1,0 +1,248 @@
+"""Signals at random instants, limits of processor time, closed terminals, killed parents: who ends, how, and when."""
+
+import os
+import pty
+import random
+import resource
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from process import COMMAND, mecano_process
+from surviving import check_same, contents, decks, ended, forked, listening_resume
+
+import mecano
+from mecano.interrupt import CLOCK, EXIT_CODES
+from mecano.results.verify import verify
+from mecano.run import run
+
+ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
+ANSWER = 2.0  # s of processor time after a signal: what others take of the machine is none of the program's
+SWING = """\
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {pin: {position: [0, 0, 0]}}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
+joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+time: {end: 1.0e5, step: 1.0e-3}
+output: {every: 0.002}
+"""
+STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty current folder with the deck of a run that would go on for hours, and a study of it."""
+    (tmp_path / "deck.yaml").write_text(SWING)
+    (tmp_path / "study.yaml").write_text(STUDY)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def started():
+    """Starts processes of the command line, of which nothing is heard but errors; none is left in the end.
+
+    Each calls ``first`` before it begins.
+    """
+    processes = []
+
+    def start(*words, first=lambda: None, **options):
+        def begin():
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # which shells ignore in what they start in the background
+            first()
+
+        process = subprocess.Popen(
+            [*COMMAND, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, preexec_fn=begin, **options
+        )
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.communicate()
+
+
+def processor_time(number):
+    """Processor time [s] of a process that runs."""
+    fields = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def answered(number, wanted):
+    """Send a signal to a child: its exit code; it must end within ANSWER."""
+    before = processor_time(number)
+    os.kill(number, wanted)
+    return ended_soon(number, before)
+
+
+def ended_soon(number, before):
+    """Wait for a child that had used some processor time ``before``: its exit code; it must end within ANSWER."""
+    _, status, used = os.wait4(number, 0)
+    assert used.ru_utime + used.ru_stime - before < ANSWER
+    return os.waitstatus_to_exitcode(status)
+
+
+def told(process, wanted):
+    """Send a signal to a process: its exit code, and what it said."""
+    process.returncode = answered(process.pid, wanted)
+    return process.returncode, process.stderr.read().decode()
+
+
+def wait_until(true, seconds=120.0):
+    """Wait until something is true; AssertionError when that takes too long."""
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("name", decks())
+def test_at_any_instant_of_a_run(name, tmp_path):
+    """From before the process listens to after the end, with checkpoints every 5 ms; then on to the same bits."""
+    deck, path, rng = decks()[name], tmp_path / "r.h5", random.Random(name)
+    run(deck, tmp_path / "whole.h5")
+    begun = time.monotonic()
+    assert ended(forked(listening_resume, deck, path, 0.005)) == 0
+    duration, codes = time.monotonic() - begun, set()
+    path.unlink()
+    for wanted in rng.sample(ALL, len(ALL)):
+        child = forked(listening_resume, deck, path, 0.005)
+        time.sleep(rng.uniform(0.0, 0.5) * duration)
+        codes.add(code := answered(child, wanted))
+        assert code in (0, -wanted, EXIT_CODES[wanted])  # too late, too early, or as documented
+        if path.exists():
+            verify(path)
+    assert codes & set(EXIT_CODES.values())
+    assert ended(forked(listening_resume, deck, path, 0.005)) == 0
+    check_same(contents(path), contents(tmp_path / "whole.h5"))
+
+
+@pytest.mark.parametrize("wanted", [one for one in ALL if one != signal.SIGINT])
+def test_while_the_process_begins(folder, started, wanted):
+    """Until it listens the system ends it, with the same code but for SIGUSR1: 138 in a shell.
+
+    Python itself hears SIGINT from its own beginning on, and may call it a fatal error there.
+    """
+    rng = random.Random(int(wanted))
+    for _ in range(3):
+        process = started("run", "deck.yaml", "--resume", "-q")
+        time.sleep(rng.uniform(0.0, 1.0))
+        code, said = told(process, wanted)
+        assert code in (-wanted, EXIT_CODES[wanted]), said
+        assert "Traceback" not in said
+        if (folder / "deck.h5").exists():
+            verify(folder / "deck.h5")
+
+
+def test_while_it_compiles(folder, started):
+    """A compiler answers no signal for seconds."""
+    process = started("run", "deck.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
+    assert b"compiling" in process.stderr.readline()
+    wait_until(lambda: list((folder / "cache").rglob("*.o")))
+    code, said = told(process, signal.SIGUSR1)
+    assert code == 75 and "stopped by SIGUSR1" in said
+
+
+def test_a_limit_of_processor_time(folder, started):
+    """That of batch systems: SIGXCPU every second from the soft limit on, SIGKILL at the hard one."""
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (3, 30))  # noqa: E731
+    process = started("run", "deck.yaml", "--resume", "-q", first=limit)
+    said = process.communicate(timeout=120)[1].decode()
+    assert process.returncode == 152 and "stopped by SIGXCPU at t = " in said and "--resume" in said
+    with mecano.open_results("deck.h5") as results:
+        assert results.status == "stopped" and results.checkpoint is not None
+        reached = results["hinge.angle"].values
+    process = started("run", "deck.yaml", "--resume", "-q")
+    inode = os.stat("deck.h5").st_ino
+    wait_until(lambda: os.stat("deck.h5").st_ino != inode)
+    time.sleep(0.2)
+    assert told(process, signal.SIGTERM)[0] == 143
+    with mecano.open_results("deck.h5") as results:
+        angle = results["hinge.angle"].values
+    assert len(angle) > len(reached) > 1 and angle[: len(reached)].tobytes() == reached.tobytes()
+
+
+def test_a_terminal_that_is_closed(folder):
+    """The run is told by SIGHUP, and finds that nobody listens any more."""
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(COMMAND[0], [*COMMAND, "run", "deck.yaml"])
+    text = b""
+    while b"of 100000 s" not in text:  # the bar
+        text += os.read(terminal, 4096)
+    before = processor_time(child)
+    os.close(terminal)
+    assert ended_soon(child, before) == 129
+    with mecano.open_results("deck.h5") as results:
+        assert results.status == "stopped" and "SIGHUP" in results.reason and results.checkpoint is not None
+
+
+def test_nohup(folder, started):
+    process = started("run", "deck.yaml", "-q", first=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    wait_until((folder / "deck.h5").exists)
+    os.kill(process.pid, signal.SIGHUP)
+    time.sleep(0.5)
+    assert process.poll() is None and told(process, signal.SIGTERM)[0] == 143
+
+
+def children(number):
+    """Ids of the children of a process, and of theirs."""
+    found = []
+    for task in Path(f"/proc/{number}/task").iterdir():
+        own = (task / "children").read_text().split()
+        found += [int(child) for child in own] + [one for child in own for one in children(int(child))]
+    return found
+
+
+def alive(number):
+    """True for a process that runs; what is the init of a container may leave zombies."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize("executor", ["local", "dask"])
+def test_a_killed_study_leaves_no_orphans(folder, started, executor):
+    """Its cases end as by SIGTERM, with checkpoints: the study goes on where they are."""
+    if executor == "dask":
+        pytest.importorskip("distributed")
+    words = ["sweep", "study.yaml", "--jobs", "2", "--executor", executor]
+    process = started(*words)
+    files = [folder / "study_runs" / name for name in ("0001.h5", "0002.h5")]
+    wait_until(lambda: all(file.exists() for file in files))
+    cases = children(process.pid)
+    assert len(cases) == {"local": 2, "dask": 4}[executor]
+    process.kill()
+    process.wait()
+    wait_until(lambda: not any(map(alive, cases)), 30.0)
+    for file in files:
+        with mecano.open_results(file) as results:
+            assert results.status == "stopped" and "SIGTERM" in results.reason and results.checkpoint is not None
+    code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "5")
+    assert code == 3 and "2 cases: 2 stopped" in out
+
+
+def test_a_study_that_is_killed_while_it_compiles_leaves_no_orphans(folder, started):
+    process = started("sweep", "study.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
+    wait_until(lambda: list((folder / "cache").rglob("*.o")))
+    (compiling,) = children(process.pid)
+    assert "warmup" in Path(f"/proc/{compiling}/cmdline").read_text()
+    process.kill()
+    process.wait()
+    wait_until(lambda: not alive(compiling), 30.0)
+
+
+@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGHUP, 129), (signal.SIGXCPU, 152)])
+def test_of_a_study(folder, started, wanted, code):
+    process = started("sweep", "study.yaml", "--jobs", "2")
+    files = [folder / "study_runs" / name for name in ("0001.h5", "0002.h5")]
+    wait_until(lambda: all(file.exists() for file in files))
+    process.send_signal(wanted)
+    assert process.wait(60.0) == code
+    assert "2 stopped" in mecano_process("sweep", "study.yaml", "--collect")[1]
