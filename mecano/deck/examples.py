@@ -32,7 +32,7 @@ EXAMPLES = {
         "shaker: {type: prescribed_position, node: slider, direction: [1, 0, 0], "
         "value: {sine: {amplitude: 2 mm, frequency: 5 Hz}}}",
     "prescribed_length":
-        "leg: {type: prescribed_length, nodes: [base, plate], value: {sine: {amplitude: 20 mm, frequency: 1 Hz}}}",
+        "leg: {type: prescribed_length, nodes: [crank, slider], value: {sine: {amplitude: 20 mm, frequency: 1 Hz}}}",
     "prescribed_angle":
         "motor: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: {linear: {slope: 60 rpm}}}",
     "held_rotation": "upright: {type: held_rotation, nodes: [ground, slider]}",
