@@ -36,6 +36,8 @@ def _strained(deck, system, s):
         if not fields & {"natural_length", "section"} or d.get("via") is not None or "ground" in d["nodes"]:
             continue
         natural = _natural_length(d, before, s.t)
+        if not natural > 0.0:  # a spring that pulls its nodes together has no strain
+            continue
         strain = float(np.linalg.norm(np.subtract(*(at[node] for node in d["nodes"])))) / natural - 1.0
         if _is_much(strain, fields, d["type"]):
             text = (

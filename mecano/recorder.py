@@ -4,7 +4,8 @@ import numpy as np
 
 from mecano.contract import SECTIONS
 from mecano.elements import KINDS
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.results.extremes import first_not_finite
 from mecano.solve.interpolate import interpolate
 from mecano.solve.ringing import RingingWatch
 
@@ -16,13 +17,13 @@ class Recorder:
 
     def __init__(self, prepared, writer, sampler, control):
         self.system, self.writer, self.sampler, self.control = prepared.system, writer, sampler, control
-        values = prepared.deck.values
+        self.deck, values = prepared.deck, prepared.deck.values
         every = values["output"]["every"]
         self.every = None if every == "step" else every
         self.start, self.end = values["time"]["start"], values["time"]["end"]
         self.saved = 0  # multiples of the interval, after the start; -1 at the end
         self.row = np.zeros(len(sampler.row))  # at the beginning of the next step, behind the events there
-        self.ends = watched(prepared.deck, sampler, "ends")
+        self.ends = watched(self.deck, sampler, "ends")
         forces = [c for c in sampler.columns if c.unit in FORCES]
         self.ringing = RingingWatch(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
 
@@ -37,6 +38,7 @@ class Recorder:
         self.ringing.begin(self.row)
 
     def _begin(self, t, row):
+        self._check(t, row)
         self.writer.extremes.take(t, row)
         self.row[:] = row
 
@@ -54,6 +56,7 @@ class Recorder:
         run, info = accepted.run, accepted.info
         if accepted.h:
             row = self.sampler.take(run)
+            self._check(run.motion.t, row)
             share = info.error / self.control.allowed(accepted.h)
             numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
@@ -66,6 +69,19 @@ class Recorder:
                 happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
                 happening.unit, happening.lost,
             )  # fmt: skip
+
+    def _check(self, t, row):
+        """Raise NonFiniteError for an output that is not finite: it would stand in the file as if it were one."""
+        if (i := first_not_finite(row)) < 0:
+            return
+        column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
+        section, name, output = [*column.path.split("/"), ""][:3]
+        entry = self.deck.values.get(section, {}).get(name)
+        owner = f"{entry.get('type', 'node')} '{name}': {output}" if entry else column.path
+        raise NonFiniteError(
+            f"no way on from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this state; "
+            "a smaller time.step or time.adaptive, if the motion so far is not what it should be"
+        )
 
     def _refuse(self, t, row):
         """Raise ConvergenceError where an element can go no further; what was written stays."""

@@ -5,9 +5,12 @@ import sys
 
 import numpy as np
 import pytest
-from marching import INPUTS
+from marching import INPUTS, input_deck
 
 import mecano
+from mecano.errors import NonFiniteError
+from mecano.model.sampler import Sampler
+from mecano.run import run
 
 DECKS = {  # deck: overrides, interval of saving [s], what peaks between the saved times
     "wheel_drop": (["parameters.wave_amplitude=0.02"], 0.03, "elements/tire/radial_force"),
@@ -106,3 +109,21 @@ def test_extremes_are_those_of_all_steps(both):
     saved = np.abs(thin[peaking].values).max()
     extreme = thin.extremes[peaking]
     assert max(extreme.maximum, -extreme.minimum) > 1.0001 * saved  # a peak that the saved times miss
+
+
+def test_an_output_that_is_not_finite_ends_the_run_and_stands_in_no_file(tmp_path, monkeypatch):
+    take, rows = Sampler.take, []
+
+    def spoiled(sampler, run):
+        row = take(sampler, run)
+        rows.append(run.motion.t)
+        column = next(column for column in sampler.columns if column.path == "joints/hinge/angle")
+        row[column.start] = np.nan if len(rows) > 20 else row[column.start]
+        return row
+
+    monkeypatch.setattr(Sampler, "take", spoiled)
+    with pytest.raises(NonFiniteError, match="t = .* s: hinge 'hinge': angle is not finite"):
+        run(input_deck("pendulum", "output.every=step"), tmp_path / "r.h5")
+    with mecano.open_results(tmp_path / "r.h5") as results:
+        assert results.status == "failed" and len(results.time) == 20 == len(results.steps) + 1
+        assert np.isfinite(results["hinge.angle"].values).all()

@@ -72,19 +72,63 @@ def test_redundant_constraints_that_contradict_one_another_are_told():
     assert "what to try: leave one of these constraints out" in str(error.value)
 
 
+BESIDE = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {pin: {position: [0, 0, 0]}, beside: {position: [3, 0, 0]}}
+    elements:
+      bar: {type: rigid_body, node: pin, mass: 1, inertia: [0.01, 0.1, 0.1]}
+      other: {type: rigid_body, node: beside, mass: 1, center_of_mass: [1, 0, 0], inertia: [0.01, 0.1, 0.1]}
+    joints:
+      axle: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}
+      beside: {type: hinge, nodes: [ground, beside], axis: [0, 1, 0]}
+      slow: {type: prescribed_angle, nodes: [ground, pin], axis: [0, 1, 0], value: {linear: {slope: 1}}}
+      fast: {type: prescribed_angle, nodes: [ground, pin], axis: [0, 1, 0], value: {linear: {slope: 2}}}
+    time: {end: 0.02, step: 1.0e-3}
+"""
+
+
+def test_all_constraints_that_contradict_one_another_are_named():
+    with pytest.raises(AssemblyError, match="contradict") as error:
+        March(deck(BESIDE))
+    assert all(f"prescribed_angle '{name}'" in str(error.value) for name in ("slow", "fast"))
+    assert "beside" not in str(error.value) and "axle" not in str(error.value)
+
+
+def test_a_motor_that_drives_on_a_stop_ends_the_march_with_both_names():
+    """The march ends at the stop, as one that cannot go on, not as a deck that cannot be assembled."""
+    text = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {block: {position: [0, 0, 0]}}
+    elements: {block: {type: rigid_body, node: block, mass: 1, inertia: [0.01, 0.01, 0.01]}}
+    joints:
+      guide: {type: prismatic, nodes: [ground, block], axis: [1, 0, 0], stops: {upper: 0.1}}
+      drive: {type: prescribed_position, node: block, direction: [1, 0, 0], value: {linear: {slope: 0.5}}}
+    time: {end: 0.6, step: 1.0e-3}
+    """
+    with pytest.raises(ConvergenceError, match="at t = 0.2 s constraints contradict one another") as error:
+        March(deck(text))
+    assert "prescribed_position 'drive'" in str(error.value) and "prismatic 'guide': force of the stop" in str(
+        error.value
+    )
+    assert "what to try: leave one of these constraints out" in str(error.value)
+
+
 def test_a_moment_on_what_has_no_inertia_is_told():
     """The rotation of a point mass: nothing resists the moment."""
     text = """
     mecano: 1
     gravity: [0, 0, -9.81]
-    nodes: {a: {position: [0, 0, 0]}}
-    elements: {m: {type: point_mass, node: a, mass: 1}}
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+    elements: {m: {type: point_mass, node: a, mass: 1}, falls: {type: point_mass, node: b, mass: 1}}
     loads: {turn: {type: moment, node: a, direction: [0, 1, 0], value: 3}}
     time: {end: 0.1, step: 0.01}
     """
-    with pytest.raises(ConvergenceError, match="node a: moment about material y: residual 3;") as error:
+    with pytest.raises(ConvergenceError, match="node a: rotation about material y; on it act moment 'turn'") as error:
         March(deck(text))
     assert "what to try: a mass, an inertia or a stiffness for what is named and has none" in str(error.value)
+    assert "node b" not in str(error.value) and "displacement" not in str(error.value)
 
 
 def test_summary_and_remarks_say_so():

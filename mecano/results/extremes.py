@@ -1,5 +1,7 @@
 """Largest and smallest value of every number of the row over all accepted steps, with their times."""
 
+import math
+
 import numpy as np
 
 from mecano.compiled.entry import Vector, entry
@@ -28,3 +30,12 @@ def _update(
         if row[i] < low_out[i]:
             low_out[i] = row[i]
             low_time_out[i] = t
+
+
+@entry
+def first_not_finite(row: Vector) -> int:
+    """Return the index of the first number of ``row`` that is not finite, or -1."""
+    for i in range(row.shape[0]):
+        if not math.isfinite(row[i]):
+            return i
+    return -1

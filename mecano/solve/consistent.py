@@ -14,6 +14,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import SCALAR
+from mecano.solve.failure import not_finite
 from mecano.solve.increments import displaced, moved
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
@@ -69,6 +70,8 @@ class Consistent:
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
         status = self.linear.solve(data, b, x)
+        if not status.finite:
+            raise not_finite(self.system, data, self.bare.t)
         if not status.ok:
             raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
         return x

@@ -9,6 +9,8 @@ from mecano.solve.scales import ANGULAR_SHARE, TINY, length_scale
 REPORTED = 5  # equations named, the worst of each node, joint or element
 NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
 NAMED = 6  # elements named of one equation
+NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
+MOVES = 0.1  # of the largest entry of a null vector: what moves with it
 NOT_FINITE = "not finite"
 TRY = {  # what a message says: what to try
     NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a "
@@ -23,13 +25,52 @@ TRY = {  # what a message says: what to try
 def no_step(system, info, t, h):
     """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
     force, constraint, increment = info.norms
-    infinite, worst = NOT_FINITE in info.message, worst_equations(system)
+    infinite, worst = NOT_FINITE in info.message, unresisted(system) if "singular" in info.message else ""
+    if not worst and (equations := worst_equations(system)):
+        worst = f"worst equations:\n{equations}"
     return (NonFiniteError if infinite else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
-        + (f"worst equations:\n{worst}\n" if worst else "")
+        + (f"{worst}\n" if worst else "")
         + f"what to try: {next(text for said, text in TRY.items() if said in info.message)}"
     )
+
+
+def no_restart(error, t):
+    """Return the error when the motion cannot go on from ``t`` after an event: why, and what to try."""
+    text = str(error) if str(error).startswith("at t = ") else f"at t = {t:.9g} s {error}"
+    return ConvergenceError(f"{text}\nwhat to try: {next(advice for said, advice in TRY.items() if said in text)}")
+
+
+def not_finite(system, data, t):
+    """Return the error where ``data``, the values of the matrix of masses and constraints, are not finite at ``t``."""
+    rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
+    places = {system.numbering.name[i].partition(": ")[0]: i for i in rows[::-1]}
+    lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
+    text = "\n".join([f"at t = {t:.9g} s masses or constraints are not finite:", *lines])
+    return NonFiniteError(f"{text}\nwhat to try: {TRY[NOT_FINITE]}")
+
+
+def unresisted(system):
+    """Return the motions and reactions that the singular tangent of the last assembly leaves undetermined; or empty.
+
+    They are the null vector of the tangent which the residual drives, a line for each node, joint or element.
+    """
+    from mecano.solve.equilibrated import Equilibrated  # no ordinary run needs it (docs/architecture.md, Start)
+
+    n, of, places = system.n, system.numbering, {}
+    try:
+        matrix = Equilibrated(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
+        x = np.abs(matrix.driven_null_vector(system.residual[:n]))
+    except (RuntimeError, ValueError):  # exactly singular all the same, or not finite
+        return ""
+    if not np.isfinite(x).all():
+        return ""
+    for i in np.argsort(-x, kind="stable"):
+        if x[i] >= MOVES * x.max():
+            places.setdefault(of.name[i].partition(": ")[0], i)
+    lines = (f"  {motion_name(of.name[i])}{acting(system, i)}" for i in list(places.values())[:REPORTED])
+    return "nothing resists:\n" + "\n".join(lines)
 
 
 def worst_equations(system):

@@ -19,6 +19,7 @@ from mecano.errors import AssemblyError
 from mecano.model.loops import residual
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.model.state import History
+from mecano.solve.analysis import analyse
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
 from mecano.solve.increments import RELAXES, finish, largest_change, predict, tangents
@@ -45,9 +46,10 @@ from mecano.solve.turning_error import turning_error
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
+MOST_OTHERS = 12  # constraints named that contradict one
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
-CONTRADICTION = "constraints contradict one another: {} of {} to {}"
+CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
@@ -126,7 +128,7 @@ class GeneralizedAlpha:
 
     def use(self, compliance):
         """Let redundant constraints have these compliances, or none (None), from now on."""
-        self.compliance = compliance
+        self.compliance, self._redundant = compliance, None
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, but for those that are let go
         self._released = NO_ROWS[1] if compliance is None else compliance.released
@@ -251,7 +253,8 @@ class GeneralizedAlpha:
         worst = int(np.argmax(slip))
         if slip[worst] <= share:
             return ()
-        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", of.name[of.n_q + rows[worst]]
+        name = of.name[of.n_q + rows[worst]]
+        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", name, self._others(s, name)
 
     def _gap(self, s):
         """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
@@ -261,7 +264,16 @@ class GeneralizedAlpha:
             return ()
         worst, of = int(np.abs(size).argmax()), self.system.numbering
         unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
-        return f"{off[worst]:.3g} {unit}", of.name[of.n_q + worst]
+        name = of.name[of.n_q + worst]
+        return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
+
+    def _others(self, s, name):
+        """Name the constraints that repeat one another with the one of this ``name``."""
+        if self._redundant is None:
+            self._redundant = analyse(self.system, s, self.length).redundant
+        others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
+        more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
+        return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""

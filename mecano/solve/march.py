@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from mecano.errors import AssemblyError
 from mecano.solve import failure
 from mecano.solve.events import Watch, locate
 from mecano.solve.run_state import RunState
@@ -52,6 +53,7 @@ class March:
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
+    _reached: float = field(init=False, default=0.0)  # time at the beginning of the last step [s]
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
@@ -69,6 +71,12 @@ class March:
 
     def to(self, end, run):
         """March ``run`` to the time ``end``: the new RunState. Raises ConvergenceError, NonFiniteError."""
+        try:
+            return self._to(end, run)
+        except AssemblyError as error:
+            raise failure.no_restart(error, self._reached) from error
+
+    def _to(self, end, run):
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
@@ -78,6 +86,7 @@ class March:
             while run.motion.t < stop:
                 self.method.pause = partial(self.pause, run)
                 self.pause(run)
+                self._reached = run.motion.t
                 run = self._advance(run, stop)
             if stop < end:
                 run = self._start_again(run, run.motion)

@@ -1,0 +1,155 @@
+"""The reliability scorecard: trials of mecano as software, made anew from a seed; prints trials and points by line.
+
+    python tests/scorecard/run.py                 all lines, as docs/reliability.md shows them; an hour on two cores
+    python tests/scorecard/run.py --quick         a few of the trials, for continuous integration
+    python tests/scorecard/run.py --line 4 --line 5 --seed 7 --keep FOLDER
+    python tests/scorecard/run.py --write         and write the table into docs/reliability.md
+
+The points of a line are its weight times the share of its trials that were held. What a trial that was not held has
+left lies in the folder of --keep.
+"""
+
+import os
+import sys
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
+
+for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+sys.path[0] = str(Path(__file__).resolve().parents[1])  # tests/, of which this is the package scorecard
+sys.path.insert(1, str(Path(__file__).resolve().parents[2]))
+
+import argparse
+import secrets
+import subprocess
+import tempfile
+import time
+from datetime import UTC, datetime
+
+from scorecard.outcome import warm
+from scorecard.trial import spread
+
+MODULES = (
+    "malformed", "hostile", "semantic", "killed", "disk", "extreme_numbers", "singular", "hard", "size", "damaged",
+    "physics", "signals",
+)  # fmt: skip
+QUICK = {  # of the trials of the module, for continuous integration: a minute of processor time in all
+    "malformed": 0.002, "hostile": 0.03, "semantic": 0.05, "killed": 0.02, "disk": 0.02, "extreme_numbers": 0.02,
+    "singular": 0.2, "hard": 0.1, "size": 0.01, "damaged": 0.01, "physics": 0.1, "signals": 0.02,
+}  # fmt: skip
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "reliability.md"
+BEGIN, END = "<!-- table -->", "<!-- end of table -->"
+SHOWN = 5  # failures of a line that are named
+
+
+def main(arguments=None):
+    """Make the trials that were asked for, print them, and return the exit code: 0 where all were held."""
+    asked = parsed(arguments)
+    seed = asked.seed if asked.seed is not None else secrets.randbelow(10**6)
+    keep = Path(asked.keep or tempfile.mkdtemp(prefix="scorecard-kept-"))
+    print(f"seed {seed}; what was not held lies in {keep}", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        warm(folder)
+    lines, tallies, begun = {}, {}, time.monotonic()
+    for name in MODULES:
+        module = import_module(f"scorecard.{name}")
+        wanted = [line for line in module.LINES if not asked.line or line.number in asked.line]
+        if not wanted:
+            continue
+        lines |= {line.number: line for line in wanted}
+        numbers = [line.number for line in wanted]
+        factor = asked.trials_factor * (QUICK[name] if asked.quick else 1.0)
+        for trial in made(module.jobs(numbers, factor, seed), keep, asked.workers):
+            if trial.line in numbers:
+                tallies.setdefault(trial.line, Tally()).take(trial)
+        for number in numbers:
+            tell(lines[number], tallies.setdefault(number, Tally()), time.monotonic() - begun)
+    text = table([(lines[number], tallies[number]) for number in sorted(lines)])
+    print(text)
+    if asked.write:
+        write(text, f"seed {seed}, {datetime.now(UTC):%Y-%m-%d}, commit {commit()}")
+    return 0 if all(not tally.failures for tally in tallies.values()) else 1
+
+
+def parsed(arguments):
+    """The options."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="a few of the trials, for continuous integration")
+    parser.add_argument("--seed", type=int, help="of all random choices; default: a new one, which is printed")
+    parser.add_argument("--line", type=int, action="append", default=[], help="only this line; may be repeated")
+    parser.add_argument("--keep", metavar="FOLDER", help="folder for the files of trials that were not held")
+    parser.add_argument("--trials-factor", type=float, default=1.0, help="times the trials of the table")
+    parser.add_argument("--workers", type=int, default=2, help="trials side by side")
+    parser.add_argument("--write", action="store_true", help=f"write the table into {PAGE.name}")
+    return parser.parse_args(arguments)
+
+
+class Tally:
+    """What came out of the trials of one line."""
+
+    def __init__(self):
+        self.count, self.failures = 0, []
+
+    def take(self, trial):
+        """Count a trial."""
+        self.count += 1
+        if not trial.held:
+            self.failures.append(trial)
+
+    @property
+    def share(self):
+        """Share of the trials held; none made is none held."""
+        return 1.0 - len(self.failures) / self.count if self.count else 0.0
+
+
+def made(jobs, keep, workers):
+    """Yield the Trials of jobs, and say now and then how far they are."""
+    jobs, told = list(jobs), time.monotonic()
+    for done, trials in enumerate(spread(jobs, keep, workers), 1):
+        yield from trials
+        if time.monotonic() - told > 30.0:
+            told = time.monotonic()
+            print(f"  {done} of {len(jobs)}", flush=True)
+
+
+def tell(line, tally, seconds):
+    """Print how a line came out."""
+    held = tally.count - len(tally.failures)
+    points = f"{line.weight * tally.share:.2f} of {line.weight:g} points"
+    print(f"line {line.number}: {held} of {tally.count} held, {points}, at {seconds:.0f} s", flush=True)
+    causes = Counter(trial.why for trial in tally.failures)
+    for why, count in causes.most_common(SHOWN):
+        first = next(trial for trial in tally.failures if trial.why == why)
+        print(f"    {count} x {why}\n        first: {first.name}", flush=True)
+
+
+def table(rows):
+    """The table of (Line, Tally), as Markdown."""
+    text = ["| # | what | trials | held | points |", "|---|---|---|---|---|"]
+    for line, tally in rows:
+        held = tally.count - len(tally.failures)
+        points = f"{line.weight * tally.share:.2f} of {line.weight:g}"
+        text.append(f"| {line.number} | {line.what} | {tally.count:,} | {held:,} | {points} |")
+    total, weight = sum(line.weight * tally.share for line, tally in rows), sum(line.weight for line, _ in rows)
+    text.append(f"| | all | {sum(t.count for _, t in rows):,} | {sum(t.count - len(t.failures) for _, t in rows):,} | "
+                f"{total:.2f} of {weight:g} |")  # fmt: skip
+    return "\n".join(text)
+
+
+def write(text, when):
+    """Put the table into the page."""
+    page = PAGE.read_text()
+    head, _, rest = page.partition(BEGIN)
+    _, _, tail = rest.partition(END)
+    PAGE.write_text(f"{head}{BEGIN}\n{when}\n\n{text}\n{END}{tail}")
+
+
+def commit():
+    """The commit that was tried."""
+    told = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=PAGE.parent, capture_output=True, text=True)
+    return told.stdout.strip() or "unknown"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
