@@ -34,11 +34,12 @@ class Recorder:
 
     def restarted(self, run):
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
-        self._begin(run.motion.t, self.sampler.take(run))
+        row = self.sampler.take(run)
+        self._check(run.motion.t, row)
+        self._begin(run.motion.t, row)
         self.ringing.begin(self.row)
 
     def _begin(self, t, row):
-        self._check(t, row)
         self.writer.extremes.take(t, row)
         self.row[:] = row
 
