@@ -52,8 +52,10 @@ def test_the_group_and_the_mechanism_are_named():
 BLOCKED = """
     mecano: 1
     gravity: [0, 0, -9.81]
-    nodes: {{pin: {{position: [0, 0, 0]}}}}
-    elements: {{bar: {{type: rigid_body, node: pin, mass: 1, inertia: [0.01, 0.1, 0.1]}}}}
+    nodes: {{pin: {{position: [0, 0, 0]}}, free: {{position: [1, 0, 0]}}}}
+    elements:
+      bar: {{type: rigid_body, node: pin, mass: 1, inertia: [0.01, 0.1, 0.1]}}
+      dot: {{type: point_mass, node: free, mass: 1}}
     joints:
       hold: {{type: fixed, nodes: [ground, pin]}}
       turn: {{type: prescribed_angle, nodes: [ground, pin], axis: [0, 1, 0], value: {}}}
