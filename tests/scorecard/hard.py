@@ -120,8 +120,8 @@ def reject(march, every):
     """Let a march reject every ``every``-th step, try another size in between, and make the step again."""
     judge, count = march._instead, [0]
 
-    def instead(run, trial, h):
-        smaller = judge(run, trial, h)
+    def instead(run, trial, h, *more):
+        smaller = judge(run, trial, h, *more)
         count[0] += smaller is None
         if every and smaller is None and count[0] % every == 0:
             march._step(run, 0.3 * h)
