@@ -75,17 +75,13 @@ def lines_of(part, names):
 
 def write(path, content):
     """Write the content of a file of reduced matrices; it appears when it is complete. Raises ResultsError."""
-    with appearing(path) as hidden:
-        if path.suffix == ".npz":
+    if path.suffix == ".npz":
+        with appearing(path) as hidden:
             np.savez_compressed(hidden, **content)
-        else:
-            _write_hdf5(hidden, content)
+        return
+    from mecano.results.disk import hdf5_appearing  # imports h5py, which the other format does without
 
-
-def _write_hdf5(path, content):
-    import h5py
-
-    with h5py.File(path, "w") as file:
+    with hdf5_appearing(path) as file:
         for key, value in content.items():
             file[key] = [name.encode() for name in value] if value.dtype.kind == "U" else value
 

@@ -16,7 +16,7 @@ from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
-from mecano.results.modes_file import format_of
+from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder
 
 FORMATS = ("png", "svg")
