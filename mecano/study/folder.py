@@ -3,11 +3,12 @@
 import fcntl
 import json
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
+from mecano.results.lock import locked
 from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
@@ -86,6 +87,7 @@ class Folder:
         except OSError:  # a file system without locks
             pass
         try:
-            yield
+            with locked(self.table) if alone else nullcontext():  # the record holds where the system's locks do not
+                yield
         finally:
             os.close(place)
