@@ -39,8 +39,10 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
     page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
     """
-    from mecano.results.checked import blaming
+    from mecano.results.checked import blaming, cut_short
 
+    for warning in cut_short(results):
+        click.echo(f"mecano: {warning}", err=True)
     with blaming(*results):
         _post(results, plots, spectra, at, output, kind, columns, title, page, report)
 
@@ -87,8 +89,10 @@ def export(results, output, series, vtk, force):
     Without -o columns go to a file beside RESULTS with the ending .csv. Names as in `mecano post --plot`.
     """
     from mecano.post.export import export as write
-    from mecano.results.checked import blaming
+    from mecano.results.checked import blaming, cut_short
 
+    for warning in cut_short([results]):
+        click.echo(f"mecano: {warning}", err=True)
     with blaming(results):
         click.echo(write(results, output, series=series, vtk=vtk, force=force))
 
@@ -103,8 +107,10 @@ def export(results, output, series, vtk, force):
 def info(results, pattern, events):
     """Say what is in a results file and how the run went: status, steps, events, extremes."""
     from mecano.post.info import info as text
-    from mecano.results.checked import blaming
+    from mecano.results.checked import blaming, cut_short
 
+    for warning in cut_short([results]):
+        click.echo(f"mecano: {warning}", err=True)
     with blaming(results):
         show(text(results, pattern, events))
 

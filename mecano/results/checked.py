@@ -13,14 +13,14 @@ from mecano.errors import MecanoError, ResultsError
 from mecano.results.live_sums import last_table
 from mecano.results.seal import BLOCK, seal_of
 
-AT_ONCE = 1024  # blocks
+AT_ONCE = 256  # blocks
 PAGE = 4096
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, OverflowError, struct.error)
 """What h5py, and reading what it gives, raises for files in which something is wrong."""
-PATIENCE = 30  # s in which a file without sums has to be read
+PATIENCE = 5.0  # s of processor time in which HDF5 has to read what describes a file without sums
 SHORT = 2**20  # bytes
 _ATTEMPTS = 8
-_survived = set()  # versions of files without sums that HDF5 can read
+_ends = {}  # how reading files without sums ends: exit code, or minus the signal, by the version of the file
 _HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a superblock of version 2
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -82,20 +82,25 @@ class Checked:
         """Fill a buffer."""
         view = memoryview(buffer).cast("B")
         start, stop = self._position, self._position + len(view)
-        first = start // BLOCK
-        data = self._blocks(first, -(-stop // BLOCK))[start - BLOCK * first :][: len(view)]
+        data = self._checked(start, stop)
         if len(data) < len(view) or (self.missing and stop > self.size):
             raise OSError(f"{self.path} is cut short by {self.missing} bytes")
         view[:] = data
         self._position = stop
         return len(view)
 
-    def _blocks(self, first, last):
-        """The bytes of some blocks, which have not changed; the last one may be short. Raises OSError."""
+    @property
+    def block(self):
+        """Bytes of a block."""
+        return self.sums.block if self.sums is not None else BLOCK
+
+    def _checked(self, start, stop):
+        """The bytes from ``start`` to ``stop``, whose blocks have not changed; fewer at the end. Raises OSError."""
         for attempt in range(_ATTEMPTS):
-            data, changed = self._compared(first, last)
+            first = start // self.block
+            data, changed = self._compared(first, -(-stop // self.block))
             if not len(changed):
-                return data
+                return data[start - self.block * first :][: stop - start]
             time.sleep(0.003 * attempt)  # its writer may be just changing them
             self.refresh()
         self.damaged.update(map(int, changed))
@@ -103,15 +108,15 @@ class Checked:
 
     def _compared(self, first, last):
         """(bytes of some blocks, numbers of those that have changed); a file that is cut short has fewer."""
-        data = os.pread(self._descriptor, BLOCK * (last - first), BLOCK * first)
+        data = os.pread(self._descriptor, self.block * (last - first), self.block * first)
         if self.sums is None:
             return data, ()
-        count = max(min(self.sums.covered - BLOCK * first, len(data)), 0)
+        count = max(min(self.sums.covered - self.block * first, len(data)), 0)
         return data, self.sums.changed(memoryview(data)[:count], first)
 
     def changed(self):
         """Return the numbers (n,) of all blocks that have changed, of the whole file."""
-        last = -(-min(self.sums.covered, self.size) // BLOCK)
+        last = -(-min(self.sums.covered, self.size) // self.block)
         found = []
         for first in range(0, last, AT_ONCE):
             for attempt in range(_ATTEMPTS):
@@ -125,9 +130,9 @@ class Checked:
 
     def place(self, blocks):
         """Return where in the file some blocks are, in words."""
-        first, count = BLOCK * min(blocks), len(blocks)
+        first, count = self.block * min(blocks), len(blocks)
         more = f", and {count - 1} more blocks" if count > 1 else ""
-        return f"between byte {first} and {first + BLOCK - 1}{more}"
+        return f"between byte {first} and {first + self.block - 1}{more}"
 
 
 def _content(descriptor, size):
@@ -145,6 +150,16 @@ def _missing(descriptor, size):
         return 0
     signature, version, end = _HEAD.unpack(head)
     return max(end - size, 0) if signature == SIGNATURE and version == 2 else 0
+
+
+def cut_short(paths):
+    """Yield a warning for each of the files that ends early, of which only what is left is shown."""
+    for path in paths:
+        with suppress(OSError, ValueError):
+            source = Checked(path)
+            source.close()
+            if source.missing:
+                yield f"{path} is cut short by {source.missing} bytes: only what is left of it is shown"
 
 
 @contextmanager
@@ -219,18 +234,19 @@ def _refuse_deadly(path):
     """
     at = os.stat(path)
     version = at.st_dev, at.st_ino, at.st_size, at.st_mtime_ns
-    if version in _survived or not hasattr(os, "fork"):
+    if not hasattr(os, "fork"):
         return
-    child = os.fork()
-    if not child:
-        _read_all(path)
-    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if code < 0:
+    if version not in _ends:
+        child = os.fork()
+        if not child:
+            _read_all(path)
+        _ends[version] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if _ends[version] < 0:
+        how = signal.Signals(-_ends[version])
         raise ResultsError(
-            f"{path} is damaged: the sums at its end, by which it is checked, are missing, and reading it ends by "
-            f"{signal.Signals(-code).name}"
+            f"{path} is damaged: the sums at its end, by which it is checked, are missing, and reading it "
+            + ("does not end" if how == signal.SIGPROF else f"ends by {how.name}")
         )
-    _survived.add(version)
 
 
 def _read_all(path):
@@ -242,12 +258,12 @@ def _read_all(path):
 
 
 def _read_quietly(path):
-    for number in (signal.SIGALRM, signal.SIGINT, signal.SIGTERM, signal.SIGSEGV, signal.SIGABRT):
+    for number in (signal.SIGPROF, signal.SIGINT, signal.SIGTERM, signal.SIGSEGV, signal.SIGABRT):
         signal.signal(number, signal.SIG_DFL)
     quiet = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(quiet, stream)
-    signal.alarm(PATIENCE)
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE)
     with suppress(Exception), h5py.File(Checked(path), "r") as file:
         file.visititems(_read_item)
         _read_item("", file)

@@ -13,26 +13,26 @@ import itertools
 import os
 import struct
 import zlib
+from array import array
 
 import numpy as np
 
-from mecano.results.seal import BLOCK, block_sums
+from mecano.results.seal import BLOCK, block_sums, crcs
 
 END = struct.Struct("<16sQI")
 MARK = b"mecano live 1\0\0\0"
-FIRST = 256  # blocks of the smallest table
-GROWTH = 1.25  # of a table over the one before
+FIRST = 64  # blocks of the smallest table
 PAIR = 8  # bytes of the two sums of a block
-AT_ONCE = 1024  # blocks read at once
+AT_ONCE = 256  # blocks read at once
 _ZEROS = zlib.crc32(bytes(BLOCK))
 
 
 def sizes():
-    """Yield the numbers of blocks that tables have, ascending without end, multiples of 4: tables begin pages."""
+    """Yield the numbers of blocks that tables have, ascending without end."""
     n = FIRST
     while True:
         yield n
-        n = int(n * GROWTH) // 4 * 4 + 4
+        n += n // 4
 
 
 def end_of(n):
@@ -71,16 +71,25 @@ class LiveSums:
 
     def announce(self, offset, data):
         """Put the sums of the blocks that ``data`` at an ``offset`` will change into the table, before they do."""
-        first, last = offset // BLOCK, -(-(offset + len(data)) // BLOCK)
-        start, end = BLOCK * first, offset + len(data)
-        head = os.pread(self._descriptor, offset - start, start) if offset > start else b""
-        tail = os.pread(self._descriptor, BLOCK * last - end, end) if end < BLOCK * last else b""
-        pairs = self._pairs(first, last).copy()
-        pairs[:, 1] = (
-            pairs[:, 0] if self._certain else block_sums(os.pread(self._descriptor, BLOCK * last - start, start))
-        )
-        pairs[:, 0] = block_sums(b"".join((head, data, tail)))
-        self._put(BLOCK * self._blocks + PAIR * first, pairs.tobytes())
+        first, end = offset // BLOCK, offset + len(data)
+        last = -(-end // BLOCK)
+        start, stop = BLOCK * first, BLOCK * last
+        if last == first + 1:
+            before = os.pread(self._descriptor, BLOCK, start)
+            sums = [zlib.crc32(b"".join((before[: offset - start], data, before[end - start :])))]
+        else:
+            head = os.pread(self._descriptor, offset - start, start) if offset > start else b""
+            tail = os.pread(self._descriptor, stop - end, end) if end < stop else b""
+            sums = crcs(b"".join((head, data, tail)) if head or tail else data)
+        place = BLOCK * self._blocks + PAIR * first
+        if self._certain:
+            pairs = array("I", os.pread(self._descriptor, PAIR * len(sums), place))
+            pairs[1::2] = pairs[::2]
+        else:
+            pairs = array("I", [0, 0] * len(sums))
+            pairs[1::2] = array("I", crcs(os.pread(self._descriptor, stop - start, start)))
+        pairs[::2] = array("I", sums)
+        put(self._descriptor, place, pairs.tobytes())
 
     def doubt(self):
         """From now on the first sum of a pair is not taken to be that of the block: a write has failed."""
@@ -110,7 +119,7 @@ class LastTable:
 
     def __init__(self, descriptor, blocks):
         self._descriptor, self._blocks = descriptor, blocks
-        self.covered = BLOCK * blocks
+        self.block, self.covered = BLOCK, BLOCK * blocks
 
     def changed(self, data, first):
         """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""

@@ -1,4 +1,4 @@
-"""What shows that a byte of a closed file has changed: a CRC-32 of every 1024 bytes, behind the end of the HDF5 file.
+"""What shows that a byte of a closed file has changed: a CRC-32 of every 4096 bytes, behind the end of the HDF5 file.
 
 HDF5 does not look there. At the very end: a mark, how many bytes are covered, and the CRC-32 of all the sums.
 """
@@ -9,9 +9,11 @@ import zlib
 
 import numpy as np
 
-BLOCK = 1024
+BLOCK = 4096  # the page of operating systems
 END = struct.Struct("<16sQI")
-MARK = b"mecano seal 1\0\0\0"
+MARK = b"mecano seal 2\0\0\0"
+BLOCKS = {MARK: BLOCK, b"mecano seal 1\0\0\0": 1024}
+"""Bytes in a block of files with each mark."""
 
 
 class Seal:
@@ -19,6 +21,8 @@ class Seal:
 
     Attributes
     ----------
+    block : int
+        Bytes of a block.
     covered : int
         Bytes that are covered.
     sums : (n,) array of uint32
@@ -27,19 +31,24 @@ class Seal:
         The sums themselves have not changed.
     """
 
-    def __init__(self, covered, sums, whole):
-        self.covered, self.sums, self.whole = covered, sums, whole
+    def __init__(self, block, covered, sums, whole):
+        self.block, self.covered, self.sums, self.whole = block, covered, sums, whole
 
     def changed(self, data, first):
         """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""
-        found = block_sums(data)
+        found = block_sums(data, self.block)
         return first + np.flatnonzero(found != self.sums[first : first + len(found)])
 
 
-def block_sums(data):
+def block_sums(data, block=BLOCK):
     """Return the CRC-32 (n,) uint32 of each block of bytes; the last one may be shorter."""
+    return np.array(crcs(data, block), "<u4")
+
+
+def crcs(data, block=BLOCK):
+    """Return the CRC-32 of each block of bytes as a list."""
     view = memoryview(data)
-    return np.array([zlib.crc32(view[i : i + BLOCK]) for i in range(0, len(view), BLOCK)], "<u4")
+    return [zlib.crc32(view[i : i + block]) for i in range(0, len(view), block)]
 
 
 def seal(sums, covered):
@@ -55,13 +64,14 @@ def seal_of(descriptor):
     if len(end) < END.size:
         return None
     mark, covered, total = END.unpack(end)
-    length = 4 * -(-covered // BLOCK)
-    if mark != MARK:
+    if mark not in BLOCKS:
         return None
+    block = BLOCKS[mark]
+    length = 4 * -(-covered // block)
     if covered + length + END.size != size:
-        return Seal(0, np.zeros(0, "<u4"), False)
+        return Seal(block, 0, np.zeros(0, "<u4"), False)
     sums = os.pread(descriptor, length, covered)
-    return Seal(covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
+    return Seal(block, covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
 
 
 def _sum_of(size, sums):

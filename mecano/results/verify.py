@@ -10,7 +10,7 @@ from mecano.errors import ResultsError
 from mecano.results.checked import blaming, checked, format_of, open_checked
 from mecano.results.layout import FORMAT
 from mecano.results.reader import open_results
-from mecano.results.seal import BLOCK, Seal
+from mecano.results.seal import Seal
 from mecano.results.table import event_sum
 
 ROWS = 1024  # read at once
@@ -47,10 +47,11 @@ def _changed(source):
     changed = source.changed()
     if not len(changed):
         return ""
-    of = owners(path, changed)
+    block = source.block
+    of = owners(path, changed, block)
     named = "; ".join(of[:MOST]) + (f"; and {len(of) - MOST} more" if len(of) > MOST else "")
-    total = -(-min(sums.covered, source.size) // BLOCK)
-    where = f"{len(changed)} of {total} blocks of {BLOCK} bytes, the first at byte {BLOCK * changed[0]}"
+    total = -(-min(sums.covered, source.size) // block)
+    where = f"{len(changed)} of {total} blocks of {block} bytes, the first at byte {block * changed[0]}"
     return f"{path} is damaged: bytes have changed in {where}. They belong to: {named}"
 
 
@@ -73,8 +74,8 @@ def _told(path, source):
         raise ResultsError(f"{told}; {LOST}; by those in its last checkpoint, {_checked(results)}")
 
 
-def owners(path, blocks):
-    """Names of what has bytes in the ``blocks`` (n,), ascending, of an HDF5 file, in the order of the file."""
+def owners(path, blocks, size):
+    """Names of what has bytes in the ``blocks`` (n,) of ``size`` bytes of an HDF5 file, in its order."""
     try:
         with open_checked(path) as file:
             extents = sorted(_extents(file))
@@ -83,7 +84,7 @@ def owners(path, blocks):
     begins, ends = [a for a, _, _ in extents], [b for _, b, _ in extents]  # both ascend, for extents do not overlap
     found, between = [], False
     for block in blocks:
-        first, last = BLOCK * int(block), BLOCK * (int(block) + 1)
+        first, last = size * int(block), size * (int(block) + 1)
         inside = extents[bisect_right(ends, first) : bisect_left(begins, last)]
         found += [name for _, _, name in inside]
         edges = [first, *(edge for a, b, _ in inside for edge in (a, b)), last]
