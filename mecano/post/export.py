@@ -64,6 +64,8 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
 def _target(output, vtk):
     """The Path to be written, with an ending; None where none is given."""
     target = Path(output) if output else None
+    if target and not target.name:
+        refuse_folder(target)
     if target and not target.suffix:
         return target.with_name(target.name + (OF_CELLS if vtk else OF_COLUMNS))
     return target

@@ -69,7 +69,7 @@ class Folder:
 
     def begun(self):
         """True when a case of the study has been run here."""
-        return self.path.is_dir() and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
+        return os.path.isdir(self.path) and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
 
     @contextmanager
     def held(self, alone=True):
