@@ -1,5 +1,6 @@
 """Modes of a deck: about its start, its static equilibrium or a saved state; table, file and what to tell."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from mecano.errors import UsageError
 from mecano.interrupt import abandonable
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.prepare import march_of, prepare, remarks
+from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing
@@ -65,8 +67,14 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
     "wx,wy,wz" [rad/s]. Raises UsageError and what ``mecano run`` of the deck may raise; ResultsError, before anything
     is computed, where ``path`` exists.
     """
-    if path is not None:
-        refuse_existing(path, force)
+    with nullcontext() if path is None else locked(path):
+        if path is not None:
+            refuse_existing(path, force)
+        return _find(deck, path, at, at_rest, number, frame, method, force)
+
+
+def _find(deck, path, at, at_rest, number, frame, method, force):
+    """``modes`` while no other process writes the file."""
     base = about(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)

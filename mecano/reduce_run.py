@@ -11,7 +11,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.system import System
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, exists, refuse_folder
 from mecano.solve.reduction import reduce
 from mecano.solve.scales import length_scale
 
@@ -27,7 +27,8 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
     path = Path(path)
     if path.suffix not in (".npz", ".h5"):
         raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
-    if path.exists() and not force:
+    refuse_folder(path)
+    if exists(path) and not force:
         raise ResultsError(f"{path} exists; --force replaces it")
     part = part_of(deck, elements, nodes)
     system = System(part)
@@ -75,17 +76,13 @@ def lines_of(part, names):
 
 def write(path, content):
     """Write the content of a file of reduced matrices; it appears when it is complete. Raises ResultsError."""
-    with appearing(path) as hidden:
-        if path.suffix == ".npz":
+    if path.suffix == ".npz":
+        with appearing(path) as hidden:
             np.savez_compressed(hidden, **content)
-        else:
-            _write_hdf5(hidden, content)
+        return
+    from mecano.results.disk import hdf5_appearing  # imports h5py, which the other format does without
 
-
-def _write_hdf5(path, content):
-    import h5py
-
-    with h5py.File(path, "w") as file:
+    with hdf5_appearing(path) as file:
         for key, value in content.items():
             file[key] = [name.encode() for name in value] if value.dtype.kind == "U" else value
 

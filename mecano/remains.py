@@ -7,6 +7,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
+from mecano.results.checked import blaming
+from mecano.results.layout import FORMAT_VERSION
 from mecano.results.provenance import provenance, to_json
 from mecano.results.reader import open_results
 
@@ -38,10 +40,11 @@ class Remains:
     def __init__(self, path, deck):
         self.path, self.results = path, open_results(path)
         try:
-            self._check(deck)
-            self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
-            self.automatic, self.model = self.results.automatic, self.results.model
-            self.remarks = self.results.remarks
+            with blaming(path):
+                self._check(deck)
+                self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
+                self.automatic, self.model = self.results.automatic, self.results.model
+                self.remarks = self.results.remarks
         except BaseException:
             self.close()
             raise
@@ -58,6 +61,12 @@ class Remains:
                 f"{self.path} is of another deck and cannot be gone on with; it has\n  "
                 + "\n  ".join(found[:MOST]) + more
             )  # fmt: skip
+        version = self.results.format_version
+        if version != FORMAT_VERSION:
+            raise ResultsError(
+                f"{self.path} has format {version} of another version of mecano and cannot be resumed by this one, "
+                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or use --force"
+            )
         process = self.results.metadata["process"]
         if self.results.status == "running" and self.results.written_here and process != os.getpid():
             raise ResultsError(f"{self.path} is still being written, by process {process}")

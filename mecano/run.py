@@ -2,7 +2,6 @@
 
 from contextlib import closing
 from functools import partial
-from pathlib import Path
 
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.interrupt import Interruption, abandonable
@@ -13,7 +12,9 @@ from mecano.prepare import chosen, march_of, model_facts, prepare, remarks
 from mecano.recorder import Recorder
 from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
+from mecano.results.lock import locked
 from mecano.results.provenance import Source
+from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 from mecano.start import bring_to_start
 
@@ -28,7 +29,13 @@ def run(
     Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
     start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
-    _refuse_existing(path, force)
+    with locked(path):
+        _refuse_existing(path, force)
+        return _from_the_start(deck, path, force, observers, announce, interruption, interval)
+
+
+def _from_the_start(deck, path, force, observers, announce, interruption, interval):
+    """``run`` while no other process writes the file."""
     prepared = prepare(deck)
     found = abandonable(bring_to_start, prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -74,9 +81,15 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
     one stays. Raises UsageError where the file is of another deck, ResultsError where it is damaged, or still being
     written; and what ``run`` raises.
     """
-    around = {"observers": observers, "announce": announce, "interval": interval}
-    if not Path(path).exists():
-        return run(deck, path, interruption=interruption, **around)
+    with locked(path):
+        return _resume(deck, path, observers, announce, interruption, interval)
+
+
+def _resume(deck, path, *around):
+    """``resume`` while no other process writes the file."""
+    observers, announce, interruption, interval = around
+    if not exists(path):
+        return _from_the_start(deck, path, False, *around)
     from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
 
     with undisturbed():
@@ -88,7 +101,7 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
         announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")
-    return run(deck, path, force=True, interruption=interruption, **around)
+    return _from_the_start(deck, path, True, *around)
 
 
 def _go_on(deck, left, observers, announce, interruption, interval):

@@ -4,6 +4,7 @@ import numpy as np
 
 from mecano.errors import ResultsError, UsageError
 from mecano.prepare import march_of
+from mecano.results.checked import blaming
 from mecano.results.reader import open_results
 from mecano.solve.events import Watch
 from mecano.statics import loaded, rest
@@ -47,7 +48,7 @@ def rest_at(prepared, text):
 def _saved(prepared, text):
     """(State, load factor, words) of a saved time; None in the place of the load factor of a march."""
     path, time = parse(text)
-    with open_results(path) as results:
+    with blaming(path), open_results(path) as results:
         if not len(results.time):
             raise ResultsError(f"{path}: no saved times yet")
         row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))

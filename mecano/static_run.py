@@ -1,13 +1,13 @@
 """One static run, from a checked deck to the results file: prepare, follow the path, close."""
 
-from pathlib import Path
-
 import numpy as np
 
 from mecano.model.sampler import Sampler
 from mecano.prepare import model_facts, prepare, remarks
 from mecano.results.layout import Layout, Series
+from mecano.results.lock import locked
 from mecano.results.provenance import Source
+from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 from mecano.statics import follow
 
@@ -82,16 +82,17 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
 
     None when the file is complete. Raises UsageError where it is of another deck; and what ``run`` raises.
     """
-    if Path(path).exists():
-        from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+    with locked(path):
+        if exists(path):
+            from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
 
-        left = Remains(path, deck)
-        left.close()
-        if left.complete:
-            announce(COMPLETE.format(path))
-            return None
-        announce(f"equilibria have no checkpoints: the run in {path} begins at its start")
-    return run(deck, path, force=True, observers=observers, announce=announce)
+            left = Remains(path, deck)
+            left.close()
+            if left.complete:
+                announce(COMPLETE.format(path))
+                return None
+            announce(f"equilibria have no checkpoints: the run in {path} begins at its start")
+        return _follow(deck, path, True, observers, announce)
 
 
 def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
@@ -100,7 +101,13 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
     ``observers`` are told of every Point, ``announce`` of what a user should know. Raises AssemblyError,
     ConvergenceError with the motion that is free, NonFiniteError, ResultsError; the file keeps what was found.
     """
-    refuse_existing(path, force)
+    with locked(path):
+        refuse_existing(path, force)
+        return _follow(deck, path, force, observers, announce)
+
+
+def _follow(deck, path, force, observers, announce):
+    """``run`` while no other process writes the file."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"
     recorder, notes = Recorder(prepared.system, over_time), remarks(prepared)

@@ -11,6 +11,7 @@ from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.interrupt import abandonable
 from mecano.modes_run import about, doubts, turning_of
+from mecano.results.lock import locked
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, write_sweep, write_tables
 from mecano.results.writer import refuse_existing
@@ -262,13 +263,14 @@ def _distinct(criticals):
 
 def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
     """``sweep`` into a file, with ``columns`` into tables of comma-separated values beside it: (text, states)."""
-    refuse_existing(file, force)
-    found = sweep(path, overrides, texts, **options)
-    deck, plain = found.deck, contents(found)
-    source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                    remarks=found.remarks)  # fmt: skip
-    write_sweep(file, plain, source, force=force)
-    if columns:
-        write_tables(Path(file).with_suffix(".csv"), plain)
+    with locked(file):
+        refuse_existing(file, force)
+        found = sweep(path, overrides, texts, **options)
+        deck, plain = found.deck, contents(found)
+        source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+                        remarks=found.remarks)  # fmt: skip
+        write_sweep(file, plain, source, force=force)
+        if columns:
+            write_tables(Path(file).with_suffix(".csv"), plain)
     text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.remarks)])
     return text, sum(len(locus.count) for locus in found.loci)

@@ -224,7 +224,7 @@ def test_an_existing_file_is_kept_unless_forced(finished):
     assert os.listdir(finished.parent) == ["results.h5"]
 
 
-@pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "exists already")])
+@pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "it is a folder")])
 def test_paths_that_cannot_be_written(tmp_path, target, message):
     with pytest.raises(ResultsError, match=message) as error:
         samples.create(tmp_path / target)
@@ -272,7 +272,7 @@ def _newer(path):
     "make, message",
     [
         (lambda path: None, "No such file"),
-        (lambda path: path.mkdir(), "Is a directory"),
+        (lambda path: path.mkdir(), "it is a folder"),
         (lambda path: path.write_bytes(b""), "not a results file"),
         (lambda path: path.write_text("time: 1\n" * 1000), "not a results file"),
         (lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10)), "cannot be read"),

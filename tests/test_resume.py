@@ -8,6 +8,7 @@ import random
 import resource
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -25,7 +26,7 @@ from mecano import keeper
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
 from mecano.post.info import info
-from mecano.results.seal import seal_file
+from mecano.results.disk import Disk
 from mecano.results.verify import verify
 from mecano.run import resume, run
 
@@ -150,7 +151,7 @@ class TestAFullDisk:
         assert ended(forked(run_in, size)) == 5
         before = contents(path) if path.exists() else None
         assert some == (before is not None and mecano.open_results(path).checkpoint is not None)
-        assert before is None or (before["status"] == "failed" and "no" in verify(path))
+        assert before is None or (before["status"] == "failed" and "every byte is as" in verify(path))
         resume(deck, path)
         check_same(found := contents(path), contents(tmp_path / "whole.h5"))
         assert before is None or before["time"].tobytes() == found["time"][: len(before["time"])].tobytes()
@@ -507,11 +508,13 @@ class TestVerify:
             file["more"] = list(range(1000))
         with pytest.raises(ResultsError):
             verify(path)
-        seal_file(path)
+        disk = Disk(path, begun=True)
+        disk.seal()
+        disk.close()
         assert "every byte is as it was written" in verify(path)
 
     def test_a_killed_run(self, tmp_path):
-        """Rows before the last checkpoint are checked by its sums."""
+        """Every changed bit is found; where the sums are lost, those in the checkpoint tell of the rows before it."""
         path, deck = tmp_path / "r.h5", decks()["bouncing_ball"]
 
         def run_and_die():
@@ -519,7 +522,19 @@ class TestVerify:
             run(deck, path, interval=0.0, observers=(lambda accepted: accepted.run.steps < 200 or os._exit(9),))
 
         assert ended(forked(run_and_die)) == 9
-        assert "killed" in verify(path) and "steps and 3 events are as they were written" in verify(path)
+        assert "killed" in verify(path) and "it was not closed; every byte is as it was written" in verify(path)
+        data, rng = path.read_bytes(), random.Random(5)
+        used = struct.unpack("<Q", data[28:36])[0]  # by HDF5
+        for _ in range(100):
+            bit = rng.randrange(8 * used)
+            path.write_bytes(data[: bit // 8] + bytes([data[bit // 8] ^ 1 << bit % 8]) + data[bit // 8 + 1 :])
+            with pytest.raises(ResultsError, match="bytes have changed in 1 of"):
+                verify(path)
+        path.write_bytes(data[:used])
+        with pytest.raises(
+            ResultsError, match=r"the sums .* are missing.* steps and 3 events are as they were written"
+        ):
+            verify(path)
         with h5py.File(path, "r+") as file:
             file["events/impulse"][2] += 1.0
         with pytest.raises(ResultsError, match="bytes have changed in events"):

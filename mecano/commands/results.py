@@ -39,6 +39,15 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
     page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
     """
+    from mecano.results.checked import blaming, cut_short
+
+    for warning in cut_short(results):
+        click.echo(f"mecano: {warning}", err=True)
+    with blaming(*results):
+        _post(results, plots, spectra, at, output, kind, columns, title, page, report)
+
+
+def _post(results, plots, spectra, at, output, kind, columns, title, page, report):
     if page or report:
         _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns)
     if page and spectra and not report:
@@ -80,8 +89,12 @@ def export(results, output, series, vtk, force):
     Without -o columns go to a file beside RESULTS with the ending .csv. Names as in `mecano post --plot`.
     """
     from mecano.post.export import export as write
+    from mecano.results.checked import blaming, cut_short
 
-    click.echo(write(results, output, series=series, vtk=vtk, force=force))
+    for warning in cut_short([results]):
+        click.echo(f"mecano: {warning}", err=True)
+    with blaming(results):
+        click.echo(write(results, output, series=series, vtk=vtk, force=force))
 
 
 @click.command()
@@ -94,8 +107,12 @@ def export(results, output, series, vtk, force):
 def info(results, pattern, events):
     """Say what is in a results file and how the run went: status, steps, events, extremes."""
     from mecano.post.info import info as text
+    from mecano.results.checked import blaming, cut_short
 
-    show(text(results, pattern, events))
+    for warning in cut_short([results]):
+        click.echo(f"mecano: {warning}", err=True)
+    with blaming(results):
+        show(text(results, pattern, events))
 
 
 @click.command()

@@ -55,11 +55,17 @@ def animate(path, page, plots=(), title=None):
         "events": [[mark.time, f"{mark.element}: {mark.text}"] for mark in event_marks([run])],
     }  # fmt: skip
     template = resources.files("mecano.post").joinpath("animation.html").read_text(encoding="utf-8")
-    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    text = script_text(data)
     make_folder(page.parent)
     with appearing(page) as hidden:
         hidden.write_text(template.replace('"DATA"', text), encoding="utf-8")
     return page
+
+
+def script_text(data):
+    """Return plain data as JSON that may stand in a script of a page: nothing in it ends or opens one."""
+    text = json.dumps(data, separators=(",", ":"))
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def _motion(scene):

@@ -1,7 +1,9 @@
 """A panel of curves drawn into axes of matplotlib."""
 
+import re
+
 import numpy as np
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
 
 from mecano.post.style import (
     COLOURS,
@@ -11,6 +13,7 @@ from mecano.post.style import (
     legend_above,
     legend_columns,
     note_below,
+    power_of_ten,
     range_of,
     shown_unit,
     with_unit,
@@ -96,10 +99,21 @@ def _steps(panel, values):
     return {"drawstyle": "steps-pre", "linewidth": 0.6 if len(values) > MANY else 1.2}
 
 
+class PlainPowers(LogFormatterSciNotation):
+    """Labels of a logarithmic axis without the markup of formulas, which no text of a picture has."""
+
+    def __call__(self, x, pos=None):
+        """Return the label of the tick at ``x``."""
+        text = re.sub(r"\$\\mathdefault\{(.*)\}\$", r"\1", super().__call__(x, pos)).replace(r"\times", "×")
+        return re.sub(r"10\^\{(-?\d+)\}", lambda match: power_of_ten(match[1]), text)
+
+
 def _scales(ax, panel, x_factor, y_factor):
     y = _all(panel, "y") / y_factor
     if panel.logarithmic:
         ax.set_yscale("log")
+        ax.yaxis.set_major_formatter(PlainPowers())
+        ax.yaxis.set_minor_formatter(PlainPowers(labelOnlyBase=False, minor_thresholds=(1.0, 0.4)))
         largest = np.max(y, where=np.isfinite(y), initial=0.0)
         if np.any((y > TINY) & (y < DECADES * largest)):  # a step without any error, for example
             ax.set_ylim(bottom=DECADES * largest)

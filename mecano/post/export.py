@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import h5py
-
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import write_columns
 from mecano.post.grid import grids_of
@@ -11,8 +9,10 @@ from mecano.post.quantity import time_of
 from mecano.post.request import found
 from mecano.post.runs import open_runs
 from mecano.post.sheet import Curve
+from mecano.results.disk import hdf5_appearing
+from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import appearing, exists, refuse_folder
 from mecano.results.writer import refuse_existing
 
 OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
@@ -52,14 +52,20 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
             return _into_results(run, force)
         target = target or run.results.path.with_suffix(OF_COLUMNS)
         _refuse(run, target, force)
-        with appearing(target) as hidden:
-            (_write_cells if target.suffix == OF_CELLS else _write_all_columns)(hidden, run, series)
+        if target.suffix == OF_CELLS:
+            with hdf5_appearing(target) as file:
+                write_grids(file, grids_of(run), run.results.time)
+        else:
+            with appearing(target) as hidden:
+                _write_all_columns(hidden, run, series)
     return target
 
 
 def _target(output, vtk):
     """The Path to be written, with an ending; None where none is given."""
     target = Path(output) if output else None
+    if target and not target.name:
+        refuse_folder(target)
     if target and not target.suffix:
         return target.with_name(target.name + (OF_CELLS if vtk else OF_COLUMNS))
     return target
@@ -75,11 +81,12 @@ def _check(target, series, vtk):
 
 
 def _refuse(run, target, force):
-    if target.exists() and target.samefile(run.results.path):
+    refuse_folder(target)
+    if exists(target) and target.samefile(run.results.path):
         raise UsageError(f"-o {target} is the results file itself")
     if target.suffix == OF_CELLS:
         refuse_existing(target, force)
-    elif target.exists() and not force:
+    elif exists(target) and not force:
         raise ResultsError(f"{target} exists already; give another name, or --force to replace it")
 
 
@@ -88,13 +95,9 @@ def _into_results(run, force):
     if run.results.status in ("running", "truncated"):
         state = "is still being written" if run.results.status == "running" else "is cut short"
         raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write a file of its own with -o")
-    add_grids(run.results.path, grids_of(run), run.results.time, force=force)
+    with locked(run.results.path):
+        add_grids(run.results.path, grids_of(run), run.results.time, force=force)
     return run.results.path
-
-
-def _write_cells(path, run, _):
-    with h5py.File(path, "w", libver=("v110", "v110")) as file:
-        write_grids(file, grids_of(run), run.results.time)
 
 
 def _write_all_columns(path, run, series):

@@ -2,9 +2,9 @@
 
 import h5py
 
-from mecano.errors import ResultsError
 from mecano.results import modes_file
-from mecano.results.modes_file import format_of, read_modes
+from mecano.results.checked import format_of, open_checked
+from mecano.results.modes_file import read_modes
 
 OWN = "mecano "  # how the formats of all files besides results begin
 NUMBERS = ("frequency", "natural_frequency", "damping_ratio", "real_part", "residual")
@@ -24,12 +24,9 @@ def info_other(path):
 
 
 def _run(path):
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            run = dict(file["run"].attrs)
-            kind = str(file.attrs["format"])
-    except (OSError, KeyError) as error:
-        raise ResultsError(f"cannot read {path}: {error}") from error
+    with open_checked(path) as file:
+        run = dict(file["run"].attrs)
+        kind = str(file.attrs["format"])
     rows = [("file", kind), ("title", run.get("title") or "none"), ("about", run.get("about", ""))]
     if "method" in run:
         rows.append(("method", f"{run['method']}; {run['computed']} computed"))
@@ -61,6 +58,6 @@ def _contents(path):
             unit, doc = item.attrs.get("units", ""), item.attrs.get("long_name", "")
             lines.append(f"  {name}{f' [{unit}]' if unit else ''}{f': {doc}' if doc else ''}")
 
-    with h5py.File(path, "r", locking=False) as file:
+    with open_checked(path) as file:
         file.visititems(note)
     return lines

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import h5py
 import matplotlib
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
@@ -15,6 +14,7 @@ from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import ResultsError
 from mecano.post.figure import save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
+from mecano.results.checked import open_checked
 from mecano.results.sweep_file import read_sweep
 
 SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
@@ -49,11 +49,8 @@ def sweep_figure(file):
 
 def _units(file):
     """Units of the parameters, as far as the deck in the file tells them. Raises ResultsError."""
-    try:
-        with h5py.File(file.path, "r", locking=False) as opened:
-            text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
-    except (OSError, KeyError, ValueError) as error:
-        raise ResultsError(f"cannot read {file.path}: {error}") from error
+    with open_checked(file.path) as opened:
+        text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
     written = parameters_of(str(file.path), text)
     paths = [name if "." in name else f"parameters.{name}" for name in file.names]
     return [unit_of(path, resolved, [written.get(path)]) for path in paths]

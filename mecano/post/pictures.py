@@ -16,7 +16,7 @@ from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
-from mecano.results.modes_file import format_of
+from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder
 
 FORMATS = ("png", "svg")
@@ -92,11 +92,11 @@ def _alone(paths, others, plots, output, kind):
         raise UsageError(
             f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
         )
-    if len(paths) > 1 and output and not Path(output).is_dir():
+    if len(paths) > 1 and output and not os.path.isdir(output):
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
         name = f"{Path(path).stem}.{kind}"
-        target = Path(output) / name if output and Path(output).is_dir() else output
+        target = Path(output) / name if output and os.path.isdir(output) else output
         yield ALONE[format_of(path)](path, target, kind)
 
 
@@ -116,7 +116,7 @@ def _default_pictures(runs):
 def _targets(names, output, kind, runs):
     """Path of each picture."""
     whole = Path(output) if output else None
-    if whole is not None and whole.suffix[1:] in FORMATS and not whole.is_dir():
+    if whole is not None and whole.suffix[1:] in FORMATS and not os.path.isdir(whole):
         if len(names) > 1:
             raise UsageError(f"{output} names one picture, but there will be {len(names)}: give a folder or a prefix")
         return [whole]
@@ -126,7 +126,7 @@ def _targets(names, output, kind, runs):
     if whole is None:
         prefix = first.with_name(_stem(runs))
     else:
-        prefix = whole / _stem(runs) if whole.is_dir() or str(output).endswith(("/", os.sep)) else whole
+        prefix = whole / _stem(runs) if os.path.isdir(whole) or str(output).endswith(("/", os.sep)) else whole
     counts, targets = {}, []
     for name in names:
         counts[name] = counts.get(name, 0) + 1

@@ -13,7 +13,9 @@ LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
 BESIDE = 24  # characters of small print that have room beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SETTINGS = {
+    "text.parse_math": False,  # titles and names may have any letters
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.labelsize": 9,
@@ -66,7 +68,7 @@ def _scaled(largest, factor, unit):
     if not largest or 2e-3 <= largest / factor < 2e5:
         return factor, unit
     exponent = 3 * int(np.floor(np.log10(largest / factor / 2.0) / 3.0))
-    return factor * 10.0**exponent, f"$10^{{{exponent}}}$ {unit}".strip()
+    return factor * 10.0**exponent, f"{power_of_ten(exponent)} {unit}".strip()
 
 
 def with_unit(label, unit):
@@ -118,3 +120,8 @@ def range_of(values):
         return None
     middle, margin = 0.5 * (low + high), 0.1 * size if size > 1e-12 else 1.0
     return middle - margin, middle + margin
+
+
+def power_of_ten(exponent):
+    """Write a power of ten with its exponent, a whole number or its text, raised."""
+    return f"10{str(exponent).translate(RAISED)}"

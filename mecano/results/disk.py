@@ -1,9 +1,10 @@
 """The file on disk as HDF5 sees it, arranged so that a kill at any instant leaves a readable file.
 
-HDF5 writes through this object instead of by itself, for four reasons:
+HDF5 writes through this object instead of by itself, for five reasons:
 
+* Every byte has a check sum, whenever the process is killed (live_sums.py).
 * HDF5 notes the new end of the file in the superblock before it makes the file that long; a kill in between
-  leaves a file that nothing opens. Here the file grows first.
+  leaves a file that nothing opens. Here the file, with the table of sums at its end, grows first.
 * After a failed write (disk full) HDF5 can neither go on nor close, and crashes at the exit of the process.
   Here the first failure is kept in ``error``, nothing more reaches the disk, and HDF5 sees a disk that works.
 * Some numbers (counters, status) must change after all else is written, in one go, and without new space:
@@ -16,15 +17,19 @@ file (tests/test_results_crash.py tries them all).
 """
 
 import os
+import shutil
 import signal
 import struct
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 import h5py
 
 from mecano.interrupt import SIGNALS
-from mecano.results.seal import seal
+from mecano.results.live_sums import LiveSums, put
+from mecano.results.seal import BLOCK, seal, seal_of
+from mecano.results.whole_file import appearing
 
 PAGE = 4096
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -32,21 +37,29 @@ _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
 
 
 class Disk:
-    """A file-like object for h5py over a new file.
+    """A file-like object for h5py over a file that is being written; its bytes have check sums at every instant.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of a new file; or, with ``begun``, of one that is there and that nobody else reads or writes.
+    begun : bool
+        Go on with the bytes that are there.
 
     Attributes
     ----------
     error : OSError or None
         The first failure to write; after it nothing but patches is tried.
     size : int
-        Bytes that it holds, or would after a failure.
+        Bytes that it holds, or would after a failure, without the sums.
     """
 
-    def __init__(self, path):
+    def __init__(self, path, begun=False):
         self.error = None
-        self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
+        self._descriptor = os.open(path, os.O_RDWR | (0 if begun else os.O_CREAT | os.O_TRUNC), 0o666)
+        self._sums = LiveSums(self._descriptor)
         self._position = 0
-        self.size = 0
+        self.size = _unsealed_size(self._descriptor) if begun else 0
         self._withheld = []  # (offset, bytes) of the writes after the failure, which HDF5 may read again
 
     def seek(self, offset, whence=os.SEEK_SET):
@@ -83,7 +96,7 @@ class Disk:
             if end > self.size:
                 self.truncate(end)
         if self.error is None:
-            self.error = self._put(self._position, data)
+            self._fail(self._put, self._position, data)
         if self.error is not None:
             self._withheld.append((self._position, bytes(data)))
         self._position += len(data)
@@ -91,13 +104,10 @@ class Disk:
         return len(data)
 
     def truncate(self, size=None):
-        """Make the file as long as told."""
+        """Make the file as long as told; the bytes behind it are those of the sums."""
         self.size = self._position if size is None else size
         if self.error is None:
-            try:
-                os.ftruncate(self._descriptor, self.size)
-            except OSError as error:
-                self.error = error
+            self._fail(self._sums.cover, self.size)
         return self.size
 
     def flush(self):
@@ -105,30 +115,34 @@ class Disk:
 
     def patch(self, offset, data):
         """Overwrite bytes that are in the file already; after a failure too, as this needs no new space."""
-        error = self._put(offset, memoryview(data).cast("B"))
-        self.error = self.error or error
+        self._fail(self._put, offset, memoryview(data).cast("B"))
 
     def _put(self, offset, data):
-        try:
-            while len(data):
-                written = os.pwrite(self._descriptor, data, offset)
-                offset, data = offset + written, data[written:]
-        except OSError as error:
-            return error
-        return None
+        if not len(data):
+            return
+        self._sums.cover(offset + len(data))
+        self._sums.announce(offset, data)
+        put(self._descriptor, offset, data)
 
-    def seal(self, offset, data):
-        """Put the sums that show changed bytes behind the file, those it will have when ``data`` are patched there.
-
-        Of a failure, kept in ``error``, nothing is left.
-        """
-        size = os.fstat(self._descriptor).st_size
+    def _fail(self, action, *arguments):
+        """Do something; the first failure is kept."""
         try:
-            self.patch(size, seal(self._descriptor, size, offset, data))
-            if self.error is not None:
-                os.ftruncate(self._descriptor, size)
+            action(*arguments)
         except OSError as error:
             self.error = self.error or error
+            self._sums.doubt()
+
+    def seal(self):
+        """Put the sums of a file that will not change any more right behind it, in place of those of a changing one.
+
+        Where there is no room for that, the latter stay, which show changed bytes as well.
+        """
+        covered = -(-self.size // BLOCK) * BLOCK
+        with suppress(OSError):
+            self._sums.cover(covered)
+            data = seal(self._sums.sums(covered // BLOCK), covered)
+            self._put(covered, data)
+            os.ftruncate(self._descriptor, covered + len(data))
 
     def close(self):
         """Wait until the bytes are on the disk, and close; a late failure is kept in ``error``."""
@@ -138,6 +152,34 @@ class Disk:
             except OSError as error:
                 self.error = self.error or error
         self._descriptor = -1  # the system may give the old number to another file
+
+
+def _unsealed_size(descriptor):
+    """Bytes of an open file without the sums behind it, which are removed. Raises OSError."""
+    found = seal_of(descriptor)
+    size = found.covered if found else os.fstat(descriptor).st_size
+    os.ftruncate(descriptor, size)
+    return size
+
+
+@contextmanager
+def hdf5_appearing(path, begun=None):
+    """Give a new HDF5 file, open for writing, that gets its name and its sums when the block ends.
+
+    It begins as a copy of the file ``begun`` if that is given. Raises ResultsError; nothing is left then.
+    """
+    with appearing(Path(path)) as hidden:
+        if begun is not None:
+            shutil.copyfile(begun, hidden)
+        disk = Disk(hidden, begun is not None)
+        try:
+            with open_file(disk) if begun is not None else new_file(disk) as file:
+                yield file
+            disk.seal()
+        finally:
+            disk.close()
+        if disk.error is not None:
+            raise disk.error
 
 
 def new_file(stream):

@@ -1,5 +1,6 @@
 """The file of modes that `mecano modes` writes: HDF5, layout in docs/results-file.md."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,8 +8,10 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checked import open_checked
+from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe
-from mecano.results.whole_file import appearing, put_source
+from mecano.results.whole_file import put_source
 from mecano.results.writer import refuse_existing
 
 FORMAT, FORMAT_VERSION = "mecano modes", 1
@@ -46,19 +49,10 @@ class ModesFile:
     resolved: dict  # the deck
 
 
-def format_of(path):
-    """What kind of file of mecano a file is, or "" where it cannot be read."""
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            return str(file.attrs.get("format", ""))
-    except (OSError, ValueError):
-        return ""
-
-
 def write_modes(path, contents, source, *, force=False):
     """Write modes; the file appears when it is complete. Raises ResultsError."""
     refuse_existing(path, force)
-    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+    with hdf5_appearing(path) as file:
         _fill(file, contents, source)
 
 
@@ -105,23 +99,18 @@ def _put(group, name, values, unit, doc, scale=None):
 
 def read_modes(path):
     """Read a file of modes. Raises ResultsError."""
-    import json
-
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            if file.attrs.get("format") != FORMAT:
-                raise ResultsError(f"{path} is no file of modes")
-            numbers = {name: file[name][:] for name, _, _ in NUMBERS}
-            nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
-            inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}
-            values = numbers["real_part"] + 1j * numbers["imaginary_part"]
-            kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
-            resolved = json.loads(file["deck/resolved"][()])
-            converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
-            return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
-                             resolved)  # fmt: skip
-    except (OSError, KeyError, ValueError) as error:
-        raise ResultsError(f"cannot read {path}: {error}") from error
+    with open_checked(path) as file:
+        if file.attrs.get("format") != FORMAT:
+            raise ResultsError(f"{path} is no file of modes")
+        numbers = {name: file[name][:] for name, _, _ in NUMBERS}
+        nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
+        inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}
+        values = numbers["real_part"] + 1j * numbers["imaginary_part"]
+        kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
+        resolved = json.loads(file["deck/resolved"][()])
+        converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
+        return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
+                         resolved)  # fmt: skip
 
 
 def _groups(file, name):

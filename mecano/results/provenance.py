@@ -87,10 +87,20 @@ def lives(process):
 def began(process):
     """When the process of a number began [s since 1970], where the system tells it; else 0."""
     try:
-        ticks = int(_listed(process)[19])
-        return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK")
-    except (AttributeError, IndexError, ValueError):
+        ticks = start_ticks(process)
+        return (
+            time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks / os.sysconf("SC_CLK_TCK") if ticks else 0.0
+        )
+    except (AttributeError, ValueError):
         return 0.0
+
+
+def start_ticks(process):
+    """Return when the process of a number began, in ticks since the system did, where it tells that; else 0."""
+    try:
+        return int(_listed(process)[19])
+    except (IndexError, ValueError):
+        return 0
 
 
 def _listed(process):

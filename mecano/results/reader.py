@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import time as clocks
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
@@ -13,11 +14,12 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checked import UNREADABLE, checked, unreadable
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import began, lives
-from mecano.results.salvage import missing_bytes, open_cut, rows_within
+from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
@@ -93,34 +95,50 @@ class Results:
 
     def __init__(self, path):
         self.path = Path(path)
-        self._missing = 0
         self._open()
 
     def _open(self):
-        self._file = None
+        self._file = self._source = None
         for name in _KEPT:
             self.__dict__.pop(name, None)
-        self._file = _open_file(self.path)
         try:
-            self._check_format()
-            self._missing = missing_bytes(self.path)
-            counters = self._file["run/acknowledged"][:]
-            self._layout = Layout.from_json(self._file["storage/layout"][()])
-        except (KeyError, OSError, RuntimeError, ValueError) as error:
-            self.close()
-            raise ResultsError(f"too little is left of {self.path} to read it: {error}") from error
-        except ResultsError:
+            self._source, self._file = _open_patiently(self.path)
+            with self._reading("run/acknowledged, storage/layout"):
+                self._check_format()
+                counters = self._file["run/acknowledged"][:]
+                self._layout = Layout.from_json(self._file["storage/layout"][()])
+                self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters[:4])
+                self._clip()
+        except BaseException:
             self.close()
             raise
-        self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters[:4])
-        self._clip()
+
+    @contextmanager
+    def _reading(self, what):
+        """Raise ResultsError for whatever cannot be read in the block."""
+        try:
+            yield
+        except UNREADABLE as error:
+            raise ResultsError(unreadable(self._source, error, what)) from error
 
     def _check_format(self):
-        if self._file.attrs.get("format") != FORMAT:
+        if _as_text(self._file.attrs.get("format")) != FORMAT:
             raise ResultsError(f"{self.path} is an HDF5 file, but no results of mecano")
-        version = int(self._file.attrs["format_version"])
-        if version > FORMAT_VERSION:
-            raise ResultsError(f"{self.path} has format {version} of a newer mecano; this one reads {FORMAT_VERSION}")
+        if self.format_version > FORMAT_VERSION:
+            raise ResultsError(
+                f"{self.path} has format {self.format_version} of a newer mecano; this one reads {FORMAT_VERSION}"
+            )
+
+    @property
+    def format_version(self):
+        """Version of the format of the file."""
+        with self._reading("format_version"):
+            return int(self._file.attrs["format_version"])
+
+    @property
+    def has_sums(self):
+        """True when the file has the sums that show changed bytes: only unchanged ones are read then."""
+        return self._source.sums is not None
 
     def _clip(self):
         """Never count more rows than there are."""
@@ -131,20 +149,20 @@ class Results:
 
     def _present(self, name, rows):
         dataset = self._file[name]
-        rows = min(rows, len(dataset))
-        return rows_within(dataset, rows, self.path.stat().st_size) if self._missing else rows
+        rows = max(min(rows, len(dataset)), 0)
+        return rows_within(dataset, rows, self._source.size) if self._source.missing else rows
 
     def _read(self, name, selection):
         """Read part of a dataset; again from the start when the writer changed the file under our hands."""
         for attempt in range(_ATTEMPTS):
             try:
                 return self._file[name][selection]
-            except (OSError, RuntimeError, KeyError) as error:
-                if attempt == _ATTEMPTS - 1 or self._missing:
-                    raise ResultsError(f"cannot read '{name}' in {self.path}: {error}") from error
+            except UNREADABLE as error:
+                if attempt == _ATTEMPTS - 1 or self._source.missing or self._source.damaged:
+                    raise ResultsError(unreadable(self._source, error, name)) from error
                 clocks.sleep(0.01 * attempt)
-                self._file.close()
-                self._file = _open_file(self.path)
+                self.close()
+                self._source, self._file = _open_patiently(self.path)
 
     def refresh(self):
         """Open the file again, to see what a running writer added."""
@@ -155,6 +173,8 @@ class Results:
         """Close the file."""
         if self._file is not None:
             self._file.close()
+            self._source.close()
+            self._file = None
 
     def __enter__(self):
         return self
@@ -245,18 +265,24 @@ class Results:
     @cached_property
     def metadata(self):
         """Where the results come from: versions, machine, command line, overrides, hashes of included files, ..."""
-        stored = self._file["run"].attrs.items()
-        metadata = {key: value.item() if isinstance(value, np.generic) else value for key, value in stored}
-        metadata["overrides"] = json.loads(self._text("deck/overrides"))
-        metadata["includes"] = json.loads(self._text("deck/includes"))
-        metadata["format_version"] = int(self._file.attrs["format_version"])
+        with self._reading("run"):
+            stored = self._file["run"].attrs.items()
+            metadata = {key: value.item() if isinstance(value, np.generic) else value for key, value in stored}
+        metadata["overrides"] = self._json("deck/overrides")
+        metadata["includes"] = self._json("deck/includes")
+        metadata["format_version"] = self.format_version
         metadata["wall_time"], metadata["processor_time"] = self._read("run/clock", slice(None)).tolist()
         told = "compile_time" in self._file["run"]  # older files count it as wall time
         metadata["compile_time"] = float(self._read("run/compile_time", ())) if told else 0.0
         return metadata
 
     def _text(self, name):
-        return self._read(name, ()).decode()
+        with self._reading(name):
+            return self._read(name, ()).decode()
+
+    def _json(self, name):
+        with self._reading(name):
+            return json.loads(self._read(name, ()))
 
     @property
     def deck_text(self):
@@ -266,29 +292,30 @@ class Results:
     @cached_property
     def resolved(self):
         """The deck as it was understood: plain data after overrides, includes and defaults."""
-        return json.loads(self._text("deck/resolved"))
+        return self._json("deck/resolved")
 
     @cached_property
     def automatic(self):
         """What stood for the values that the deck leaves automatic: name -> number."""
-        return json.loads(self._text("deck/automatic"))
+        return self._json("deck/automatic")
 
     @cached_property
     def model(self):
         """Numbers that tell the model: name -> number; older files have none."""
-        return json.loads(self._text("deck/model")) if "deck/model" in self._file else {}
+        return self._json("deck/model") if "deck/model" in self._file else {}
 
     @cached_property
     def remarks(self):
         """What the user was told of the model before the march: list of texts."""
-        return json.loads(self._text("deck/remarks"))
+        return self._json("deck/remarks")
 
     @cached_property
     def checkpoint(self):
         """What was kept of the run to resume from, by the last checkpoint that is whole and whose rows are; or None."""
-        state = latest(self._file["checkpoints"])
-        there = self._rows, self._step_rows, self._event_rows
-        return state if state is not None and np.all(state["file"]["rows"] <= there) else None
+        with self._reading("checkpoints"):
+            state = latest(self._file["checkpoints"])
+            there = self._rows, self._step_rows, self._event_rows
+            return state if state is not None and np.all(state["file"]["rows"] <= there) else None
 
     @property
     def resumable(self):
@@ -310,7 +337,7 @@ class Results:
 
         A killed run is recognized on the machine where it ran; elsewhere it seems to be running.
         """
-        if self._missing:
+        if self._source.missing:
             return "truncated"
         stored = self._text("run/status")
         return "killed" if stored == "running" and self.written_here and not self._writer_lives else stored
@@ -318,7 +345,8 @@ class Results:
     @property
     def written_here(self):
         """True when this is the machine where the run went on."""
-        return self._file["run"].attrs["host"] == platform.node() and os.name == "posix"
+        with self._reading("run"):
+            return self._file["run"].attrs["host"] == platform.node() and os.name == "posix"
 
     @property
     def reason(self):
@@ -327,8 +355,9 @@ class Results:
 
     @property
     def _writer_lives(self):
-        run = self._file["run"].attrs
-        process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
+        with self._reading("run"):
+            run = self._file["run"].attrs
+            process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
         return lives(process) and began(process) < started + _CLOCKS  # else it is another one of the same number
 
 
@@ -337,27 +366,18 @@ def _plain(value):
     return value.decode() if isinstance(value, bytes) else float(value)
 
 
-def _open_file(path):
-    """Open an HDF5 file, whether or not a writer has it open."""
-    try:
-        if not h5py.is_hdf5(path):
-            with open(path, "rb"):
-                raise ResultsError(f"{path} is not a results file of mecano: no HDF5 file")
-    except OSError as error:
-        raise ResultsError(f"cannot read {path}: {error.strerror}") from error
-    missing = missing_bytes(path)
-    try:
-        return open_cut(path, missing) if missing else _open_patiently(path)
-    except OSError as error:
-        cut = f"is cut short by {missing} bytes, and what is left cannot be read" if missing else "cannot be read"
-        raise ResultsError(f"{path} {cut}: {error}") from error
+def _as_text(value):
+    return value.decode(errors="replace") if isinstance(value, bytes) else value
 
 
 def _open_patiently(path):
-    """Open a file, some times over if need be: its writer may be just changing what is read."""
-    for attempt in range(_ATTEMPTS - 1):
+    """(Checked, h5py.File) of a path, some times over if need be: its writer may be just changing what is read."""
+    for attempt in range(_ATTEMPTS):
+        source = checked(path)
         try:
-            return h5py.File(path, "r", locking=False)
-        except OSError:
+            return source, h5py.File(source, "r")
+        except UNREADABLE as error:
+            source.close()
+            if attempt == _ATTEMPTS - 1 or source.missing or source.damaged:
+                raise ResultsError(unreadable(source, error)) from error
             clocks.sleep(0.01 * (1 + attempt))
-    return h5py.File(path, "r", locking=False)

@@ -1,4 +1,4 @@
-"""What shows that a byte of a closed file has changed: a CRC-32 of every 1024 bytes, behind the end of the HDF5 file.
+"""What shows that a byte of a closed file has changed: a CRC-32 of every 4096 bytes, behind the end of the HDF5 file.
 
 HDF5 does not look there. At the very end: a mark, how many bytes are covered, and the CRC-32 of all the sums.
 """
@@ -6,53 +6,55 @@ HDF5 does not look there. At the very end: a mark, how many bytes are covered, a
 import os
 import struct
 import zlib
-from typing import NamedTuple
 
 import numpy as np
 
-BLOCK = 1024
-AT_ONCE = 2**20  # bytes read at once, a multiple of BLOCK
+BLOCK = 4096  # the page of operating systems
 END = struct.Struct("<16sQI")
-MARK = b"mecano seal 1\0\0\0"
+MARK = b"mecano seal 2\0\0\0"
+BLOCKS = {MARK: BLOCK, b"mecano seal 1\0\0\0": 1024}
+"""Bytes in a block of files with each mark."""
 
 
-class Seal(NamedTuple):
-    """The sums at the end of a file, if there are any."""
+class Seal:
+    """The sums at the end of a closed file, for readers.
 
-    covered: int  # bytes
-    sums: np.ndarray  # (n,) uint32, of each block
-    whole: bool  # the sums themselves have not changed
-
-
-def seal(descriptor, size, place=0, to_come=b""):
-    """The bytes to be put behind a file of ``size`` bytes, read through an open descriptor. Raises OSError.
-
-    They are those of the file as it will be with the bytes ``to_come`` at a ``place``.
+    Attributes
+    ----------
+    block : int
+        Bytes of a block.
+    covered : int
+        Bytes that are covered.
+    sums : (n,) array of uint32
+        Of each block.
+    whole : bool
+        The sums themselves have not changed.
     """
-    sums = block_sums(descriptor, size, place, to_come).tobytes()
-    return sums + END.pack(MARK, size, _sum_of(size, sums))
+
+    def __init__(self, block, covered, sums, whole):
+        self.block, self.covered, self.sums, self.whole = block, covered, sums, whole
+
+    def changed(self, data, first):
+        """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""
+        found = block_sums(data, self.block)
+        return first + np.flatnonzero(found != self.sums[first : first + len(found)])
 
 
-def seal_file(path):
-    """Put the sums behind a file that has just been written otherwise. Raises OSError."""
-    with open(path, "r+b") as file:
-        size = file.seek(0, os.SEEK_END)
-        file.write(seal(file.fileno(), size))
+def block_sums(data, block=BLOCK):
+    """Return the CRC-32 (n,) uint32 of each block of bytes; the last one may be shorter."""
+    return np.array(crcs(data, block), "<u4")
 
 
-def block_sums(descriptor, size, place=0, instead=b""):
-    """CRC-32 (n,) uint32 of each block of the first ``size`` bytes of an open file. Raises OSError.
+def crcs(data, block=BLOCK):
+    """Return the CRC-32 of each block of bytes as a list."""
+    view = memoryview(data)
+    return [zlib.crc32(view[i : i + block]) for i in range(0, len(view), block)]
 
-    As if the bytes ``instead`` stood at a ``place``.
-    """
-    sums = []
-    for start in range(0, size, AT_ONCE):
-        data = bytearray(os.pread(descriptor, min(AT_ONCE, size - start), start))
-        first, last = max(place, start), min(place + len(instead), start + len(data))
-        if first < last:
-            data[first - start : last - start] = instead[first - place : last - place]
-        sums += [zlib.crc32(memoryview(data)[i : i + BLOCK]) for i in range(0, len(data), BLOCK)]
-    return np.array(sums, "<u4")
+
+def seal(sums, covered):
+    """Return the bytes to be put behind a file of ``covered`` bytes whose blocks have the ``sums`` (n,) uint32."""
+    data = sums.tobytes()
+    return data + END.pack(MARK, covered, _sum_of(covered, data))
 
 
 def seal_of(descriptor):
@@ -62,13 +64,14 @@ def seal_of(descriptor):
     if len(end) < END.size:
         return None
     mark, covered, total = END.unpack(end)
-    length = 4 * -(-covered // BLOCK)
-    if mark != MARK:
+    if mark not in BLOCKS:
         return None
+    block = BLOCKS[mark]
+    length = 4 * -(-covered // block)
     if covered + length + END.size != size:
-        return Seal(0, np.zeros(0, "<u4"), False)
+        return Seal(block, 0, np.zeros(0, "<u4"), False)
     sums = os.pread(descriptor, length, covered)
-    return Seal(covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
+    return Seal(block, covered, np.frombuffer(sums, "<u4"), total == _sum_of(covered, sums))
 
 
 def _sum_of(size, sums):

@@ -8,6 +8,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checked import open_checked
+from mecano.results.disk import hdf5_appearing
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
 from mecano.results.whole_file import appearing
@@ -66,7 +68,7 @@ def column(group, name, unit, doc, values):
 
 def write_study(path, table):
     """Write a StudyTable; the file appears when it is complete. Raises ResultsError."""
-    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+    with hdf5_appearing(path) as file:
         for one in table.columns:
             kind = None if one.numeric else TEXT
             dataset = file.create_dataset(one.path, data=one.values, dtype=kind)
@@ -80,15 +82,12 @@ def write_study(path, table):
 
 def read_study(path):
     """Read the StudyTable of a file. Raises ResultsError."""
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            if file.attrs.get("format") != FORMAT:
-                raise ResultsError(f"{path} is no table of a study")
-            columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
-            run = file["run"].attrs
-            return StudyTable(run["title"], file["study/text"][()].decode(), run["deck_path"], columns)
-    except (OSError, KeyError, ValueError) as error:
-        raise ResultsError(f"cannot read {path}: {error}") from error
+    with open_checked(path) as file:
+        if file.attrs.get("format") != FORMAT:
+            raise ResultsError(f"{path} is no table of a study")
+        columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
+        run = file["run"].attrs
+        return StudyTable(run["title"], file["study/text"][()].decode(), run["deck_path"], columns)
 
 
 def _read(file, path):

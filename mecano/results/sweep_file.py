@@ -9,6 +9,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
+from mecano.results.checked import open_checked
+from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe
 from mecano.results.whole_file import appearing, put_source
 from mecano.results.writer import refuse_existing
@@ -88,7 +90,7 @@ def contents(sweep):
 def write_sweep(path, plain, source, *, force=False):
     """Write ``contents`` of a sweep; the file appears when it is complete. Raises ResultsError."""
     refuse_existing(path, force)
-    with appearing(Path(path)) as hidden, h5py.File(hidden, "w", libver=("earliest", "v110")) as file:
+    with hdf5_appearing(path) as file:
         _fill(file, plain, source)
 
 
@@ -108,22 +110,19 @@ def _fill(file, plain, source):
 
 def read_sweep(path):
     """Read a file of a sweep. Raises ResultsError."""
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            if file.attrs.get("format") != FORMAT:
-                raise ResultsError(f"{path} is no file of a sweep")
-            groups = {key: _columns(file.get(key, {}), columns)
-                      for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
-            motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
-            families = (
-                [[text.decode() for text in row] for row in file["modes/family"][:]] if "modes/family" in file else []
-            )
-            run = file["run"].attrs
-            return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
-                             file["parameter"][:], file["other"][:], groups["modes"], motions, families,
-                             groups["map"], groups["critical"])  # fmt: skip
-    except (OSError, KeyError, ValueError) as error:
-        raise ResultsError(f"cannot read {path}: {error}") from error
+    with open_checked(path) as file:
+        if file.attrs.get("format") != FORMAT:
+            raise ResultsError(f"{path} is no file of a sweep")
+        groups = {key: _columns(file.get(key, {}), columns)
+                  for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
+        motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
+        families = (
+            [[text.decode() for text in row] for row in file["modes/family"][:]] if "modes/family" in file else []
+        )
+        run = file["run"].attrs
+        return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
+                         file["parameter"][:], file["other"][:], groups["modes"], motions, families,
+                         groups["map"], groups["critical"])  # fmt: skip
 
 
 def _columns(group, columns):
@@ -135,11 +134,8 @@ def write_tables(path, plain):
     """Write comma-separated values: a row for each state, and beside it ``..._critical.csv``. Raises ResultsError."""
     path = Path(path)
     for target, rows in ((path, _rows(plain)), (path.with_name(f"{path.stem}_critical.csv"), _critical_rows(plain))):
-        try:
-            with open(target, "w", newline="", encoding="utf-8") as file:
-                csv.writer(file, lineterminator="\n").writerows(rows)
-        except OSError as error:
-            raise ResultsError(f"cannot write {target}: {error.strerror or error}") from error
+        with appearing(target) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
 
 
 def _critical_rows(plain):

@@ -4,17 +4,15 @@ Format VTKHDF 2.2, UnstructuredGrid with Steps: the values of one saved time aft
 joins the points never changes, so it is there once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
-import shutil
 from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.seal import seal_file
+from mecano.results.checked import checked
+from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe, name_axes
-from mecano.results.verify import compared
-from mecano.results.whole_file import appearing
 
 GROUP = "VTKHDF"
 VERSION = (2, 2)  # the first that allows other groups beside it
@@ -107,26 +105,23 @@ def add_grids(path, grids, times, *, force=False):
     ``grids``, ``times``: as of ``write_grids``. Raises ResultsError: it has such a group and ``force`` is not given,
     bytes of it have changed since it was closed, or the disk does not take it.
     """
-    sealed = _is_sealed(path)
-    with appearing(path) as hidden:
-        shutil.copyfile(path, hidden)
-        with h5py.File(hidden, "r+", libver=("v110", "v110")) as file:
-            if GROUP in file and not force:
-                raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
-            if GROUP in file:
-                del file[GROUP]
-            write_grids(file, grids, times)
-        if sealed:
-            seal_file(hidden)
+    _refuse_damaged(path)
+    with hdf5_appearing(path, begun=path) as file:
+        if GROUP in file and not force:
+            raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
+        if GROUP in file:
+            del file[GROUP]
+        write_grids(file, grids, times)
 
 
-def _is_sealed(path):
-    """True when a file has the sums by which its bytes are checked; ResultsError when they have changed."""
-    with open(path, "rb") as raw:
-        seal, changed = compared(path, raw.fileno())
-    if seal is not None and (not seal.whole or len(changed)):
-        raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
-    return seal is not None
+def _refuse_damaged(path):
+    """Raise ResultsError for a file of which bytes have changed: those that it gets would get good sums."""
+    source = checked(path)
+    try:
+        if source.sums is not None and len(source.changed()):
+            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
+    finally:
+        source.close()
 
 
 def _write_cells(group, grid):

@@ -1,10 +1,15 @@
-"""Files that are written at once, and appear only when they are complete; and the folders for them."""
+"""Files that are written at once, and appear only when they are complete; their hidden names; folders for them."""
 
+import hashlib
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from mecano.errors import ResultsError
 from mecano.results.provenance import provenance
+
+LONGEST = 200  # bytes of a name that is part of a hidden one: systems take 255
+
+LONGEST_ENDING = 20
 
 
 @contextmanager
@@ -13,14 +18,44 @@ def appearing(path):
 
     Raises ResultsError.
     """
-    hidden = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    refuse_folder(path)
+    ending = path.suffix if len(path.suffix) < LONGEST_ENDING else ""
+    hidden = path.with_name(f"{hidden_name(path)}.{os.getpid()}{ending}")
     try:
         yield hidden
         os.replace(hidden, path)
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
-        hidden.unlink(missing_ok=True)
+        with suppress(OSError):
+            hidden.unlink()
+
+
+def hidden_name(path):
+    """How the names begin of all hidden files that belong to the file of a Path: with a dot and its name.
+
+    A very long name is shortened to its SHA-256, as those of the hidden files are longer still.
+    """
+    name = path.name
+    short = name if len(os.fsencode(name)) <= LONGEST else hashlib.sha256(os.fsencode(name)).hexdigest()
+    return f".{short}"
+
+
+def exists(path):
+    """True where a file or folder has that name. Raises ResultsError where the system cannot tell."""
+    try:
+        os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError) as error:  # too long a name, no right to look, a zero in it
+        raise ResultsError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
+    return True
+
+
+def refuse_folder(path):
+    """Raise ResultsError when ``path`` names a folder, or nothing that a file could be."""
+    if exists(path) and os.path.isdir(path):
+        raise ResultsError(f"cannot write {path}: it is a folder; give the name of a file")
 
 
 def make_folder(folder):

@@ -22,13 +22,14 @@ from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
+from mecano.results.whole_file import exists, hidden_name, refuse_folder
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
 """How the reason begins when the disk took no more."""
 _CLOSING = 2e-9
-"""s for a byte of a file that is closed: 0.7e-9 for its sums, measured, the rest for what the disk has not got yet."""
+"""s for a byte of a file that is closed: for what the disk has not got yet, and a little for its sums."""
 
 
 class Writer:
@@ -65,9 +66,8 @@ class Writer:
             The file exists, or cannot be written.
         """
         path = Path(path)
-        if path.exists() and not force:
-            raise ResultsError(_EXISTS.format(path))
-        hidden = path.with_name(f".{path.name}.{os.getpid()}.part")
+        refuse_existing(path, force)
+        hidden = path.with_name(f"{hidden_name(path)}.{os.getpid()}.part")
         try:
             _clear(path)
             disk = Disk(hidden)
@@ -172,7 +172,7 @@ class Writer:
 
     @property
     def closing_time(self):
-        """How long it may take to close the file [s]: all of it is read for its sums, and brought to the disk."""
+        """How long it may take to close the file [s]: all of it is brought to the disk."""
         return _CLOSING * self._disk.size
 
     def checkpoint(self, state):
@@ -280,21 +280,18 @@ class Writer:
             raise ResultsError(f"cannot write {self.path}: {self._disk.error.strerror}") from self._disk.error
 
     def _end(self, status, reason=""):
-        """Close, put the sums behind, and say how it ended last of all: a file that says so is whole.
-
-        A kill before that leaves a file whose sums, if it has any, differ from it by the status alone.
-        """
+        """Close, say how it ended, and put the sums of a closed file behind."""
         with undisturbed():
             self._file.close()
             self._file = None
             self._patch_clock()
             self._disk.patch(*self._text("reason", reason))
-            if self._disk.error is None:
-                self._disk.seal(*self._text("status", status))
             if self._disk.error is not None:
                 status, failure = "failed", f"{WRITING}: {self._disk.error.strerror}"
                 self._disk.patch(*self._text("reason", f"{reason}; {failure}" if reason else failure))
             self._disk.patch(*self._text("status", status))
+            if self._disk.error is None:
+                self._disk.seal()
             self._disk.close()
         atexit.unregister(self._at_exit)
 
@@ -316,13 +313,18 @@ class Writer:
 
 def refuse_existing(path, force):
     """Raise ResultsError when ``path`` exists and may not be replaced: never anything but an HDF5 file."""
-    if not Path(path).exists():
+    refuse_folder(path)
+    if not exists(path):
         return
     if not force:
         raise ResultsError(_EXISTS.format(path))
-    with open(path, "rb") as file:
-        if file.read(len(SIGNATURE)) != SIGNATURE:
-            raise ResultsError(f"{path} exists already and is no results file; give another name")
+    try:
+        with open(path, "rb") as file:
+            begins = file.read(len(SIGNATURE))
+    except OSError as error:
+        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
+    if begins != SIGNATURE:
+        raise ResultsError(f"{path} exists already and is no results file; give another name")
 
 
 def _opened(disk, layout):
@@ -334,7 +336,7 @@ def _opened(disk, layout):
 
 def _clear(path):
     """Remove what killed runs have left of the file before it had its name."""
-    for hidden in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+    for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
         process = hidden.name.split(".")[-2]
         if process.isdigit() and not lives(int(process)):
             hidden.unlink(missing_ok=True)

@@ -3,11 +3,12 @@
 import fcntl
 import json
 import os
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
+from mecano.results.lock import locked
 from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
@@ -68,7 +69,7 @@ class Folder:
 
     def begun(self):
         """True when a case of the study has been run here."""
-        return self.path.is_dir() and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
+        return os.path.isdir(self.path) and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
 
     @contextmanager
     def held(self, alone=True):
@@ -86,6 +87,7 @@ class Folder:
         except OSError:  # a file system without locks
             pass
         try:
-            yield
+            with locked(self.table) if alone else nullcontext():  # the record holds where the system's locks do not
+                yield
         finally:
             os.close(place)

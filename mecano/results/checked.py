@@ -1,0 +1,292 @@
+"""Reading HDF5 files of mecano: no byte that has changed since it was written gets to HDF5, which it might crash."""
+
+import os
+import signal
+import struct
+import time
+from contextlib import contextmanager, suppress
+
+import h5py
+import numpy as np
+
+from mecano.errors import MecanoError, ResultsError
+from mecano.results.live_sums import last_table
+from mecano.results.seal import BLOCK, seal_of
+
+AT_ONCE = 256  # blocks
+PAGE = 4096
+UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, OverflowError, struct.error)
+"""What h5py, and reading what it gives, raises for files in which something is wrong."""
+PATIENCE = 5.0  # s of processor time in which HDF5 has to read what describes a file without sums
+SHORT = 2**20  # bytes
+_ATTEMPTS = 8
+_ends = {}  # how reading files without sums ends: exit code, or minus the signal, by the version of the file
+_HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a superblock of version 2
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+class Checked:
+    """A read-only file-like object for h5py over a file, each byte of which is checked by the sums in the file.
+
+    Reading a block that has changed raises OSError, and so does reading behind the end of a file that was cut short.
+
+    Attributes
+    ----------
+    path : str or Path
+    sums : Seal, LastTable or None
+        None: the file has no sums, and is read unchecked.
+    size, missing : int
+        Bytes that are there, and that are gone at the end of the HDF5 file. Where there are no sums, zeros at the end
+        count as gone: so crashes of machines leave files.
+    damaged : set of int
+        Numbers of the changed blocks that were met.
+    """
+
+    def __init__(self, path):
+        self.path, self.damaged = path, set()
+        self._descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        try:
+            self.refresh()
+            self.size = os.fstat(self._descriptor).st_size
+            if self.sums is None:
+                self.size = _content(self._descriptor, self.size)
+            self.missing = _missing(self._descriptor, self.size) if self.sums is None else 0
+        except BaseException:
+            self.close()
+            raise
+        self._position = 0
+
+    def refresh(self):
+        """Find the sums; those of a file that is being written move as it grows."""
+        self.sums = seal_of(self._descriptor) or last_table(self._descriptor)
+
+    def close(self):
+        """Close the file."""
+        os.close(self._descriptor)
+
+    def seek(self, offset, whence=os.SEEK_SET):
+        """Move, and return the new position."""
+        self._position = offset + (0, self._position, self.size + self.missing)[whence]
+        return self._position
+
+    def tell(self):
+        """Return the position."""
+        return self._position
+
+    def read(self, size):
+        """Read bytes."""
+        buffer = bytearray(size)
+        return bytes(buffer[: self.readinto(buffer)])
+
+    def readinto(self, buffer):
+        """Fill a buffer."""
+        view = memoryview(buffer).cast("B")
+        start, stop = self._position, self._position + len(view)
+        data = self._checked(start, stop)
+        if len(data) < len(view) or (self.missing and stop > self.size):
+            raise OSError(f"{self.path} is cut short by {self.missing} bytes")
+        view[:] = data
+        self._position = stop
+        return len(view)
+
+    @property
+    def block(self):
+        """Bytes of a block."""
+        return self.sums.block if self.sums is not None else BLOCK
+
+    def _checked(self, start, stop):
+        """The bytes from ``start`` to ``stop``, whose blocks have not changed; fewer at the end. Raises OSError."""
+        for attempt in range(_ATTEMPTS):
+            first = start // self.block
+            data, changed = self._compared(first, -(-stop // self.block))
+            if not len(changed):
+                return data[start - self.block * first :][: stop - start]
+            time.sleep(0.003 * attempt)  # its writer may be just changing them
+            self.refresh()
+        self.damaged.update(map(int, changed))
+        raise OSError(f"{self.path} is damaged: bytes have changed {self.place(self.damaged)}")
+
+    def _compared(self, first, last):
+        """(bytes of some blocks, numbers of those that have changed); a file that is cut short has fewer."""
+        data = os.pread(self._descriptor, self.block * (last - first), self.block * first)
+        if self.sums is None:
+            return data, ()
+        count = max(min(self.sums.covered - self.block * first, len(data)), 0)
+        return data, self.sums.changed(memoryview(data)[:count], first)
+
+    def changed(self):
+        """Return the numbers (n,) of all blocks that have changed, of the whole file."""
+        last = -(-min(self.sums.covered, self.size) // self.block)
+        found = []
+        for first in range(0, last, AT_ONCE):
+            for attempt in range(_ATTEMPTS):
+                _, changed = self._compared(first, min(first + AT_ONCE, last))
+                if not len(changed):
+                    break
+                time.sleep(0.003 * attempt)
+                self.refresh()
+            found += list(changed)
+        return np.array(found, int)
+
+    def place(self, blocks):
+        """Return where in the file some blocks are, in words."""
+        first, count = self.block * min(blocks), len(blocks)
+        more = f", and {count - 1} more blocks" if count > 1 else ""
+        return f"between byte {first} and {first + self.block - 1}{more}"
+
+
+def _content(descriptor, size):
+    """Bytes of an open file without the pages of zeros at its end."""
+    for first in range((size - 1) // PAGE * PAGE, -1, -PAGE):
+        if os.pread(descriptor, PAGE, first).strip(b"\0"):
+            return min(first + PAGE, size)
+    return 0
+
+
+def _missing(descriptor, size):
+    """Bytes that are gone at the end of an HDF5 file; 0 also for what is none."""
+    head = os.pread(descriptor, _HEAD.size, 0)
+    if len(head) < _HEAD.size:
+        return 0
+    signature, version, end = _HEAD.unpack(head)
+    return max(end - size, 0) if signature == SIGNATURE and version == 2 else 0
+
+
+def cut_short(paths):
+    """Yield a warning for each of the files that ends early, of which only what is left is shown."""
+    for path in paths:
+        with suppress(OSError, ValueError):
+            source = Checked(path)
+            source.close()
+            if source.missing:
+                yield f"{path} is cut short by {source.missing} bytes: only what is left of it is shown"
+
+
+@contextmanager
+def blaming(*paths):
+    """Take what goes wrong in this block for damage of files without sums: nothing shows that these are whole.
+
+    Raises ResultsError instead of any exception that is not an error of mecano, if one of the files is such.
+    """
+    try:
+        yield
+    except MecanoError:
+        raise
+    except Exception as error:
+        for path in paths:
+            with suppress(OSError):
+                source = Checked(path)
+                source.close()
+                if source.sums is None:
+                    raise ResultsError(unreadable(source, error)) from error
+        raise
+
+
+@contextmanager
+def open_checked(path):
+    """Give the HDF5 file of mecano at ``path``, open for reading, and closed when the block ends.
+
+    Raises ResultsError for all that cannot be read, in the block as well, with what is damaged.
+    """
+    source = checked(path)
+    try:
+        with h5py.File(source, "r") as file:
+            yield file
+    except UNREADABLE as error:
+        raise ResultsError(unreadable(source, error)) from error
+    finally:
+        source.close()
+
+
+def format_of(path):
+    """Return what kind of file of mecano a file is, or "" where that cannot be read."""
+    try:
+        with open_checked(path) as file:
+            found = file.attrs.get("format", "")
+            return found if isinstance(found, str) else ""
+    except ResultsError:
+        return ""
+
+
+def checked(path):
+    """Return the Checked of an HDF5 file. Raises ResultsError: it cannot be read, or is none."""
+    try:
+        if os.path.isdir(path):
+            raise ResultsError(f"cannot read {path}: it is a folder")
+        source = Checked(path)
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    try:
+        if source.size < len(SIGNATURE) or source.read(len(SIGNATURE)) != SIGNATURE:
+            raise ResultsError(f"{path} is not a results file of mecano: no HDF5 file")
+        if source.sums is None:
+            _refuse_deadly(path)
+    except (OSError, ResultsError) as error:
+        source.close()
+        raise error if isinstance(error, ResultsError) else ResultsError(unreadable(source, error)) from error
+    return source
+
+
+def _refuse_deadly(path):
+    """Raise ResultsError for a file without sums, in which whatever may be changed, that crashes HDF5.
+
+    It is read by a process of its own first, which may crash.
+    """
+    at = os.stat(path)
+    version = at.st_dev, at.st_ino, at.st_size, at.st_mtime_ns
+    if not hasattr(os, "fork"):
+        return
+    if version not in _ends:
+        child = os.fork()
+        if not child:
+            _read_all(path)
+        _ends[version] = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if _ends[version] < 0:
+        how = signal.Signals(-_ends[version])
+        raise ResultsError(
+            f"{path} is damaged: the sums at its end, by which it is checked, are missing, and reading it "
+            + ("does not end" if how == signal.SIGPROF else f"ends by {how.name}")
+        )
+
+
+def _read_all(path):
+    """Read what describes the datasets of a file, and the short ones, and end this process."""
+    try:
+        _read_quietly(path)
+    finally:
+        os._exit(0)
+
+
+def _read_quietly(path):
+    for number in (signal.SIGPROF, signal.SIGINT, signal.SIGTERM, signal.SIGSEGV, signal.SIGABRT):
+        signal.signal(number, signal.SIG_DFL)
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(quiet, stream)
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+    with suppress(Exception), h5py.File(Checked(path), "r") as file:
+        file.visititems(_read_item)
+        _read_item("", file)
+
+
+def _read_item(_, item):
+    with suppress(Exception):
+        dict(item.attrs)
+    with suppress(Exception):
+        if isinstance(item, h5py.Dataset) and item.size * item.dtype.itemsize < SHORT:
+            item[()]
+
+
+def unreadable(source, error, what=""):
+    """Return why something in the file of a Checked cannot be read, in words; ``error`` came of trying."""
+    name = f"'{what}' in {source.path}" if what else source.path
+    if source.damaged:
+        return (
+            f"{name} cannot be read: bytes have changed {source.place(source.damaged)}; "
+            f"`mecano verify {source.path}` tells what they belong to"
+        )
+    if source.missing:
+        return f"{name} cannot be read: the file is cut short by {source.missing} bytes ({error})"
+    text = str(error).strip("\"'")
+    lost = "; the sums at its end, by which it is checked, are missing or have changed" if source.sums is None else ""
+    return f"{name} cannot be read: {text}{lost}"

@@ -1,0 +1,182 @@
+"""Who is writing a results file: a record beside it, as long as the writer lives.
+
+``.NAME.lock`` is made by linking a complete file to that name, which fails where there is one, on NFS as well. A record
+whose process is gone (killed, or the machine was started anew) is stale, and the next run takes its place; that can be
+told on the same machine only. Of two that find a stale record at once, one holds the system's lock of it while it
+removes it, and the other finds the record of the first.
+"""
+
+import errno
+import json
+import os
+import platform
+import secrets
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from pathlib import Path
+
+from mecano.errors import ResultsError
+from mecano.results.provenance import lives, start_ticks
+from mecano.results.whole_file import hidden_name, refuse_folder
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
+
+READ_ONLY = (errno.EACCES, errno.EROFS, errno.EPERM)
+HERE, ELSEWHERE, GONE = "here", "elsewhere", "gone"
+_ATTEMPTS = 20
+_JOB = ("SLURM_JOB_ID", "SLURM_RESTART_COUNT")
+
+
+@contextmanager
+def locked(path):
+    """Hold a results file in this block: no other process, on whatever machine, writes or replaces it.
+
+    Raises
+    ------
+    ResultsError
+        Another process is writing it; or the disk takes no record.
+    """
+    path = Path(path)
+    refuse_folder(path)
+    record = lock_of(path)
+    content = json.dumps(_own_record()).encode()
+    try:
+        _take(path, record, content)
+    except OSError as error:
+        if error.errno not in READ_ONLY:  # there nothing can be written
+            raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            if record.read_bytes() == content:  # else someone has removed it by hand, and another run has its own
+                record.unlink()
+
+
+def lock_of(path):
+    """Return the Path of the record of a results file."""
+    path = Path(path)
+    return path.with_name(f"{hidden_name(path)}.lock")
+
+
+def _take(path, record, content):
+    """Make the record; raises ResultsError where a living process has one, OSError."""
+    for _ in range(_ATTEMPTS):
+        if _made(record, content):
+            return
+        try:
+            with open(record, "rb") as there:
+                _refuse_living(path, record, there.read())
+                _remove_stale(record, there)
+        except FileNotFoundError:  # its process has just ended
+            continue
+    raise ResultsError(f"{path}: others keep starting to write it")
+
+
+def _made(record, content):
+    """True when the record could be made: it is there as a whole or not at all."""
+    own = record.with_name(f"{record.name}.{platform.node()[:20]}.{secrets.token_hex(4)}")
+    try:
+        own.write_bytes(content)
+        try:
+            os.link(own, record)
+        except FileExistsError:
+            return False
+        except OSError:
+            if os.stat(own).st_nlink == 2:  # made, though the answer of the server was lost
+                return True
+            return _made_without_links(record, content)
+        return True
+    finally:
+        with suppress(OSError):
+            own.unlink()
+
+
+def _made_without_links(record, content):
+    """The same on a file system without hard links."""
+    try:
+        descriptor = os.open(record, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    except FileExistsError:
+        return False
+    try:
+        os.write(descriptor, content)
+    finally:
+        os.close(descriptor)
+    return True
+
+
+def _remove_stale(record, there):
+    """Remove the record that is open as ``there``, unless another process has done so and made its own."""
+    if fcntl:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(there, fcntl.LOCK_EX)
+    if os.path.samestat(os.fstat(there.fileno()), os.stat(record)):
+        record.unlink()
+
+
+def _refuse_living(path, record, content):
+    """Raise ResultsError unless the process of a record is known to be gone."""
+    advice = f"if nothing writes it any more, remove {record} and try again"
+    try:
+        told = json.loads(content)
+        state = _state(told)
+        who = f"process {told['process']} on {told['host']} (since {told['since']})"
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise ResultsError(f"{path} may be being written: who does so, {record} does not tell; {advice}") from None
+    if state == HERE:
+        raise ResultsError(f"{path} is being written by {who}: wait for it, end it, or give another name with -o")
+    if state == ELSEWHERE:
+        raise ResultsError(
+            f"{path} is being written by {who}; whether that lives cannot be told on {platform.node()}: {advice}"
+        )
+
+
+def _state(told):
+    """Whether the process of a record lives HERE, may live ELSEWHERE, or is GONE."""
+    own = _own_record()
+    if _restarted(told["job"], own["job"]):
+        return GONE
+    if any(told[key] != own[key] for key in ("host", "machine")) or os.name != "posix":
+        return ELSEWHERE
+    if told["boot"] != own["boot"]:
+        return GONE
+    if told["space"] != own["space"]:
+        return ELSEWHERE  # in another container, whose numbers of processes are others
+    process = int(told["process"])
+    return HERE if lives(process) and start_ticks(process) == told["ticks"] else GONE
+
+
+def _restarted(before, now):
+    """True when a job of Slurm was put into the queue again since it made a record: what it ran then has ended."""
+    return None not in (*before, *now) and before[0] == now[0] and int(now[1]) > int(before[1])
+
+
+def _own_record():
+    """This process, so that others can tell whether it lives."""
+    process = os.getpid()
+    job, restarts = (os.environ.get(name) for name in _JOB)
+    return {
+        "process": process,
+        "host": platform.node(),
+        "since": datetime.now(UTC).isoformat(timespec="seconds"),
+        "ticks": start_ticks(process),
+        "machine": _line("/etc/machine-id"),
+        "boot": _line("/proc/sys/kernel/random/boot_id"),
+        "space": _target("/proc/self/ns/pid"),
+        "job": [job, restarts or ("0" if job else None)],
+    }
+
+
+def _line(path):
+    with suppress(OSError), open(path, encoding="utf-8") as file:
+        return file.read().strip()
+    return ""
+
+
+def _target(path):
+    with suppress(OSError):
+        return os.readlink(path)
+    return ""

@@ -1,0 +1,64 @@
+"""Damaged files: a clear error or what is left, never a signal, a traceback or numbers that are silently wrong."""
+
+import os
+import random
+import signal
+
+import h5py
+import pytest
+from scorecard.damage import subjects
+from surviving import decks
+
+from mecano.errors import ResultsError
+from mecano.post.info import info
+from mecano.results import checked, layout
+from mecano.run import resume, run
+
+TRIALS = 120
+
+
+@pytest.fixture(scope="module")
+def tried(tmp_path_factory):
+    return subjects(tmp_path_factory.mktemp("damage"))
+
+
+def test_commands_meet_damaged_files(tried):
+    """A sample of `tests/scorecard/damage.py`, of which 2000 trials are run by hand."""
+    rng = random.Random(20)
+    wrong = [about for verdict, about in (tried.trial(rng) for _ in range(TRIALS)) if verdict]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("version, told", [(0, "format 0 of another version"), (2, "format 2 of a newer mecano")])
+def test_a_run_of_another_format_is_not_resumed(tmp_path, version, told):
+    assert layout.FORMAT_VERSION == 1
+    deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
+    run(deck, path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = version
+    before = path.read_bytes()
+    with pytest.raises(ResultsError, match=told):
+        resume(deck, path)
+    assert path.read_bytes() == before
+
+
+def endless(*_):
+    while True:
+        pass
+
+
+@pytest.mark.parametrize(
+    "reading, told",
+    [(lambda path: os.kill(os.getpid(), signal.SIGKILL), "ends by SIGKILL"), (checked._read_quietly, "does not end")],
+)
+def test_a_file_without_sums_at_which_hdf5_would_crash_or_hang_is_refused(tmp_path, monkeypatch, reading, told):
+    run(decks()["bouncing_ball"], tmp_path / "r.h5")
+    data = (tmp_path / "r.h5").read_bytes()
+    (tmp_path / "r.h5").write_bytes(data[:-100])
+    assert "complete" in info(tmp_path / "r.h5")  # it lacks the sums only
+    monkeypatch.setattr(checked, "_ends", {})
+    monkeypatch.setattr(checked, "PATIENCE", 0.1)
+    monkeypatch.setattr(checked, "_read_item", endless)
+    monkeypatch.setattr(checked, "_read_quietly", reading)
+    with pytest.raises(ResultsError, match=f"sums at its end.* are missing, and reading it {told}"):
+        info(tmp_path / "r.h5")
