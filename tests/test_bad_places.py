@@ -17,15 +17,6 @@ from mecano.results.verify import verify
 
 LONG = "n" * 303
 LONGEST = "k" * 251 + ".h5"  # what a file system takes
-STATICS = """\
-mecano: 1
-nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
-elements:
-  m: {type: point_mass, node: b, mass: 1}
-  s: {type: spring_damper, nodes: [a, b], natural_length: 1, law: {spring: 1000}}
-gravity: [9.81, 0, 0]
-static: {}
-"""
 STUDY = "study: 1\ndeck: deck.yaml\ngrid: {time.step: [0.01, 0.02]}\noutputs:\n  z: {of: ball.position.z, take: max}\n"
 
 

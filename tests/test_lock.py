@@ -21,6 +21,7 @@ from mecano.run import resume, run
 
 DECK = """\
 mecano: 1
+gravity: [0, 0, -9.81]
 nodes: {pin: {position: [0, 0, 0]}}
 elements:
   bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}

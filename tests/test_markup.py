@@ -21,6 +21,7 @@ NAME = "<i>&<i>.h5"  # of the file; those of a deck cannot have such letters
 def path(tmp_path_factory):
     text = f"""
         mecano: 1
+        gravity: [0, 0, -9.81]
         title: {json.dumps(TITLE)}
         nodes: {{a: {{position: [0, 0, 1]}}}}
         elements: {{b: {{type: point_mass, node: a, mass: 2}}}}

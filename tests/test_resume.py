@@ -528,7 +528,7 @@ class TestVerify:
         for _ in range(100):
             bit = rng.randrange(8 * used)
             path.write_bytes(data[: bit // 8] + bytes([data[bit // 8] ^ 1 << bit % 8]) + data[bit // 8 + 1 :])
-            with pytest.raises(ResultsError, match="bytes have changed in 1 of"):
+            with pytest.raises(ResultsError, match="bytes have changed"):
                 verify(path)
         path.write_bytes(data[:used])
         with pytest.raises(

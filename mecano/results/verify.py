@@ -14,7 +14,7 @@ from mecano.results.seal import Seal
 from mecano.results.table import event_sum
 
 ROWS = 1024  # read at once
-MOST = 12  # datasets named
+MOST = 24  # datasets named: a block may hold many short ones
 LOST = "its last bytes, which hold the sums to check by, are missing or have changed, unless an older mecano wrote it"
 STRUCTURE = "what describes the datasets (names, shapes, attributes, texts of the deck)"
 
