@@ -190,7 +190,7 @@ def test_a_name_of_several_series_is_refused(tmp_path):
     layout = Layout([Series("elements/leg/force", "N", "a"), Series("joints/leg/force", "N", "b")])
     Writer.create(tmp_path / "r.h5", layout, Source("", {})).close()
     with open_results(tmp_path / "r.h5") as results:
-        with pytest.raises(ResultsError, match="elements/leg/force, joints/leg/force: write more"):
+        with pytest.raises(ResultsError, match="elements.leg.force, joints.leg.force: write more"):
             results.find("leg.force")
         assert results.find("joints.leg.force").doc == "b"
 
