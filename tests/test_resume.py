@@ -399,6 +399,8 @@ class TestInterruption:
     def listening(self):
         """An Interruption that hears signals; the handlers are put back."""
         before, hook = {number: signal.getsignal(number) for number in EXIT_CODES}, sys.unraisablehook
+        if hasattr(signal, "SIGHUP"):
+            signal.signal(signal.SIGHUP, signal.SIG_DFL)  # where the tests run under `nohup` it is ignored
         interruption = Interruption(again="again")
         interruption.listen()
         yield interruption
