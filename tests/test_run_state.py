@@ -69,8 +69,8 @@ class EveryThird(March):
 
     accepted = 0
 
-    def _instead(self, run, trial, h):
-        smaller = super()._instead(run, trial, h)
+    def _instead(self, run, trial, h, cuts):
+        smaller = super()._instead(run, trial, h, cuts)
         self.accepted += smaller is None
         return h if smaller is None and self.accepted % 3 == 0 else smaller
 
