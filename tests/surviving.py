@@ -13,6 +13,16 @@ from mecano import keeper
 from mecano.interrupt import Interruption, stopped_by
 from mecano.run import resume
 
+SWING = """\
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {pin: {position: [0, 0, 0]}}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
+joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+time: {end: 1.0e5, step: 1.0e-3}
+output: {every: 0.002}
+"""
 FOUR_FEET = """
     mecano: 1
     gravity: [0, 0, -9.81]

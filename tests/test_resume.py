@@ -19,7 +19,18 @@ import h5py
 import pytest
 from marching import INPUTS, deck, input_deck
 from process import COMMAND, flowing, mecano_process
-from surviving import FOUR_FEET, StopAfter, check_same, contents, decks, ended, forked, listening_resume, long_deck
+from surviving import (
+    FOUR_FEET,
+    SWING,
+    StopAfter,
+    check_same,
+    contents,
+    decks,
+    ended,
+    forked,
+    listening_resume,
+    long_deck,
+)
 
 import mecano
 from mecano import keeper
@@ -294,18 +305,6 @@ class TestTheCheckpoint:
                 writer.checkpoint({"text": "x" * 40_000 * i})
         with mecano.open_results(tmp_path / "r.h5") as results:
             assert len(results.checkpoint["run"]["text"]) == 120_000
-
-
-SWING = """\
-mecano: 1
-gravity: [0, 0, -9.81]
-nodes: {pin: {position: [0, 0, 0]}}
-elements:
-  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
-joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
-time: {end: 1.0e5, step: 1.0e-3}
-output: {every: 0.002}
-"""
 
 
 class TestTheCommand:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from process import COMMAND, mecano_process
-from surviving import check_same, contents, decks, ended, forked, listening_resume
+from surviving import SWING, check_same, contents, decks, ended, forked, listening_resume
 
 import mecano
 from mecano.interrupt import CLOCK, EXIT_CODES
@@ -20,16 +20,6 @@ from mecano.run import run
 
 ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
 ANSWER = 2.0  # s of processor time after a signal: what others take of the machine is none of the program's
-SWING = """\
-mecano: 1
-gravity: [0, 0, -9.81]
-nodes: {pin: {position: [0, 0, 0]}}
-elements:
-  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
-joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
-time: {end: 1.0e5, step: 1.0e-3}
-output: {every: 0.002}
-"""
 STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
 
 
