@@ -10,7 +10,6 @@ from collections import Counter
 from functools import partial
 
 import numpy as np
-
 from scorecard.outcome import forked, unfit
 from scorecard.trial import Job, Line
 
