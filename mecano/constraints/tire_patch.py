@@ -5,12 +5,18 @@ axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r
 
 .. math::
     v_C = (1 - n n^T)[v + Q (\omega \times \rho) - Q a \dot y] - \dot\psi\, y\, (n \times a), \qquad
-    \dot w = -n \cdot (v + \omega \times \rho - a \dot y)/q
+    \dot w_0 = -n \cdot (v + \omega \times \rho)/q
 
-A force of the patch on the ground, F in the ground and -N n along its normal, with G = Q^T F - N n:
+Radial damping acts on :math:`\dot w_0`, the rate of deformation with the patch held in the wheel; so do the laws that
+depend on v_0, which is v_C without the rates of y and psi (docs/tyres.md).
+
+A force of the patch on the ground, F in the ground and -N n along its normal, N_d of N by damping, G = Q^T F - N n:
 
 .. math::
-    x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G, \quad \psi: -y\, (n \times a) \cdot F
+    x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G - s N_d, \quad
+    \psi: -y\, (n \times a) \cdot F
+
+The terms of v_C and of psi with :math:`\dot\psi\, y` and y are left out (``twist`` = 0) where psi is no twist.
 
 Derivatives come in blocks of three variables: X (dx), T (inertial dtheta), S (dy, dpsi and a third own unknown, on
 which nothing here depends), each 3x3 or 3; those by the velocities likewise.
@@ -35,6 +41,7 @@ from mecano.maths.vec import (
     matmul,
     mscale,
     mul,
+    norm,
     outer,
     scale,
     skew,
@@ -64,7 +71,10 @@ class Patch(NamedTuple):
     u: tuple  # v + Q z [m/s]
     lift: float  # n.u [m/s]
     v_C: tuple  # [m/s]
-    w1: float  # dw/dt [m/s]
+    v_0: tuple  # v_C with the patch held in the wheel [m/s]
+    w1: float  # dw/dt with the patch held in the wheel [m/s]
+    rolled: float  # dy/dt of a patch that does not slip sideways [m/s]
+    twist: float  # 1 where the twist moves a displaced patch along, 0 where psi is but the slip angle
 
 
 class Variation(NamedTuple):
@@ -79,6 +89,8 @@ class Variation(NamedTuple):
     psi: tuple
     w: tuple  # of the deformation
     v_C: tuple
+    slip: tuple  # of |v_0|
+    rolled: tuple
     w1: tuple
 
 
@@ -98,8 +110,11 @@ def patch(p, laws, q, v, R):
     z = sub(cross(omega, rho), scale(v[Y], a))
     u = add(vec(v, 0), add(z, scale(psi, cross(g.n, z))))
     lift = dot(g.n, u)
-    v_C = sub(sub(u, scale(lift, g.n)), scale(v[PSI] * y, across))
-    return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, -lift / g.q)
+    aside = add(sub(a, scale(g.s, g.n)), scale(psi, across))  # Q a in the ground
+    v_C = sub(sub(u, scale(lift, g.n)), scale(p.twist * v[PSI] * y, across))
+    v_0 = add(v_C, add(scale(v[Y], aside), scale(p.twist * v[PSI] * y, across)))
+    w1, rolled = -(lift + v[Y] * g.s) / g.q, dot(v_0, a) / g.q**2
+    return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, v_0, w1, rolled, p.twist)
 
 
 @kernel
@@ -128,19 +143,31 @@ def _variation(k, y1, n, a, s, arm, rho, z_turned, y, psi):
     u = madd(z, madd(mscale(k.psi, swing), outer(cross(g.n, k.z), psi)))
     lift = add(tmul(n, k.u), tmul(u, g.n))
     across = madd(mscale(-1.0, matmul(skew(k.a), n)), matmul(skew(g.n), a))
-    aside = madd(mscale(k.y, across), outer(k.across, y))
-    v_C = madd(madd(u, outer(scale(-1.0, g.n), lift)), madd(mscale(-k.lift, n), mscale(-k.psi1, aside)))
-    w1 = add(scale(-1.0 / g.q, lift), scale(k.w1 * g.s / g.q**2, s))
-    return Variation(n, a, s, across, rho, y, psi, scale(-1.0, tmul(arm, g.c)), v_C, w1)
+    twisted = mscale(k.twist * k.psi1, madd(mscale(k.y, across), outer(k.across, y)))
+    v_C = madd(madd(u, outer(scale(-1.0, g.n), lift)), madd(mscale(-k.lift, n), mscale(-1.0, twisted)))
+    aside = madd(madd(a, mscale(-g.s, n)), outer(scale(-1.0, g.n), s))
+    aside = madd(aside, madd(mscale(k.psi, across), outer(k.across, psi)))
+    v_0 = madd(v_C, madd(mscale(y1, aside), twisted))
+    w1 = add(scale(-1.0 / g.q, add(lift, scale(y1, s))), scale(k.w1 * g.s / g.q**2, s))
+    along = add(tmul(v_0, k.a), add(tmul(a, k.v_0), scale(2.0 * k.rolled * g.s, s)))
+    rolled, slip = scale(1.0 / g.q**2, along), tmul(v_0, _along(k))
+    return Variation(n, a, s, across, rho, y, psi, scale(-1.0, tmul(arm, g.c)), v_C, slip, rolled, w1)
+
+
+@kernel
+def _along(k):
+    """The direction of v_0, zero at rest."""
+    speed = norm(k.v_0)
+    return scale(1.0 / speed, k.v_0) if speed > 0.0 else ZERO
 
 
 @kernel
 def by_velocities(k):
     """Variations of the Patch ``k`` by v, inertial omega, and (dy/dt, dpsi/dt)."""
-    V = _by_velocity(k, EYE, NO_MATRIX)
-    W = _by_velocity(k, _with_psi(k, mscale(-1.0, skew(k.rho))), NO_MATRIX)
-    aside = columns(ZERO, scale(-k.y, k.across))
-    return V, W, _by_velocity(k, _with_psi(k, columns(scale(-1.0, k.a), ZERO)), aside)
+    V = _by_velocity(k, EYE, NO_MATRIX, 1.0)
+    W = _by_velocity(k, _with_psi(k, mscale(-1.0, skew(k.rho))), NO_MATRIX, 1.0)
+    aside = columns(ZERO, scale(-k.twist * k.y, k.across))
+    return V, W, _by_velocity(k, _with_psi(k, columns(scale(-1.0, k.a), ZERO)), aside, 0.0)
 
 
 @kernel
@@ -150,21 +177,23 @@ def _with_psi(k, z):
 
 
 @kernel
-def _by_velocity(k, u, aside):
+def _by_velocity(k, u, aside, of_wheel):
+    """The Variation by three velocities; ``of_wheel`` is 1 for those of the wheel, 0 for those of the patch in it."""
     lift = tmul(u, k.g.n)
     v_C = madd(madd(u, outer(scale(-1.0, k.g.n), lift)), aside)
-    no = NO_MATRIX
-    return Variation(no, no, ZERO, no, no, ZERO, ZERO, ZERO, v_C, scale(-1.0 / k.g.q, lift))
+    no, slip = NO_MATRIX, scale(of_wheel, tmul(v_C, _along(k)))
+    rolled, w1 = scale(of_wheel / k.g.q**2, tmul(v_C, k.a)), scale(-of_wheel / k.g.q, lift)
+    return Variation(no, no, ZERO, no, no, ZERO, ZERO, ZERO, v_C, slip, rolled, w1)
 
 
 @kernel
-def add_patch_force(f, Rn, k, F, N):
-    """Add the force of the patch: F in the ground, N against it [N]. Returns G."""
+def add_patch_force(f, Rn, k, F, N, damping):
+    """Add the force of the patch: F in the ground, N against it [N], of which ``damping`` is not on y. Returns G."""
     G = sub(sub(F, scale(k.psi, cross(k.g.n, F))), scale(N, k.g.n))
     add_vec(f, 0, 1.0, sub(F, scale(N, k.g.n)))
     add_vec(f, 3, 1.0, tmul(Rn, cross(k.rho, G)))
-    f[Y] -= dot(k.a, G)
-    f[PSI] -= k.y * dot(k.across, F)
+    f[Y] -= dot(k.a, G) + k.g.s * damping
+    f[PSI] -= k.twist * k.y * dot(k.across, F)
     return G
 
 
@@ -172,24 +201,24 @@ def add_patch_force(f, Rn, k, F, N):
 def patch_column(k, F):
     """What a force F (inertial, in the ground) does on x, theta (inertial) and (y, psi, 0)."""
     G = sub(F, scale(k.psi, cross(k.g.n, F)))
-    return F, cross(k.rho, G), (-dot(k.a, G), -k.y * dot(k.across, F), 0.0)
+    return F, cross(k.rho, G), (-dot(k.a, G), -k.twist * k.y * dot(k.across, F), 0.0)
 
 
 @kernel
-def add_patch_tangent(A, j, Rn, frame, k, F, N, G, dF, dN, d, moment):
+def add_patch_tangent(A, j, Rn, frame, k, F, N, damping, G, dF, dN, d_damping, d, moment):
     """Add the derivatives of ``add_patch_force`` by three variables, to the columns of A from j on.
 
-    ``dF`` 3x3 and ``dN`` (3,) are those of F and N, ``d`` the Variation, ``frame`` turns the variables; ``moment``
-    3x3 is what the turning of the node itself adds.
+    ``dF`` 3x3, ``dN`` (3,) and ``d_damping`` (3,) are those of F, N and the damping, ``d`` the Variation, ``frame``
+    turns the variables; ``moment`` 3x3 is what the turning of the node itself adds.
     """
     n = k.g.n
     dP = madd(dF, mscale(-1.0, madd(outer(n, dN), mscale(N, d.n))))
     swing = madd(mscale(-1.0, matmul(skew(F), d.n)), matmul(skew(n), dF))
     dG = madd(dP, madd(mscale(-k.psi, swing), outer(scale(-1.0, cross(n, F)), d.psi)))
     turn = madd(madd(matmul(skew(k.rho), dG), mscale(-1.0, matmul(skew(G), d.rho))), moment)
-    side = add(tmul(d.a, G), tmul(dG, k.a))
+    side = add(add(tmul(d.a, G), tmul(dG, k.a)), add(scale(damping, d.s), scale(k.g.s, d_damping)))
     yaw = add(scale(k.y, add(tmul(d.across, F), tmul(dF, k.across))), scale(dot(k.across, F), d.y))
     add_mat(A, 0, j, 1.0, matmul(dP, frame))
     add_mat(A, 3, j, 1.0, matmul(transpose(Rn), matmul(turn, frame)))
     add_row(A, Y, j, -1.0, tmul(frame, side))
-    add_row(A, PSI, j, -1.0, tmul(frame, yaw))
+    add_row(A, PSI, j, -k.twist, tmul(frame, yaw))

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y
-from mecano.elements.string_law import NO_PACE, pace
+from mecano.elements.string_law import NO_PACE, OF_STRING, pace
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import add, dot, mat, mul, scale, vec
+from mecano.maths.vec import add, dot, madd, mat, mul, outer, scale, vec
 
 
 class Lateral(NamedTuple):
@@ -23,11 +23,16 @@ class Lateral(NamedTuple):
     f_u: tuple
     turn_u: float
     f_n: tuple  # by the turning rate of the wheel about n
+    f_rolled: tuple  # by dy/dt of a patch that does not slip sideways
 
 
 @kernel
-def lateral_law(p, laws, q, v, N, u, turning):
-    """The Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate."""
+def lateral_law(p, laws, q, v, rolled, N, u, turning):
+    """The Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate.
+
+    ``rolled`` [m/s] is dy/dt of a patch that does not slip sideways: it takes the place of dy/dt in the law of a
+    string, whose contact line is laid down by rolling.
+    """
     kN, kN_1, _ = evaluate_curve(laws, p.stiffness_by_load, N)
     ku, ku_1, _ = evaluate_curve(laws, p.stiffness_by_speed, u)
     dN, dN_1, _ = evaluate_curve(laws, p.damping_by_load, N)
@@ -37,15 +42,19 @@ def lateral_law(p, laws, q, v, N, u, turning):
         d, d_N, d_u = k, k_N, k_u
     g0, g0_u, g1, g1_u = pace(p, u)
     A0, A1, b, m = mat(p.A0), mat(p.A1), p.aligning, vec(p.moment, 0)
+    lays = 1.0 if p.pace == OF_STRING else 0.0
+    by_y = (A1[0][0], A1[1][0], A1[2][0])
     still, moved = mul(A0, q), add(mul(A1, v), scale(turning, vec(p.turning, 0)))
+    moved = add(moved, scale(lays * (rolled - v[0]), by_y))
     own = b[0] * q[0] + b[1] * q[1] + b[2] * v[0] + b[3] * v[1]
     along = dot(m, q)
     return Lateral(
-        add(_paced(k, g0, still), _paced(d, g1, moved)), own + k * along, _rows(k, g0, A0), _rows(d, g1, A1),
+        add(_paced(k, g0, still), _paced(d, g1, moved)), own + k * along, _rows(k, g0, A0),
+        _rows(d, g1, madd(A1, outer(scale(-lays, by_y), (1.0, 0.0, 0.0)))),
         add((b[0], b[1], 0.0), scale(k, m)), (b[2], b[3], 0.0),
         add(_paced(k_N, g0, still), _paced(d_N, g1, moved)), k_N * along,
         add(add(_paced(k_u, g0, still), _paced(d_u, g1, moved)), _of_pace(k * g0_u, still, d * g1_u, moved)),
-        k_u * along, _paced(d, g1, vec(p.turning, 0)),
+        k_u * along, _paced(d, g1, vec(p.turning, 0)), _paced(d, g1, scale(lays, by_y)),
     )  # fmt: skip
 
 
@@ -68,17 +77,17 @@ def _of_pace(g0, a, g1, b):
 
 
 @kernel
-def law_rows(law, by_law, dN, d_speed, d_turning):
+def law_rows(law, by_law, dN, d_speed, d_turning, d_rolled):
     """Derivatives, three (3,), of (F, M, X) and (3,) of the aligning moment of a Lateral by three variables.
 
-    ``by_law`` are those of both through y, psi and bow or their rates; dN, d_speed, d_turning those of N, u and
-    omega_n.
+    ``by_law`` are those of both through y, psi and bow or their rates; dN, d_speed, d_turning, d_rolled those of N, u,
+    omega_n and ``rolled``.
     """
     f, turn = by_law
     rows = (
-        _row(f[0], law.f_N[0], dN, law.f_u[0], d_speed, law.f_n[0], d_turning),
-        _row(f[1], law.f_N[1], dN, law.f_u[1], d_speed, law.f_n[1], d_turning),
-        _row(f[2], law.f_N[2], dN, law.f_u[2], d_speed, law.f_n[2], d_turning),
+        add(_row(f[0], law.f_N[0], dN, law.f_u[0], d_speed, law.f_n[0], d_turning), scale(law.f_rolled[0], d_rolled)),
+        add(_row(f[1], law.f_N[1], dN, law.f_u[1], d_speed, law.f_n[1], d_turning), scale(law.f_rolled[1], d_rolled)),
+        add(_row(f[2], law.f_N[2], dN, law.f_u[2], d_speed, law.f_n[2], d_turning), scale(law.f_rolled[2], d_rolled)),
     )
     return rows, _row(turn, law.turn_N, dN, law.turn_u, d_speed, 0.0, d_turning)
 

@@ -10,8 +10,13 @@ dy/dt, with
 
     A0 = [[K, 0], [-kap C K, kap]],   A1 = [[D, 0], [-kap C D, kap C1]]
 
-for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. Under braking kap matters. The law with a
-relaxation length is Moreland's without D and C1.
+for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. Under braking kap matters.
+
+The law with a relaxation length sigma, F = K y and psi = y/sigma, has A0 of this form without D and C1. Its psi is the
+slip angle of a patch at a point (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), no
+twist against a stiffness: a change of psi does not carry a displaced patch along, and the longitudinal force does not
+turn it (``twist`` = 0, docs/tyres.md). Its kap, K sigma^2, only scales the equation. The same holds for Moreland's law
+without C1.
 
 Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that depends on the speed u and on the
 turning rate omega_n of the wheel about n too, and an aligning moment of their own. The string has a third own unknown,
@@ -29,7 +34,7 @@ An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may
 
 import numpy as np
 
-from mecano.elements.string_law import STRING_TYPE, prepare_string
+from mecano.elements.string_law import STRING_TYPE, TANGENT_TYPE, prepare_string
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
 SINGULAR = 1e-12  # of the sizes of its rows, below which a determinant counts as zero
@@ -60,7 +65,6 @@ MORELAND = mapping(
 RELAXATION = mapping(
     Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
     Field("relaxation_length", NUMBER, "m", "way in which the force builds up", check=positive),
-    Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive),
 )
 FACTOR = "factor on {}, a curve of {}"
 LATERAL_FIELDS = (
@@ -68,7 +72,7 @@ LATERAL_FIELDS = (
     Field("moreland", MORELAND, "-", "Moreland's constants", None),
     Field("relaxation", RELAXATION, "-", "cornering stiffness and relaxation length", None),
     Field("string", STRING_TYPE, "-", "stretched string (von Schlippe, Dietrich), its contact line a cubic", None),
-    Field("straight_tangent", STRING_TYPE, "-", "stretched string, its contact line the tangent at the front", None),
+    Field("straight_tangent", TANGENT_TYPE, "-", "stretched string, its contact line the tangent at the front", None),
     Field("stiffness_by_load", CURVE, "-", FACTOR.format("A0", "the normal force [N]"), 1.0),
     Field("stiffness_by_speed", CURVE, "-", FACTOR.format("A0", "the speed of the axle [m/s]"), 1.0),
     Field("damping_by_load", CURVE, "-", FACTOR.format("A1", "the normal force [N]"), 1.0),
@@ -83,7 +87,7 @@ LATERAL_TYPE = mapping(*LATERAL_FIELDS)
 CURVES = "stiffness_by_load", "stiffness_by_speed", "damping_by_load", "damping_by_speed"
 LATERAL_RECORD = {
     "A0": (3, 3), "A1": (3, 3), "A1_air": (3, 3), "aligning": 4, "turning": 3, "moment": 3, "pace": (),
-    "least_speed": (), **dict.fromkeys(CURVES, "i"),
+    "least_speed": (), "twist": (), **dict.fromkeys(CURVES, "i"),
 }  # fmt: skip
 FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
 
@@ -94,7 +98,7 @@ def matrices(law):
         return tuple(np.array(law["matrices"][name], float).reshape(2, 2) for name in ("stiffness", "damping"))
     if law["relaxation"]:
         d = law["relaxation"]
-        C, kap = 1.0 / d["cornering_stiffness"], d["torsional_stiffness"]
+        C, kap = 1.0 / d["cornering_stiffness"], d["cornering_stiffness"] * d["relaxation_length"]
         K, D, C1 = d["cornering_stiffness"] / d["relaxation_length"], 0.0, 0.0
     else:
         d = law["moreland"]
@@ -116,7 +120,13 @@ def _prepare_matrices(law):
     singular = abs(np.linalg.det(A1)) <= SINGULAR * np.abs(A1).sum(axis=1).prod()
     wait = law["relaxation_in_air"]
     air, stiff = A1 + wait * A0 if singular else A1, abs(A0[0, 0])
-    return {"A0": _with(A0, stiff), "A1": _with(A1, 0.0), "A1_air": _with(air, wait * stiff)}
+    twist = 1.0 if twists(law) else 0.0
+    return {"A0": _with(A0, stiff), "A1": _with(A1, 0.0), "A1_air": _with(air, wait * stiff), "twist": twist}
+
+
+def twists(law):
+    """True where psi is a twist of the patch against a stiffness, False where it is but the slip angle y/sigma, C F."""
+    return not (law["relaxation"] or law["straight_tangent"] or (law["moreland"] and not law["moreland"]["yaw_time"]))
 
 
 def _with(A, own):

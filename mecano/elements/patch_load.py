@@ -16,7 +16,7 @@ from mecano.constraints.tire_patch import (
     by_velocities,
 )  # fmt: skip
 from mecano.elements.lateral_force import Lateral, lateral_law, law_rows
-from mecano.elements.tire_law import radial_force, speed_over_ground
+from mecano.elements.tire_law import damped_force, elastic_force, speed_over_ground
 from mecano.maths.vec import (
     EYE,
     ZERO,
@@ -43,7 +43,9 @@ class Load(NamedTuple):
     radial: float  # F_r [N]
     F_w: float  # dF_r/dw [N/m]
     F_w1: float  # dF_r/d(dw/dt) [N s/m]
+    slope: float  # dF/dw of the elastic force F [N/m]
     N: float  # normal force [N]
+    damping: float  # its part by radial damping [N]
     v: tuple  # velocity of the axle [m/s]
     speed: float  # of the axle over the ground [m/s]
     ahead: tuple  # its direction
@@ -64,17 +66,18 @@ class Change(NamedTuple):
 @kernel
 def load_of(p, laws, k, q, v):
     """The Load of the Patch ``k``."""
-    radial, F_w, F_w1 = radial_force(p, laws, p.radius - k.g.r, k.w1)
-    N, velocity = radial / k.g.q, vec(v, 0)
+    elastic, slope = elastic_force(p, laws, p.radius - k.g.r)
+    radial, F_w, F_w1 = damped_force(p, elastic, slope, k.w1)
+    N, damping, velocity = radial / k.g.q, (radial - elastic) / k.g.q, vec(v, 0)
     speed, ahead = speed_over_ground(k.g.n, velocity)
-    law = lateral_law(p, laws, vec(q, Y), vec(v, Y), N, speed, dot(k.g.n, k.omega))
-    return Load(radial, F_w, F_w1, N, velocity, speed, ahead, law)
+    law = lateral_law(p, laws, vec(q, Y), vec(v, Y), k.rolled, N, speed, dot(k.g.n, k.omega))
+    return Load(radial, F_w, F_w1, slope, N, damping, velocity, speed, ahead, law)
 
 
 @kernel
 def add_load(f, Rn, k, load, F):
     """Add the forces of a Load and of the friction F (3,) [N] in the ground. Returns G of tire_patch.py."""
-    G = add_patch_force(f, Rn, k, F, load.N)
+    G = add_patch_force(f, Rn, k, F, load.N, load.damping)
     add_vec(f, 3, -load.law.turn, tmul(Rn, k.g.n))
     add_vec(f, Y, 1.0, load.law.f)
     return G
@@ -109,8 +112,14 @@ def _of_place(k, load, d, swing, by_law, moment, frame):
 @kernel
 def normal_change(k, load, d):
     """Derivatives (3,) of N by the three variables of the Variation ``d``."""
-    radial = add(scale(load.F_w, d.w), scale(load.F_w1, d.w1))
-    return add(scale(1.0 / k.g.q, radial), scale(load.N * k.g.s / k.g.q**2, d.s))
+    return _normal(k, load.N, load.F_w, load.F_w1, d)
+
+
+@kernel
+def _normal(k, N, F_w, F_w1, d):
+    """Derivatives (3,) of N = F/q where F has the derivatives F_w and F_w1."""
+    radial = add(scale(F_w, d.w), scale(F_w1, d.w1))
+    return add(scale(1.0 / k.g.q, radial), scale(N * k.g.s / k.g.q**2, d.s))
 
 
 @kernel
@@ -119,7 +128,8 @@ def add_load_tangent(A, j, Rn, k, load, F, G, dF, dN, c):
 
     ``dF`` 3x3 are those of F, ``dN`` (3,) those of N.
     """
-    rows, turn = law_rows(load.law, c.by_law, dN, c.speed, c.turning)
+    rows, turn = law_rows(load.law, c.by_law, dN, c.speed, c.turning, c.d.rolled)
     aligned = madd(outer(scale(-1.0, k.g.n), turn), mscale(-load.law.turn, c.d.n))
-    add_patch_tangent(A, j, Rn, c.frame, k, F, load.N, G, dF, dN, c.d, madd(c.moment, aligned))
+    damped, moment = _normal(k, load.damping, load.F_w - load.slope, load.F_w1, c.d), madd(c.moment, aligned)
+    add_patch_tangent(A, j, Rn, c.frame, k, F, load.N, load.damping, G, dF, dN, damped, c.d, moment)
     add_mat(A, Y, j, 1.0, matmul(rows, c.frame))

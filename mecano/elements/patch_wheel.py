@@ -5,7 +5,7 @@ from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import PSI, Y
 from mecano.contract import Kind, Output, record
 from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
-from mecano.elements.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral
+from mecano.elements.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
 from mecano.elements.tire_law import TIRE_RECORD
 from mecano.elements.tire_wheel import (
     EVENTS,
@@ -69,7 +69,7 @@ def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, 
     touching = put_tire(p, laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
-    if touching and p.A0[1, 0] < 0.0:
+    if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
         y[27] = y[3] / p.A0[1, 0]
     f = add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))
     if contact:
@@ -113,8 +113,8 @@ def check(d, nodes):
 
 def limits(d):
     """The range of the radial law, braking at which the patch gives way sideways on its own."""
-    found = range_of_law(d)
-    return found if d["tire_law"]["lateral"] is None else [*found, ("divergence", 1.0, DIVERGENT)]
+    found, lateral = range_of_law(d), d["tire_law"]["lateral"]
+    return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
 def _sample(rng, profile, eps, mode, form):
@@ -135,6 +135,7 @@ def sample(rng):
     cases = (
         (False, 0.05, "contact", "matrices"), (True, 50.0, "contact", "matrices"), (True, 0.05, "air", "matrices"),
         (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
+        (True, 0.05, "contact", "relaxation"),
     )  # fmt: skip
     return [_sample(rng, *case) for case in cases]
 

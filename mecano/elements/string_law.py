@@ -34,9 +34,16 @@ as the tangent there: of first order in the way. F differs by 4 %, the moment by
 
     M = kap {psi - y/sigma + a omega_n V^3/(V^4 + v_0^4)},    F = 1/C y/sigma,    aligning moment = 1/C t y/sigma
 
+Its psi is the slip angle at the leading edge, no twist against a stiffness: as in the law with a relaxation length
+(lateral_law.py) a change of psi does not carry the patch along; its kap, sigma/C, only scales the equation.
+
 Both have the cornering stiffness 1/C = 2c (sigma + a)^2 and the pneumatic trail t = a (sigma (sigma + a) +
-a^2/3)/(sigma + a)^2; kap is the torsional stiffness of the patch. They hold for rolling forward; backward the other
-edge would lead.
+a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the patch. They hold for rolling forward;
+backward the other edge would lead.
+
+These equations are of a contact line that adheres. Where it slides, dc_1/dt takes the dy/dt that it would have if it
+did not, from the motion of the wheel alone: the own dy/dt would otherwise enter M with nothing against it
+(docs/tyres.md).
 """
 
 import math
@@ -46,14 +53,15 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.schema import NUMBER, Field, mapping, positive
 
-FIELDS = (
+CORNERING = (
     Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
     Field("relaxation_length", NUMBER, "m", "sigma, in which the string falls off before the contact", check=positive),
     Field("contact_length", NUMBER, "m", "2a", check=positive),
-    Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive),
-    Field("least_speed", NUMBER, "m/s", "v_0, below which rolling does not turn the patch", 0.5, positive),
 )
-STRING_TYPE = mapping(*FIELDS)
+TORSION = Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive)
+LEAST = Field("least_speed", NUMBER, "m/s", "v_0, below which rolling does not turn the patch", 0.5, positive)
+STRING_TYPE = mapping(*CORNERING, TORSION, LEAST)
+TANGENT_TYPE = mapping(*CORNERING, LEAST)
 NO_PACE, OF_STRING, OF_TANGENT = 0.0, 1.0, 2.0
 
 
@@ -62,9 +70,9 @@ def prepare_string(law):
     d = law["string"] or law["straight_tangent"]
     if not d:
         return {}
-    sigma, a, kap = d["relaxation_length"], 0.5 * d["contact_length"], d["torsional_stiffness"]
+    sigma, a = d["relaxation_length"], 0.5 * d["contact_length"]
     c = 0.5 * d["cornering_stiffness"] / (sigma + a) ** 2
-    values = _string(sigma, a, c, kap) if law["string"] else _tangent(sigma, a, c, kap)
+    values = _string(sigma, a, c, d["torsional_stiffness"]) if law["string"] else _tangent(sigma, a, c)
     A1_air = law["relaxation_in_air"] * values["A0"]
     return {**values, "A1_air": A1_air, "least_speed": d["least_speed"]}
 
@@ -78,14 +86,17 @@ def _string(sigma, a, c, kap):
     A1 = [np.zeros(3), kap * (turned * c_1 + sigma / (sigma + a) * bow), size * a * bow]
     moment = 2.0 * c * (a * a / 3.0 * c_1 + np.array([0.0, sigma * (sigma + a) * a, 0.0]))
     turning = [0.0, kap * turned * a, 0.0]
-    return {"A0": np.array(A0), "A1": np.array(A1), "turning": turning, "moment": moment, "pace": OF_STRING}
+    values = {"A0": np.array(A0), "A1": np.array(A1), "turning": turning, "moment": moment}
+    return {**values, "pace": OF_STRING, "twist": 1.0}
 
 
-def _tangent(sigma, a, c, kap):
-    side = 2.0 * c * (sigma + a) ** 2 / sigma
+def _tangent(sigma, a, c):
+    cornering = 2.0 * c * (sigma + a) ** 2
+    side, kap = cornering / sigma, cornering * sigma
     A0 = np.array([[side, 0.0, 0.0], [-kap / sigma, kap, 0.0], [0.0, 0.0, side]])
     moment = [2.0 * a * c * (a * a / 3.0 + sigma * (sigma + a)) / sigma, 0.0, 0.0]
-    return {"A0": A0, "A1": np.zeros((3, 3)), "turning": [0.0, kap * a, 0.0], "moment": moment, "pace": OF_TANGENT}
+    turning = [0.0, kap * a, 0.0]
+    return {"A0": A0, "A1": np.zeros((3, 3)), "turning": turning, "moment": moment, "pace": OF_TANGENT, "twist": 0.0}
 
 
 @kernel

@@ -19,7 +19,7 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.elements.lateral_law import LATERAL_TYPE
-from mecano.laws.friction import friction_factor
+from mecano.laws.friction import friction_factor, sticking
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, potential
 from mecano.maths.vec import ZERO, dot, norm, scale, sub
@@ -110,6 +110,12 @@ def elastic_energy(p, laws, w):
 def radial_force(p, laws, w, w1):
     """F_r [N], dF_r/dw and dF_r/dw1 of the deformation w [m] and its rate w1 [m/s]."""
     F, dF = elastic_force(p, laws, w)
+    return damped_force(p, F, dF, w1)
+
+
+@kernel
+def damped_force(p, F, dF, w1):
+    """F_r [N], dF_r/dw and dF_r/dw1 of the elastic force F [N], its slope dF, and the rate w1 [m/s] of deformation."""
     factor = 1.0 + p.radial_damping * w1
     if factor <= 0.0:
         return 0.0, 0.0, 0.0
@@ -132,3 +138,18 @@ def gripping(p, laws, speed, u):
     if sigma <= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     return sigma * grip, sigma * b, sigma * b1, sigma_u * b
+
+
+@kernel
+def patch_gripping(p, laws, slip, speed, u):
+    """Friction of a patch without mass: mu of the speed ``slip`` of the wheel, phi of the ``speed`` of the patch.
+
+    mu phi [-], b = mu phi/|v_C| [s/m], |v_C| db/d|v_C|, its derivatives by ``slip`` and by the speed u of the axle.
+    """
+    sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)
+    mu, d_mu, _ = evaluate_curve(laws, p.friction, slip)
+    if sigma <= 0.0 or mu <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    ramp, ramp_1 = sticking(p.slip_regularization, speed)
+    b = mu * ramp
+    return sigma * b * speed, sigma * b, sigma * mu * ramp_1, sigma * d_mu * ramp, sigma_u * b

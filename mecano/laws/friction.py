@@ -9,12 +9,18 @@ from mecano.laws.table import evaluate_curve
 
 
 @kernel
+def sticking(eps, u):
+    """Return phi/u [s/m] and u d(phi/u)/du of the sliding speed u >= 0 [m/s]; finite at u = 0."""
+    if u >= eps:
+        return 1.0 / u, -1.0 / u
+    return (2.0 - u / eps) / eps, -u / (eps * eps)
+
+
+@kernel
 def friction_factor(laws, law, eps, u):
     """mu phi [-], b = mu phi/u [s/m] and u db/du of the sliding speed u >= 0 [m/s]; finite at u = 0."""
     mu, d_mu, _ = evaluate_curve(laws, law, u)
     if mu <= 0.0:
         return 0.0, 0.0, 0.0
-    if u >= eps:
-        return mu, mu / u, d_mu - mu / u
-    ramp = (2.0 - u / eps) / eps
-    return mu * ramp * u, mu * ramp, u * (d_mu * ramp - mu / (eps * eps))
+    ramp, ramp_1 = sticking(eps, u)
+    return mu * ramp * u, mu * ramp, u * d_mu * ramp + mu * ramp_1

@@ -1,0 +1,186 @@
+"""Tyres that slide: rates of a patch without mass are unique, an independent integration, the twist of a rolling patch.
+
+The wheel of TOWED is led down onto the road at a slip angle, spins up and goes on rolling.
+"""
+
+import numpy as np
+import pytest
+from marching import March, deck
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from mecano.prepare import prepare
+
+SPEED, ANGLE, SINK, DOWN = 60.0, np.radians(6.0), 2.0, 0.04  # m/s, rad, m/s, s
+RADIUS, SPIN_INERTIA, CORNERING, SIGMA, DAMPING = 0.45, 4.2, 250e3, 0.35, 0.1
+TOWED = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    parameters: {{lean: {lean} deg, vx: {vx!r}, vy: {vy!r}}}
+    nodes:
+      carriage: {{position: [0, 0, 0.452]}}
+      hub: {{position: [0, 0, 0.452]}}
+    elements:
+      rim: {{type: rigid_body, node: hub, mass: 55, inertia: [2.5, 4.2, 2.5]}}
+      tire: {{type: flexible_wheel, node: hub, axis: [0, cos($lean), sin($lean)], tire_law: rubber, ground: road}}
+    joints:
+      level: {{type: held_rotation, nodes: [ground, carriage]}}
+      height: {{type: prescribed_position, node: carriage, direction: [0, 0, 1],
+        value: {height}}}
+      track: {{type: prescribed_position, node: carriage, direction: [0, 1, 0], value: {{linear: {{slope: $vy}}}}}}
+      tow: {{type: prescribed_position, node: carriage, direction: [1, 0, 0], value: {{linear: {{slope: $vx}}}}}}
+      bearing: {{type: hinge, nodes: [carriage, hub], axis: [0, cos($lean), sin($lean)]}}
+    tire_laws:
+      rubber:
+        radius: 0.45
+        radial: {{polynomial: {{coefficients: [0, 7.0e5, 2.0e6]}}}}
+        radial_damping: 0.1
+        friction: {{exponential: {{start: 0.8, limit: 0.5, rate: 0.03}}}}
+        slip_regularization: 0.1
+        lateral: {lateral}
+    grounds:
+      road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}
+    initial:
+      velocities:
+        - {{nodes: all, velocity: [$vx, $vy, {sink}]}}
+        - {{nodes: [hub], angular_velocity: [0, {spin!r}, 0], about: own}}
+    time: {{end: {end}, step: 1.0e-4, adaptive: {{tolerance: {tolerance}, maximum_step: 1.0e-3}}}}
+"""
+RELAXATION = f"{{relaxation: {{cornering_stiffness: {CORNERING}, relaxation_length: {SIGMA}}}}}"
+OF_STRING = f"cornering_stiffness: {CORNERING}, relaxation_length: {SIGMA}, contact_length: 0.3"
+STRING = (
+    f"{{string: {{{OF_STRING}, torsional_stiffness: 3.0e4}}}}"  # 1e4 is too soft here: "Not there" in docs/tyres.md
+)
+TANGENT = f"{{straight_tangent: {{{OF_STRING}}}}}"
+MORELAND = (
+    f"{{moreland: {{lateral_stiffness: {CORNERING / SIGMA!r}, yaw_coefficient: {1 / CORNERING!r}, "
+    "lateral_damping: %r, yaw_time: %r, torsional_stiffness: %r}}"
+)
+LAWS = {
+    "relaxation": RELAXATION, "string": STRING, "straight_tangent": TANGENT,
+    "moreland": MORELAND % (500.0, 2e-3, 1e4), "moreland without rates": MORELAND % (0.0, 0.0, 1e4),
+}  # fmt: skip
+
+
+LED = {  # down: where the hub is led to, and its velocity at the start [m/s]
+    "down": ("{ramp: {start: 0, end: 0.04, from: 0, to: -0.08}}", -SINK),
+    "down and up": ("{sine: {amplitude: 0.04, frequency: 5, phase: 1.5707963267948966, offset: -0.04}}", 0.0),
+}
+
+
+def towed(lateral, lean=0.0, end=0.2, tolerance=1e-3, angle=ANGLE, led="down", spin=0.0):
+    """The checked deck with a lateral law."""
+    vx, vy, (height, sink) = float(SPEED * np.cos(angle)), float(SPEED * np.sin(angle)), LED[led]
+    values = {"lateral": lateral, "height": height, "sink": sink, "lean": lean, "end": end, "tolerance": tolerance}
+    return deck(TOWED.format(vx=vx, vy=vy, spin=spin, **values))
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_rates_of_the_patch_are_unique(law):
+    """The forces along y and psi never fall with dy/dt and dpsi/dt, sliding or not: they are monotone, leaning or not.
+
+    Friction falls with the slip speed, and radial damping acts: neither may push the patch along by its own rates.
+    """
+    rng, system = np.random.default_rng(5), prepare(towed(LAWS[law], lean=4.0)).system
+    names, least = system.numbering.name, []
+    hub, y = names.index("node carriage, hub: force x"), names.index("flexible_wheel 'tire': y")
+    own = [y, names.index("flexible_wheel 'tire': psi")]
+    for _ in range(200):
+        s = system.initial_state(0.0)
+        s.modes[:] = 1
+        s.z[hub + 2] = 0.452 - rng.uniform(0.01, 0.1)
+        s.z[own] = rng.uniform(-0.08, 0.08), rng.uniform(-0.2, 0.2)
+        s.v[hub : hub + 3] = rng.uniform(0.0, 70.0), rng.uniform(-7.0, 7.0), rng.uniform(-2.0, 2.0)
+        s.v[hub + 4] = rng.uniform(0.0, 200.0)
+        s.v[own] = rng.uniform(-20.0, 20.0, 2) * 10.0 ** rng.uniform(-3.0, 0.0)
+        C = np.zeros((system.n + 1, system.n + 1))
+        system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+        np.add.at(C, (system.rows, system.cols), system.data[: system.nnz])
+        block = C[np.ix_(own, own)]
+        if block[1, 0] and block[1, 1] == 0.0:  # without a rate of psi it is M = 0 that settles psi
+            block = block[:1, :1]
+        least.append(np.linalg.eigvalsh(block + block.T)[0] / max(np.abs(block).max(), 1.0))
+    assert min(least) > -1e-9
+
+
+def planar(end):
+    """(t, y, spin) of the upright wheel with a relaxation length, from its own equations, by Radau's method.
+
+    Unknowns are y and the spin; dy/dt solves K y = F_y - psi F_x, with psi = y/sigma, at every time. A tiny damping (1
+    N s/m) keeps dy/dt unique where the patch slides.
+    """
+    K, vx, vy = CORNERING / SIGMA, SPEED * np.cos(ANGLE), SPEED * np.sin(ANGLE)
+
+    def height(t):
+        return 0.452 - 0.08 * min(t / DOWN, 1.0), -SINK if t < DOWN else 0.0
+
+    def friction(y1, t, y, spin):
+        (r, sink), psi = height(t), y / SIGMA
+        w = RADIUS - r
+        load = (7e5 * w + 2e6 * w * w) * max(0.0, 1.0 - DAMPING * sink) if w > 0.0 else 0.0
+        held = np.array([vx - spin * r, vy - psi * spin * r])
+        v = held + y1 * np.array([psi, -1.0])
+        slip = np.hypot(*v)
+        factor = 1.0 / slip if slip > 0.1 else (2.0 - slip / 0.1) / 0.1
+        return (0.5 + 0.3 * np.exp(-0.03 * np.hypot(*held))) * factor * load * v, r, psi
+
+    def unbalanced(y1, t, y, spin):
+        (Fx, Fy), _, psi = friction(y1, t, y, spin)
+        return K * y + y1 - (Fy - psi * Fx)
+
+    def rates(t, state):
+        y, spin = state
+        if height(t)[0] >= RADIUS:
+            return [0.0, 0.0]
+        y1 = brentq(unbalanced, -1e5, 1e5, (t, y, spin), xtol=1e-12, rtol=1e-14, maxiter=300)
+        (Fx, Fy), r, psi = friction(y1, t, y, spin)
+        return [y1, r * (Fx + psi * Fy) / SPIN_INERTIA]
+
+    parts, state, start = [], np.zeros(2), 0.0
+    for stop in (0.001, DOWN, end):  # the rim touches, the way down ends
+        part = solve_ivp(rates, (start, stop), state, "Radau", rtol=1e-8, atol=1e-10)
+        parts.append((part.t, *part.y))
+        start, state = stop, part.y[:, -1]
+    return np.hstack(parts)
+
+
+def test_a_landing_at_a_slip_angle_against_an_independent_integration():
+    """Spin-up with friction that falls, sliding at 6 degrees, then rolling at the limit of adhesion."""
+    march = March(towed(RELAXATION, end=0.2, tolerance=1e-5))
+    t, y, spin = planar(0.2)
+    found_y, found_spin = (
+        np.interp(t, march.time, march[f"elements/tire/{what}"].ravel()) for what in ("y", "spin_rate")
+    )
+    assert np.abs(y).max() > 0.03 and spin.max() > 150.0  # it has slid to the side, and has been spun up
+    assert np.abs(found_y - y).max() < 1e-3 * np.abs(y).max()
+    assert np.abs(found_spin - spin).max() < 1e-3 * spin.max()
+
+
+@pytest.mark.parametrize("law", [name for name in LAWS if name != "moreland without rates"])
+@pytest.mark.parametrize("lean", [0.0, 4.0])
+def test_every_law_lands_at_a_slip_angle(law, lean):
+    """Down and up again: its force is within friction, and the budget closes to 1e-4 of what friction takes."""
+    march = March(towed(LAWS[law], lean=lean, end=0.2, tolerance=1e-4, led="down and up"))
+    assert [h.name for h in march.happenings] == ["touch_down", "lift_off"]
+    deformed, N = march["elements/tire/y"].ravel(), march["elements/tire/normal_force"].ravel()
+    side, ahead = (march[f"elements/tire/{way}_force"].ravel() for way in ("lateral", "longitudinal"))
+    assert np.all(np.hypot(side, ahead) <= 0.8 * N + 1e-6 * N.max())
+    assert np.abs(deformed).max() < 0.2
+    balance, lost = march["energy/balance"].ravel(), march["energy/dissipated"].ravel()
+    assert np.ptp(balance) < 1e-4 * np.ptp(lost)
+
+
+@pytest.mark.parametrize(("share", "lasts"), [(0.5, True), (2.0, False)])
+def test_the_twist_of_a_rolling_patch_needs_damping(share, lasts):
+    """C1 > V C K I y^2/(r^2 kap): by Routh's criterion for y, psi and the spin of a wheel that rolls at a slip angle.
+
+    dy = -V psi, y dpsi = r spin, I dspin = r kap (C K y - psi - C1 dpsi)/y about y = slip angle/(C K).
+    """
+    angle, kap, r = 0.05, 2e4, 0.372
+    y, C_K = angle * SIGMA, 1.0 / SIGMA
+    needed = SPEED * C_K * SPIN_INERTIA * y * y / (r * r * kap)
+    law = MORELAND % (0.0, share * needed, kap)
+    march = March(towed(law, end=0.14, angle=angle, spin=SPEED / r))
+    spin, t = march["elements/tire/spin_rate"].ravel(), march.time
+    early, late = (np.ptp(spin[(t > a) & (t < a + 0.02)]) for a in (0.08, 0.12))
+    assert late > 0.9 * early > 1.0 if lasts else late < 0.5 * early  # a limit cycle of stick and slip, or a decay
