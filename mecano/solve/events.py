@@ -13,6 +13,7 @@ from mecano.compiled.entry import Vector, entry
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
 TOGETHER = 1e-6  # of its change in the step: an event that lacks no more happens with the one that is located
+EQUAL = 1e-6  # of its value at the beginning of the step: what differs by less, with consistent reactions, is equal
 NEAR = 0.01  # of the step: the first place that is tried is no nearer to its ends
 MAX_RESTEPS = 60
 
@@ -59,6 +60,25 @@ class Watch:
     def values(self, s):
         """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
         return self.system.event_values(s)
+
+    def together(self, hit, before, here, committed):
+        """The events ``hit`` (n_events,) bool and all others of the same instant.
+
+        ``before`` (n_events,) are the values at the beginning of the step, ``here`` at its end, with consistent
+        reactions, ``committed`` with what the step has committed. Of a step, reactions are known to the tolerance of
+        Newton's method, so that those of equal members vanish at different times; consistent ones are equal to
+        rounding.
+        """
+        hit, first = hit | (self.within & np.isfinite(here) & (here != committed)), 0
+        for batch in self.system.batches:
+            n, shape = batch.event_values.size, batch.event_values.shape
+            of_batch, g0, g = (values[first : first + n].reshape(shape) for values in (hit, before, here))
+            level = np.where(of_batch, g, np.inf).min(axis=0, initial=np.inf)
+            near = np.isfinite(g0) & np.isfinite(g) & np.isfinite(level) & (g0 < 0.0)
+            near &= ~self.within[first : first + n].reshape(shape)
+            of_batch |= near & (np.where(near, g - level, -np.inf) >= -EQUAL * np.abs(g0))
+            first += n
+        return hit
 
     def apply(self, s, hit):
         """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""
