@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from marching import March
 from scipy.spatial.transform import Rotation
 
 from mecano import open_results
@@ -47,3 +48,31 @@ def test_spin_up_and_spring_back_of_an_axle(tmp_path):
         speed = results["nodes/mlg_left/velocity"].values[:, 0]
     assert 0.9 < -spin_up / ground.values.min() < 1.0 and spring_back < -0.5 * spin_up and begins < ends
     assert impulse == pytest.approx(55.0 * (speed[-1] - speed[0]), rel=0.01)
+
+
+LATERAL = {
+    "relaxation": "{relaxation: {cornering_stiffness: 250 kN/rad, relaxation_length: 0.35}}",
+    "string": "{string: {cornering_stiffness: 250 kN/rad, relaxation_length: 0.35, contact_length: 0.3}}",
+    "moreland": "{moreland: {lateral_stiffness: 7.1e5, lateral_damping: 500, yaw_coefficient: 4e-6, yaw_time: 2e-3}}",
+}
+
+
+@pytest.mark.parametrize("law", LATERAL)
+def test_a_landing_with_drift_and_roll_comes_to_its_end(law):
+    """At 6 degrees of drift and 4 of roll runs ended at 0.05 to 0.3 s, the rates of y and psi growing beyond bounds.
+
+    Both wheels land and rebound, with forces within friction that take a fifth of the drift; the budget closes to 1e-4
+    of what is dissipated.
+    """
+    settings = "parameters.drift=6 deg", "parameters.roll=4 deg", "time.end=0.7"
+    march = March(read_deck(CASES / "main_gear.yaml", [*settings, f"tire_laws.tyre.lateral={LATERAL[law]}"]))
+    for side in ("left", "right"):
+        N, across, along = (
+            march[f"elements/mlg_wheel_{side}/{way}_force"].ravel() for way in ("normal", "lateral", "longitudinal")
+        )
+        assert np.all(np.hypot(across, along) <= 0.8 * N + 1e-6 * N.max())
+    drift = march["nodes/mlg_body/velocity"][:, 1]
+    assert drift[0] == pytest.approx(70.0 * np.sin(np.radians(6.0))) and drift[-1] < 0.8 * drift[0]
+    names = [happening.name for happening in march.happenings if "wheel" in happening.element]
+    assert names == ["touch_down", "touch_down", "lift_off", "lift_off"]
+    assert np.ptp(march["energy/balance"]) < 1e-4 * np.ptp(march["energy/dissipated"])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
+MASSLESS = -1  # in the place of SCALAR, for solvers, where a scalar has no inertia
 AXES = "xyz"
 
 

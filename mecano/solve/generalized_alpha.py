@@ -17,12 +17,12 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.loops import residual
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.analysis import analyse
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
-from mecano.solve.increments import RELAXES, finish, largest_change, predict, tangents
+from mecano.solve.increments import finish, largest_change, predict, tangents
 from mecano.solve.kept_tangent import SHARE, keep
 from mecano.solve.newton import (
     CONVERGED,
@@ -119,7 +119,8 @@ class GeneralizedAlpha:
         self.k, self.penalty, self.duration = k, penalty, duration
         self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
         self._relaxing = np.flatnonzero(system.relaxing)
-        self._lasting = np.where(system.relaxing, RELAXES, system.numbering.kind[: system.n_q])
+        self._kind = system.numbering.kind.copy()
+        self._kind[self._relaxing] = MASSLESS
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
@@ -143,11 +144,11 @@ class GeneralizedAlpha:
     def _bind(self):
         """The compiled functions of a step with the arguments that never change."""
         system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
-        moving = of.kind, of.rotation_dof, of.n_q, of.n
+        moving = self._kind, of.rotation_dof, of.n_q, of.n
         self._predict = partial(predict, c.am, c.af, c.beta, c.gamma, *moving)
         self._tangents = partial(tangents, of.rotation_dof, of.n_q)
-        self._finish = partial(finish, c.am, c.af, length, self._lasting, of.n_q, of.n)
-        self._norms = partial(norms, system.residual, system.size, of.kind, of.n, length, to.force, to.constraint)
+        self._finish = partial(finish, c.am, c.af, length, self._kind, of.n_q, of.n)
+        self._norms = partial(norms, system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
         equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
         limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
         self._iterate = partial(iterate, *equations, *self.linear.factor, *moving, *limits, self._increment)
@@ -241,7 +242,7 @@ class GeneralizedAlpha:
 
     def _size(self, a):
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
-        return largest_change(np.zeros(len(a)), a, self._lasting, len(a), self.length)
+        return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
 
     def _contradiction(self, s, h, rows, rates, share):
         """Rate and name of one of the ``rows`` whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds."""

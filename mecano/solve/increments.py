@@ -8,9 +8,7 @@ from mecano.compiled.entry import Indices, Matrices, Vector, entry
 from mecano.compiled.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import mat, matmul, vec
-from mecano.model.numbering import ROTATION, SCALAR
-
-RELAXES = -1  # in the place of the kind of a scalar without inertia, whose errors are counted apart
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR
 
 
 @kernel
@@ -143,7 +141,7 @@ def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float
     """
     worst = square = 0.0
     for i in range(n_q):
-        if kind[i] == RELAXES:
+        if kind[i] == MASSLESS:
             continue
         change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
         begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.compiled.entry import Indices, Vector, entry
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, SCALAR, TRANSLATION
 
 HUGE = 1e300  # beyond this a number counts as infinite
 TINY = 1e-300
 ROUNDING = 16 * 2.2e-16  # of a sum of a few numbers
+MASSLESS_SHARE = 1e-4  # of the largest force on a scalar: what rounding may hide of the force on a massless one
 ANGULAR_SHARE = 1e-3  # moments count against at least this share of (largest force) x (length), and vice versa
 
 
@@ -50,9 +51,10 @@ def norms(
     unknowns of elements (taken to be like forces) likewise. A constraint is
     judged as a length or an angle, and also as the force that it makes with the mean ``stiffness`` [N/m] of the step:
     in short steps a small displacement is a large force. No force is judged below what the rounding of positions as
-    large as ``reach`` [m] makes of it. ``share`` makes all tolerances smaller, but for this.
+    large as ``reach`` [m] makes of it; for scalars without inertia that is at most MASSLESS_SHARE, since in short steps
+    the stiffness is that of the masses. ``share`` makes all tolerances smaller, but for this.
     """
-    force = moment = scalar = distance = angle = 0.0
+    force = moment = scalar = massless = distance = angle = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
         x = abs(r[i]) if i < n else 0.0
@@ -64,6 +66,8 @@ def norms(
             moment, moment_size = max(moment, x), max(moment_size, size[i])
         elif kind[i] == SCALAR:
             scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
+        elif kind[i] == MASSLESS:
+            massless, scalar_size = max(massless, x), max(scalar_size, size[i])
         elif kind[i] == LENGTH_CONSTRAINT:
             distance = max(distance, x / k)
         else:
@@ -71,11 +75,12 @@ def norms(
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
     g = max(scalar_size, ANGULAR_SHARE * f)
+    hidden = ROUNDING * stiffness * reach
     force_tolerance *= share
-    f = max(f * force_tolerance, ROUNDING * stiffness * reach)
+    f = max(f * force_tolerance, hidden)
     m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
-    g = max(g * force_tolerance, ROUNDING * stiffness * reach)
+    light, g = max(g * force_tolerance, min(hidden, MASSLESS_SHARE * g)), max(g * force_tolerance, hidden)
     force = max(force, stiffness * distance) / f
     moment = max(moment, stiffness * length * length * angle) / m
     constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
-    return max(force, moment, scalar / g), constraint
+    return max(force, moment, scalar / g, massless / light), constraint
