@@ -1,4 +1,6 @@
-"""Legal but suspicious models: massless nodes and strains at the start, which only the assembled model shows."""
+"""Legal but suspicious models, as only the assembled model shows: massless nodes, strains and slip at the start."""
+
+import math
 
 import numpy as np
 
@@ -14,8 +16,9 @@ MOST_NAMED = 10  # warnings of one sort
 
 def suspicious_model(deck, system, s, length):
     """Warnings (list of Problem) of a model at its start ``s``; ``length`` is its length scale."""
-    strained = [*_strained(deck, system, s)]
-    return [*_first(strained, "elements"), *_first(_massless(deck, system, s, length), "nodes")]
+    strained, swinging = [*_strained(deck, system, s)], [*_swinging(deck, system, s)]
+    massless = _massless(deck, system, s, length)
+    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(swinging, "elements")]
 
 
 def _first(problems, what):
@@ -60,6 +63,41 @@ def _is_much(strain, fields, kind):
     if "axial_stiffness" in fields or "section" in fields:
         return strain > MOST_STRAIN or (strain < -MOST_STRAIN and kind != "cable")
     return abs(strain) > MOST_EXTENSION
+
+
+def _swinging(deck, system, s):
+    """Warnings of wheels that roll at the slip angle of their start with too little damping of the twist.
+
+    With an angle alpha, spin inertia I and speed V, twist and spin swing with growing amplitude unless
+    C1 > V I alpha^2/(r^2 kap C K): docs/tyres.md, Twist.
+    """
+    at = {node.name: i for i, node in enumerate(system.nodes)}
+    for name, d in deck.values["elements"].items():
+        if "psi" not in KINDS[d["type"]].scalars or not (law := d["tire_law"]["lateral"]["moreland"]):
+            continue
+        speed, angle, inertia = _rolling(d, system, s, at[d["node"]])
+        stiffness = law["torsional_stiffness"] * law["yaw_coefficient"] * law["lateral_stiffness"]
+        needed = speed * inertia * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
+        if 0.0 < law["yaw_time"] < needed:
+            text = (
+                f"{d['type']} '{name}': where it rolls at the slip angle of its start, {math.degrees(angle):.3g} deg "
+                f"at {speed:.3g} m/s, the twist of its patch swings with the spin of the wheel, ever wider, unless "
+                f"'tire_law.lateral.moreland.yaw_time' ({law['yaw_time']:g} s) is more than {needed:.2g} s"
+            )
+            yield Problem(text, deck.mark("elements", name))
+
+
+def _rolling(d, system, s, i):
+    """Return speed [m/s], slip angle [rad] and spin inertia [kg m2] of the wheel of deck values ``d`` on node ``i``."""
+    of, node, normal = system.numbering, system.nodes[i], np.array(d["ground"]["plane"]["normal"])
+    own = node.R.T @ d["axis"] / np.linalg.norm(d["axis"])
+    v, ahead = s.v[of.x[i] : of.x[i] + 3], np.cross(s.R[of.rotation[i]] @ own, normal)
+    along, across = abs(v @ ahead), abs(v @ np.cross(normal, ahead)) / np.linalg.norm(normal)
+    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+    rows, cols = (numbers - of.r[i] for numbers in (system.rows, system.cols))
+    turning, M = (0 <= rows) & (rows < 3) & (0 <= cols) & (cols < 3), np.zeros((3, 3))
+    np.add.at(M, (rows[turning], cols[turning]), system.data[: len(rows)][turning])
+    return np.hypot(along, across) / np.linalg.norm(ahead), math.atan2(across, along), own @ M @ own
 
 
 def _massless(deck, system, s, length):

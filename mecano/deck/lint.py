@@ -1,8 +1,8 @@
 """Legal but suspicious input: warnings of what a checked deck is allowed to say, and seldom means.
 
 Negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half numbers, which
-are degrees; gravity, moduli and densities in other units; loads on fixed nodes; lengths that elements are stretched to;
-and what is given and never used.
+are degrees; gravity, moduli and densities in other units; tyres whose patch may run away; loads on fixed nodes; lengths
+that elements are stretched to; and what is given and never used.
 """
 
 import math
@@ -10,6 +10,7 @@ import math
 from mecano.contract import SECTIONS
 from mecano.deck.containers import singular
 from mecano.deck.wording import quoted
+from mecano.elements.lateral_law import runaway
 from mecano.errors import Problem
 
 PUSHES = "it pushes away from its zero instead of back to it; is it meant so, as where something snaps through?"
@@ -40,7 +41,7 @@ def suspicious(values, root, used, kinds):
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
-        *_idle(values["loads"], values["nodes"]),
+        *_tires(values["tire_laws"]), *_idle(values["loads"], values["nodes"]),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
@@ -150,6 +151,14 @@ def _materials(sections):
             if 0.0 < d.get(field, 0.0) < least:
                 text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
                 yield ("sections", name, field), text
+
+
+def _tires(tire_laws):
+    """(path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
+    for name, d in tire_laws.items():
+        if d["lateral"] and (found := runaway(d["lateral"])):
+            field, text = found
+            yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
 
 
 def _idle(loads, nodes):

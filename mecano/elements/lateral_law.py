@@ -136,6 +136,25 @@ def _with(A, own):
     return out
 
 
+def runaway(law):
+    """Return (field, text) where the rates of a patch that slides may run away, or None.
+
+    They are bounded as long as the symmetric part of A1 is not negative: of Moreland's law where C1 >= kap C^2 D/4.
+    """
+    if law["string"] or law["straight_tangent"] or not twists(law):
+        return None
+    _, A1 = matrices(law)
+    if np.linalg.eigvalsh(A1 + A1.T)[0] >= -SINGULAR * np.abs(A1).max():
+        return None
+    what = "the rates of its patch may run away where it slides (docs/tyres.md)"
+    if law["matrices"]:
+        return "matrices.damping", f"'lateral.matrices.damping' has a negative symmetric part: {what}"
+    d = law["moreland"]
+    least = 0.25 * d["torsional_stiffness"] * d["yaw_coefficient"] ** 2 * d["lateral_damping"]
+    text = f"'lateral.moreland.yaw_time' is {d['yaw_time']:g} s, less than torsional_stiffness yaw_coefficient^2 "
+    return "moreland.yaw_time", f"{text}lateral_damping/4 = {least:.3g} s: {what}"
+
+
 def check_lateral(law):
     """Texts on what is wrong with a lateral law, None where the tyre law has none."""
     if law is None:
