@@ -31,6 +31,7 @@ class MecanoError(Exception):
     """An error with a message for the user; ``exit_code`` is what the command line returns."""
 
     exit_code = 1
+    elements = ()  # titles, "kind 'name'", of those that act in the equations in which a run failed
 
 
 class DeckError(MecanoError):

@@ -1,14 +1,17 @@
-"""What a user should know of a march that has come to its end: warnings, one text each."""
+"""What a user should know of a march that has come to its end, or failed: warnings and remedies, one text each."""
 
 from bisect import bisect_right
 
 import numpy as np
 
+from mecano.contract import SECTIONS
+from mecano.elements import KINDS
 from mecano.prepare import some
 from mecano.recorder import FORCES, watched
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
+MOST_NAMED = 4  # elements that the same remedies are for
 LEAST_SWING = 0.01  # of the largest force or moment of the model: smaller ones are noise
 NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
@@ -82,6 +85,19 @@ def exceeded(deck, sampler, extremes):
         for name, d, output, i, limit, text in watched(deck, sampler, "limits")
         if high[i] > limit
     ]
+
+
+def explained(error, deck, warnings):
+    """Return the text of an ``error``, what to try in the elements that failed, and the ``warnings`` on them."""
+    remedies = {}
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            title = f"{d['type']} '{name}'"
+            if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
+                remedies.setdefault("; ".join(found), []).append(title)
+    tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]
+    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(title in one for title in error.elements)]
+    return "\n".join([str(error), *tries, *known])
 
 
 def open_latches(deck, row, sampler):

@@ -3,11 +3,11 @@
 from contextlib import closing
 from functools import partial
 
-from mecano.errors import ConvergenceError, ResultsError
+from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
 from mecano.interrupt import Interruption, abandonable
 from mecano.keeper import INTERVAL, Keeper, restore
 from mecano.model.sampler import Sampler
-from mecano.outcome import cut_short, exceeded, open_latches, unbalanced, unresolved
+from mecano.outcome import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
 from mecano.prepare import chosen, march_of, model_facts, prepare, remarks
 from mecano.recorder import Recorder
 from mecano.results.disk import undisturbed
@@ -49,7 +49,7 @@ def _from_the_start(deck, path, force, observers, announce, interruption, interv
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.first(start)
         march.pause = Keeper(march, recorder, interruption, interval)
-        return _to_the_end(deck, start, march, recorder, observers, announce)
+        return _to_the_end(deck, start, march, recorder, observers, announce, notes)
 
 
 def _refuse_existing(path, force):
@@ -119,7 +119,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.from_plain(recorded)
         march.pause = Keeper(march, recorder, interruption, interval)
-        return _to_the_end(deck, start, march, recorder, observers, announce)
+        return _to_the_end(deck, start, march, recorder, observers, announce, left.remarks)
 
 
 def layout_of(sampler):
@@ -134,15 +134,20 @@ def _source(deck, automatic, model, notes):
     )  # fmt: skip
 
 
-def _to_the_end(deck, start, march, recorder, observers, announce):
-    """March to the end of the deck, and close the file of the recorder; returns the final RunState."""
+def _to_the_end(deck, start, march, recorder, observers, announce, notes):
+    """March to the end of the deck, and close the file of the recorder; returns the final RunState.
+
+    A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
+    """
     values, writer = deck.values["time"], recorder.writer
     march.observers, march.restarted = (recorder, *observers), recorder.restarted
     sampler = recorder.sampler
     try:
         final = march.to(values["end"], start)
-    except ConvergenceError as error:
-        raise ConvergenceError("\n".join([str(error), *open_latches(deck, recorder.row, sampler)])) from error
+    except (ConvergenceError, NonFiniteError) as error:
+        known = [*notes, *march.remarks, *exceeded(deck, sampler, writer.extremes)]
+        latches = open_latches(deck, recorder.row, sampler)
+        raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
     warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
     warnings += open_latches(deck, recorder.row, sampler)
     warnings += unbalanced(values, sampler, writer.extremes)

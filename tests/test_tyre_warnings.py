@@ -1,11 +1,14 @@
-"""Tyre data that do not fit a patch which slides or twists: warnings before a run."""
+"""Tyre data that do not fit a patch which slides or twists: warnings before a run, and what a failure says of them."""
 
 import numpy as np
 import pytest
-from marching import input_deck
-from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, towed
+from marching import deck, input_deck
+from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, STRING, towed
 
+from mecano.errors import ConvergenceError
+from mecano.outcome import explained
 from mecano.prepare import prepare, warnings_of
+from mecano.run import run
 
 KAP, ROLLING = 1e4, float(np.radians(5.0))
 
@@ -39,3 +42,33 @@ def test_a_twist_that_swings_with_the_spin_is_warned_of(share, warned):
 @pytest.mark.parametrize("name", ["nose_landing_gear", "step_steer", "caster_shimmy"])
 def test_no_warning_of_good_tyres(name):
     assert warnings_of(prepare(input_deck(name))) == []
+
+
+def test_a_failure_says_what_to_try_in_the_elements_that_failed():
+    """With the warnings on them, once each; nothing on elements that did not fail."""
+    error = ConvergenceError("no step")
+    warnings = ["flexible_wheel 'tire': soft", "flexible_wheel 'tire': soft", "rigid_body 'rim': light"]
+    given = towed(STRING)
+    assert explained(error, given, warnings) == "no step"
+    error.elements = ("flexible_wheel 'tire'", "hinge 'bearing'")
+    assert explained(error, given, warnings).splitlines() == [
+        "no step",
+        "in flexible_wheel 'tire': a greater 'tire_law.lateral.string.torsional_stiffness' (now 10000 N m/rad); a "
+        "greater 'tire_law.slip_regularization' (now 0.1 m/s)",
+        "warning: flexible_wheel 'tire': soft",
+    ]
+
+
+def test_a_failed_run_names_what_was_warned_of(tmp_path):
+    """Newton's method may not iterate, so that the patch, which is stiff, cannot be followed."""
+    text = towed(MORELAND % (0.0, 1e-5, KAP)).text
+    given = deck(text.replace("maximum_step: 1.0e-3}", "minimum_step: 1.0e-5}, newton: {maximum_iterations: 1}"))
+    with pytest.raises(ConvergenceError) as error:
+        run(given, tmp_path / "r.h5")
+    said = str(error.value)
+    assert (
+        "in flexible_wheel 'tire': a greater 'tire_law.lateral.moreland.torsional_stiffness' (now 10000 N m/rad); "
+        in said
+    )
+    assert "a greater 'tire_law.lateral.moreland.yaw_time' (now 1e-05 s)" in said
+    assert said.count("warning: test.yaml:") == 1 and "swings with the spin of the wheel" in said

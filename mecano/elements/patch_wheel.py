@@ -117,6 +117,16 @@ def limits(d):
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
+def remedies(d):
+    """Return what to try where a run fails in the equations of the patch: greater values of what holds or damps it."""
+    law, lateral = d["tire_law"], d["tire_law"]["lateral"]
+    (form,) = (name for name in FORMS if lateral[name])
+    units = {"torsional_stiffness": "N m/rad", "yaw_time": "s", "lateral_damping": "N s/m"}
+    given = [(name, lateral[form][name], unit) for name, unit in units.items() if name in lateral[form]]
+    found = [f"a greater 'tire_law.lateral.{form}.{name}' (now {value:g} {unit})" for name, value, unit in given]
+    return [*found, f"a greater 'tire_law.slip_regularization' (now {law['slip_regularization']:g} m/s)"]
+
+
 def _sample(rng, profile, eps, mode, form):
     """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
@@ -158,6 +168,7 @@ def patch_wheel(name, doc, relaxing, force, observe, events=EVENTS, **constraint
         start=start,
         check=check,
         limits=limits,
+        remedies=remedies,
         ends=ends,
         force=force,
         observe=observe,

@@ -26,14 +26,22 @@ def no_step(system, info, t, h):
     """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
     force, constraint, increment = info.norms
     infinite, worst = NOT_FINITE in info.message, unresisted(system) if "singular" in info.message else ""
-    if not worst and (equations := worst_equations(system)):
-        worst = f"worst equations:\n{equations}"
-    return (NonFiniteError if infinite else ConvergenceError)(
+    rows = [] if worst else worst_rows(system)
+    if rows:
+        worst = f"worst equations:\n{worst_equations(system)}"
+    error = (NonFiniteError if infinite else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
         + (f"{worst}\n" if worst else "")
         + f"what to try: {next(text for said, text in TRY.items() if said in info.message)}"
     )
+    return _of_equations(error, system, rows)
+
+
+def _of_equations(error, system, rows):
+    """Return the ``error`` with the elements that act in the equations ``rows``."""
+    error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
+    return error
 
 
 def no_restart(error, t):
@@ -73,18 +81,22 @@ def unresisted(system):
     return "nothing resists:\n" + "\n".join(lines)
 
 
-def worst_equations(system):
-    """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
-    of = system.numbering
-    r = np.abs(system.residual[: system.n])
+def worst_rows(system):
+    """Return the numbers of the worst equations of the last assembly, one for each node, joint or element."""
+    of, r = system.numbering, np.abs(system.residual[: system.n])
     with np.errstate(all="ignore"):
         relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
     least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
             places.setdefault(of.name[i].partition(": ")[0], i)
-    worst = list(places.values())[:REPORTED]
-    return "\n".join(f"  {of.name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst)
+    return list(places.values())[:REPORTED]
+
+
+def worst_equations(system):
+    """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
+    name, r = system.numbering.name, np.abs(system.residual)
+    return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system))
 
 
 def _scales(system):
@@ -97,18 +109,25 @@ def _scales(system):
     return scales
 
 
-def acting(system, i):
-    """The elements that act on the unknown i, as a clause, for the equation of a node; "" for a constraint."""
+def titles(system, i):
+    """Return the titles of the elements that act on the unknown ``i``; none of a constraint."""
     if i >= system.n_q:
-        return ""
-    titles = dict.fromkeys(
+        return []
+    found = dict.fromkeys(
         name
         for batch in system.batches
         if batch.kind.force is not None
         for name, dofs in zip(batch.names, batch.dofs, strict=True)
         if i in dofs
     )
-    names = list(titles)
+    return list(found)
+
+
+def acting(system, i):
+    """The elements that act on the unknown ``i``, as a clause, for the equation of a node; "" for a constraint."""
+    names = titles(system, i)
+    if not names:
+        return ""
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return f"; on it act {', '.join(names[:NAMED])}{more}"
 
@@ -120,12 +139,13 @@ def minimum_step(system, before, after, error, t, h):
     """
     worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
     where = motion_name(system.numbering.name[worst])
-    return ConvergenceError(
+    failed = ConvergenceError(
         f"at t = {t:.9g} s a step of {h:.3g} s, the least that is allowed, has {error:.3g} times the error allowed\n"
         f"the acceleration changes most in {where}{acting(system, worst)}\n"
         "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
         "this state"
     )
+    return _of_equations(failed, system, [worst])
 
 
 def standstill(happening, count, t):
