@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from marching import March, input_deck
 
-from mecano.solve.scales import TINY
+from mecano.model.numbering import MASSLESS, SCALAR, TRANSLATION
+from mecano.solve.scales import TINY, norms
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
 DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}
@@ -46,3 +47,12 @@ def test_motion_and_reactions_do_not_depend_on_them(plain, scale):
             continue  # not unique
         close = 1e-6 if c.unit in ("N", "N m", "W", "J") else 1e-9
         np.testing.assert_allclose(march[path], wanted[path], rtol=0, atol=close * sizes[c.unit], err_msg=path)
+
+
+@pytest.mark.parametrize(("kind", "allowed"), [(TRANSLATION, 352.0), (SCALAR, 352.0), (MASSLESS, 1.0)])
+def test_rounding_hides_little_of_the_force_on_a_massless_scalar(kind, allowed):
+    """Rounding of 100 m is 3.52e-13 m: 352 N with the 1e15 N/m of masses in short steps; 1e-4 of 1e4 N is 1 N."""
+    residual, size = np.array([0.0, allowed]), np.array([1e4, 1e4])
+    kinds = np.array([TRANSLATION, kind], np.int64)
+    over, _ = norms(residual, size, kinds, 2, 1.0, 1e-7, 1e-10, 1.0, 1.0, 1e15, 100.0)
+    assert over == pytest.approx(1.0, rel=1e-12)
