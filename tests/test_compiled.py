@@ -125,6 +125,21 @@ class TestEntry:
         assert given[1][0] == 5.0 + 10.0 and given[-1]["x"][1] == 1.0
         assert one(np.zeros(0)) == 0.0 and half(7) == 3 and positive(1.0) is True and positive(-1.0) is False
 
+    @pytest.mark.parametrize("n", range(11))
+    def test_arguments_that_are_packed_once_count_as_if_they_were_given(self, n):
+        given = arguments()
+        bound = mixed.bind(*given[:n])
+        assert bound(*given[n:]) == (2.5, 5323, True) == bound(*given[n:])
+        given[5][1] = 21
+        assert bound(*given[n:]) == (2.5, 5324, True)
+
+    @pytest.mark.parametrize("n", [1, 5])
+    def test_an_array_of_another_type_is_refused_bound_or_given(self, n):
+        given = arguments()
+        given[4] = np.zeros((2, 3))
+        with pytest.raises(TypeError, match=r"^mixed: B must be a contiguous array of [^;]*$"):
+            mixed.bind(*given[:n])(*given[n:])
+
     @pytest.mark.parametrize(
         ("place", "value"),
         [

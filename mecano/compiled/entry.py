@@ -2,12 +2,13 @@
 
 The annotations of an entry are its signature: ``float``, ``int``, ``bool``, or a contiguous array of the types below;
 it returns nothing, a number, or several. Every call packs the addresses of its arrays, and its numbers, into words of 8
-bytes, which the compiled side takes apart (compiler.py): a microsecond for a dozen arguments.
+bytes, which the compiled side takes apart (compiler.py): a microsecond for a dozen arguments. Those that stay the same
+are packed once (``Entry.bind``).
 """
 
 import ctypes
 import struct
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,14 @@ class Entry(Kernel):
         returns = signature.pop("return", None)
         self.names, self.signature = tuple(signature), tuple(signature.values())
         self.returns = returns if isinstance(returns, tuple) else (returns,) if returns else ()
-        self.pack = struct.Struct("=q" + "".join(WORD.get(kind, "q") for kind in self.signature)).pack
+        self.pack = struct.Struct(_layout(self.signature, "q")).pack
+
+    def bind(self, *first):
+        """A function of the arguments behind the ``first``, as functools.partial makes it, which packs these once."""
+        n = len(first)
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, first, strict=False)]
+        head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
+        return _binding(self, n)(self, self.function, head, struct.Struct(_layout(self.signature[n:])).pack, first)
 
     @property
     def several(self):
@@ -76,6 +84,11 @@ class Entry(Kernel):
         return TypeError(f"{self.__name__}: {'; '.join(wrong)}") if wrong else error
 
 
+def _layout(kinds, before=""):
+    """The format of the words of arguments, behind others."""
+    return "=" + before + "".join(WORD.get(kind, "q") for kind in kinds)
+
+
 def _fits(kind, value, is_written):
     if not isinstance(kind, Array):
         return kind is bool or isinstance(value, (int, np.integer) if kind is int else (int, float, np.number))
@@ -91,26 +104,50 @@ def _wanted(kind, is_written):
     return f"{what} that can be written" if is_written else what
 
 
+CALL = """\
+def call(self, {given}):
+    function = self.function
+    try:
+        {body}
+    except (TypeError, StructError) as error:
+        raise self.refusal(error, {given}) from None
+"""
+BIND = """\
+def bind(_entry, function, _head, _pack, _first):
+    def call({given}):
+        try:
+            {body}
+        except (TypeError, StructError) as error:
+            raise _entry.refusal(error, *_first, {given}) from None
+    return call
+"""
+
+
 def entry(function):
     """An Entry whose call is written out for its signature: what it does for each argument would take longer."""
-    names = [name for name in function.__annotations__ if name != "return"]
-    words = [f"id({name})" if isinstance(function.__annotations__[name], Array) else name for name in names]
-    returns, given = function.__annotations__.get("return"), ", ".join(names)
-    packed = f"self.pack({', '.join(['NDARRAY', *words])})"
-    if isinstance(returns, tuple):
-        numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
-        lines = ["results = Results()", f"function({packed}, addressof(results))", f"return {numbers}"]
-    else:
-        lines = [f"return {'bool' if returns is bool else ''}(function({packed}, None))"]
-    text = [
-        f"def call(self, {given}):",
-        "    function = self.function",
-        "    try:",
-        *("        " + line for line in lines),
-    ]
-    text += ["    except (TypeError, StructError) as error:", f"        raise self.refusal(error, {given}) from None"]
+    call = _written_out(CALL, function.__qualname__, function.__annotations__, "self.pack(NDARRAY, {words})")
+    return type("Entry", (Entry,), {"__call__": call})(function)
+
+
+@cache
+def _binding(entry, n):
+    """The function that makes the calls of an Entry of which the first ``n`` arguments are packed."""
+    names = dict([*zip(entry.names, entry.signature, strict=True)][n:])
+    annotations = names | {"return": entry.returns if entry.several else (*entry.returns, None)[0]}
+    return _written_out(BIND, entry.__qualname__, annotations, "_head + _pack({words})")
+
+
+def _written_out(template, name, annotations, packed):
+    """The function of a template above for arguments and results with these ``annotations``."""
+    names = [name for name in annotations if name != "return"]
+    words = [f"id({name})" if isinstance(annotations[name], Array) else name for name in names]
+    returns, packed = annotations.get("return"), packed.format(words=", ".join(words))
     scope = {"addressof": ctypes.addressof, "StructError": struct.error, "NDARRAY": id(np.ndarray)}
+    body = f"return {'bool' if returns is bool else ''}(function({packed}, None))"
     if isinstance(returns, tuple):
         scope["Results"] = ctypes.c_double * len(returns)
-    exec(compile("\n".join(text), f"<call of {function.__qualname__}>", "exec"), scope)
-    return type("Entry", (Entry,), {"__call__": scope["call"]})(function)
+        numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
+        body = f"results = Results(); function({packed}, addressof(results)); return {numbers}"
+    text = template.format(given=", ".join(names), body=body)
+    exec(compile(text, f"<call of {name}>", "exec"), scope)
+    return scope["bind" if template is BIND else "call"]

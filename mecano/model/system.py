@@ -1,6 +1,6 @@
 """The model in equations: residual, tangent, constraint levels, outputs, energies, all by batches of one kind."""
 
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -108,7 +108,7 @@ class System:
 
     def _conductor(self, conduct, template, chosen=lambda kind: True):
         """The compiled ``conduct`` for the loops of one purpose of the kinds ``chosen``."""
-        return partial(conduct, *self.loops(template, chosen), self.record)
+        return conduct.bind(*self.loops(template, chosen), self.record)
 
     @cached_property
     def _assemble(self):
@@ -137,13 +137,13 @@ class System:
     @cached_property
     def _add_borrowed(self):
         borrowing = lambda kind: kind.borrowed  # noqa: E731
-        add = self._conductor(conduct.add, loops.tangent, borrowing)
+        found, records = self.loops(loops.tangent, borrowing)
         batches = [b for b in self.batches if b.kind.borrowed]
         self._borrowed_entries = [b.entries.copy() for b in batches]
-        for entries, b, record_of in zip(self._borrowed_entries, batches, add.args[1], strict=True):
+        for entries, b, record_of in zip(self._borrowed_entries, batches, records, strict=True):
             entries[:, :, : b.kind.n_local - len(b.kind.borrowed)] = self.nnz
             record_of["entries"] = entries.ctypes.data
-        return add
+        return conduct.add.bind(found, records, self.record)
 
     @cached_property
     def _levels(self):

@@ -11,7 +11,6 @@ with residual and constraints satisfied at the end of the step. HHT and Newmark 
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -145,13 +144,13 @@ class GeneralizedAlpha:
         """The compiled functions of a step with the arguments that never change."""
         system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
         moving = self._kind, of.rotation_dof, of.n_q, of.n
-        self._predict = partial(predict, c.am, c.af, c.beta, c.gamma, *moving)
-        self._tangents = partial(tangents, of.rotation_dof, of.n_q)
-        self._finish = partial(finish, c.am, c.af, length, self._kind, of.n_q, of.n)
-        self._norms = partial(norms, system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
+        self._predict = predict.bind(c.am, c.af, c.beta, c.gamma, *moving)
+        self._tangents = tangents.bind(of.rotation_dof, of.n_q)
+        self._finish = finish.bind(c.am, c.af, length, self._kind, of.n_q, of.n)
+        self._norms = norms.bind(system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
         equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
         limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
-        self._iterate = partial(iterate, *equations, *self.linear.factor, *moving, *limits, self._increment)
+        self._iterate = iterate.bind(*equations, *self.linear.factor, *moving, *limits, self._increment)
 
     def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
