@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 
@@ -47,13 +46,13 @@ class March:
     observers: tuple = ()
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
-    pause: object = lambda run: None  # called before and in a step with the RunState before it; may raise
+    pause: object = lambda run: None  # called in a step with the RunState before it; may raise
     restarted: object = lambda run: None  # called behind an event or a corner of a law, where forces may have jumped
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
-    _reached: float = field(init=False, default=0.0)  # time at the beginning of the last step [s]
+    _before: RunState = field(init=False, default=None)  # at the beginning of the step
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
@@ -74,19 +73,18 @@ class March:
         try:
             return self._to(end, run)
         except AssemblyError as error:
-            raise failure.no_restart(error, self._reached) from error
+            raise failure.no_restart(error, self._before.motion.t) from error
 
     def _to(self, end, run):
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
+        self._before, self.method.pause = run, lambda: self.pause(self._before)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             if stop - run.motion.t < self._shortest(stop):
                 run = replace(run, motion=replace(run.motion, t=stop))
             while run.motion.t < stop:
-                self.method.pause = partial(self.pause, run)
-                self.pause(run)
-                self._reached = run.motion.t
+                self._before = run
                 run = self._advance(run, stop)
             if stop < end:
                 run = self._start_again(run, run.motion)
