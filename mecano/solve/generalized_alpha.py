@@ -40,7 +40,6 @@ from mecano.solve.newton import (
 )
 from mecano.solve.resolved import resolver
 from mecano.solve.scales import Tolerances, balance, norms
-from mecano.solve.turning_error import turning_error
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
@@ -146,7 +145,7 @@ class GeneralizedAlpha:
         moving = self._kind, of.rotation_dof, of.n_q, of.n
         self._predict = predict.bind(c.am, c.af, c.beta, c.gamma, *moving)
         self._tangents = tangents.bind(of.rotation_dof, of.n_q)
-        self._finish = finish.bind(c.am, c.af, length, self._kind, of.n_q, of.n)
+        self._finish = finish.bind(c.am, c.af, length, self.duration, self._kind, of.rotation_dof, of.n_q, of.n)
         self._norms = norms.bind(system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
         equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
         limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
@@ -343,7 +342,9 @@ class GeneralizedAlpha:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message)
         a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
-        change, turn = self._finish(history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, a, slope, bend)
+        change, turn, turning = self._finish(
+            h, history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, s.v, a, slope, bend
+        )
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         if len(self._released):
@@ -359,8 +360,6 @@ class GeneralizedAlpha:
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
         error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
-        of = self.system.numbering
-        turning = turning_error(h, self.duration, of.rotation_dof, of.n_q, s.v, history.a, a)
         return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
 
     def _guesses(self, s0, history):

@@ -9,6 +9,7 @@ from mecano.compiled.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vec import mat, matmul, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR
+from mecano.solve.turning_error import turning_error
 
 
 @kernel
@@ -105,20 +106,21 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
 @entry
 def finish(
     # method
-    am: float, af: float, length: float,
+    am: float, af: float, length: float, duration: float,
     # model
-    kind: Indices, n_q: int, n: int,
+    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
     # history
-    a0: Vector, slope: Vector, known: int,
+    h: float, a0: Vector, slope: Vector, known: int,
     # both ends of the step
-    acceleration0: Vector, z0: Vector, acceleration: Vector, z: Vector,
+    acceleration0: Vector, z0: Vector, acceleration: Vector, z: Vector, v: Vector,
     # out
     a_out: Vector, slope_out: Vector, bend_out: Vector,
-) -> (float, float):  # fmt: skip
+) -> (float, float, float):  # fmt: skip
     """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
-    displacements, or of a scalar with inertia; and the largest component of a rotation increment [rad].
+    displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the error of
+    bodies that spin [rad] (turning_error.py) in a run of the ``duration`` [s].
     """
     turn = 0.0
     for i in range(n_q):
@@ -130,7 +132,8 @@ def finish(
         slope_out[i] = z[i] - z0[i]
     for i in range(n):
         bend_out[i] = slope_out[i] - slope[i] if known else 0.0
-    return largest_change(a0, a_out, kind, n_q, length), turn
+    turning = turning_error(h, duration, rotation_dof, n_q, v, a0, a_out)
+    return largest_change(a0, a_out, kind, n_q, length), turn, turning
 
 
 @entry

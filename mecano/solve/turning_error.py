@@ -13,14 +13,12 @@ acceleration turns in space, at the rate :math:`\nu = |\ddot\omega + \omega \tim
 the tolerance (tests/test_adaptive.py).
 """
 
-from mecano.compiled.entry import Indices, Vector, entry
+from mecano.compiled.kernel import kernel
 from mecano.maths.vec import add, cross, norm, scale, sub, vec
 
 
-@entry
-def turning_error(
-    h: float, duration: float, rotation_dof: Indices, n_q: int, v: Vector, a0: Vector, a: Vector
-) -> float:  # fmt: skip
+@kernel
+def turning_error(h, duration, rotation_dof, n_q, v, a0, a):
     """Return the largest rotation [rad] of a node by which a step of size h errs because its body spins.
 
     v (n_all,) velocities, a0, a (n_all,) accelerations at both ends of the step; those of rotations in material axes.
