@@ -5,7 +5,6 @@ import numpy as np
 from mecano.contract import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError, NonFiniteError
-from mecano.results.extremes import first_not_finite
 from mecano.solve.interpolate import interpolate
 from mecano.solve.ringing import RingingWatch
 
@@ -34,14 +33,8 @@ class Recorder:
 
     def restarted(self, run):
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
-        row = self.sampler.take(run)
-        self._check(run.motion.t, row)
-        self._begin(run.motion.t, row)
-        self.ringing.begin(self.row)
-
-    def _begin(self, t, row):
-        self.writer.extremes.take(t, row)
-        self.row[:] = row
+        self.row[:] = self._sample(run)
+        self.ringing.begin()
 
     def to_plain(self):
         """Return what ``from_plain`` needs to go on at the beginning of the next step."""
@@ -56,14 +49,13 @@ class Recorder:
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         run, info = accepted.run, accepted.info
         if accepted.h:
-            row = self.sampler.take(run)
-            self._check(run.motion.t, row)
+            row = self._sample(run)
             share = info.error / self.control.allowed(accepted.h)
             numbers = [accepted.h, info.iterations, info.error, share, accepted.rejected, *info.norms]
             self.writer.append_step(run.motion.t, np.array(numbers, float))
             self._save(accepted, row)
-            self._begin(run.motion.t, row)
-            self.ringing.take(run.motion.t, row)
+            self.ringing.take(run.motion.t, self.row, row)
+            self.row[:] = row
             self._refuse(run.motion.t, row)
         for happening in accepted.happenings:
             self.writer.append_event(
@@ -71,15 +63,20 @@ class Recorder:
                 happening.unit, happening.lost,
             )  # fmt: skip
 
-    def _check(self, t, row):
-        """Raise NonFiniteError for an output that is not finite: it would stand in the file as if it were one."""
-        if (i := first_not_finite(row)) < 0:
-            return
+    def _sample(self, run):
+        """Return the row at ``run.motion``, which enters the extremes; raises NonFiniteError, see ``_not_finite``."""
+        row = self.sampler.take(run)
+        if (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
+            raise self._not_finite(run.motion.t, i)
+        return row
+
+    def _not_finite(self, t, i):
+        """Return the error for number i of the row: it would stand in the file as if it were one."""
         column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
         section, name, output = [*column.path.split("/"), ""][:3]
         entry = self.deck.values.get(section, {}).get(name)
         owner = f"{entry.get('type', 'node')} '{name}': {output}" if entry else column.path
-        raise NonFiniteError(
+        return NonFiniteError(
             f"no way on from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this state; "
             "a smaller time.step or time.adaptive, if the motion so far is not what it should be"
         )

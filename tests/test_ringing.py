@@ -1,5 +1,7 @@
 """Forces that swing faster than the steps are reported by name; those that the steps resolve are not."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from marching import deck
@@ -38,18 +40,21 @@ def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
 def test_swings_are_counted_from_step_to_step():
     """Five changes of sign in eight steps; an event begins anew; the largest swing and its time are kept."""
     watch = RingingWatch(np.array([1]))
-    watch.begin(np.array([0.0, 5.0]))
-    for i, x in enumerate((6.0, 4.0, 6.0, 4.0, 7.0, 4.0)):
+    for i, (x0, x) in enumerate(pairwise((5.0, 6.0, 4.0, 6.0, 4.0, 7.0, 4.0))):
         assert not watch.found(np.zeros(1))
-        watch.take(0.1 * i, np.array([0.0, x]))
+        watch.take(0.1 * i, np.array([0.0, x0]), np.array([0.0, x]))
     (found,) = watch.found(np.zeros(1))
     assert (found.column, found.swing, found.largest, found.time) == (1, 3.0, 7.0, 0.5)
     assert not watch.found(np.array([3.0]))
     again = RingingWatch(np.array([1]))
     again.from_plain(watch.to_plain())
     assert again.found(np.zeros(1)) == [found]
+    watch.begin()
+    for i, (x0, x) in enumerate(pairwise((0.0, 9.0, 0.0, 9.0, 0.0))):
+        watch.take(1.0 + 0.1 * i, np.array([0.0, x0]), np.array([0.0, x]))
+    assert watch.found(np.zeros(1))[0].time == 0.5
     smooth = RingingWatch(np.array([0]))
-    smooth.begin(np.zeros(1))
-    for i in range(100):
-        smooth.take(0.1 * i, np.array([np.sin(0.5 * np.pi * i)]))  # a period of four steps
+    sines = [np.array([np.sin(0.5 * np.pi * i)]) for i in range(101)]  # a period of four steps
+    for i, (x0, x) in enumerate(pairwise(sines)):
+        smooth.take(0.1 * i, x0, x)
     assert not smooth.found(np.zeros(1))

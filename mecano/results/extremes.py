@@ -15,14 +15,20 @@ class Extremes:
         self.high_time, self.low_time = np.full(size, np.nan), np.full(size, np.nan)
 
     def take(self, t, row):
-        """Compare with the row (size,) at the time t [s]."""
-        _update(t, row, self.high, self.high_time, self.low, self.low_time)
+        """Compare with the row (size,) at the time t [s]; return the index of a number that is not finite, or -1.
+
+        A row with such a number changes nothing.
+        """
+        return _update(t, row, self.high, self.high_time, self.low, self.low_time)
 
 
 @entry
 def _update(
     t: float, row: Vector, high_out: Vector, high_time_out: Vector, low_out: Vector, low_time_out: Vector
-) -> None:
+) -> int:
+    for i in range(row.shape[0]):
+        if not math.isfinite(row[i]):
+            return i
     for i in range(row.shape[0]):
         if row[i] > high_out[i]:
             high_out[i] = row[i]
@@ -30,12 +36,4 @@ def _update(
         if row[i] < low_out[i]:
             low_out[i] = row[i]
             low_time_out[i] = t
-
-
-@entry
-def first_not_finite(row: Vector) -> int:
-    """Return the index of the first number of ``row`` that is not finite, or -1."""
-    for i in range(row.shape[0]):
-        if not math.isfinite(row[i]):
-            return i
     return -1

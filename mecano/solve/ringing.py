@@ -34,24 +34,22 @@ class RingingWatch:
     def __init__(self, columns):
         n = len(columns)
         self.columns = columns
-        self.last, self.difference, self.signs = np.zeros(n), np.zeros(n), np.zeros(n, np.int64)
+        self.difference, self.signs = np.zeros(n), np.zeros(n, np.int64)
         self.swing, self.time, self.largest = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._take = _take.bind(*self.to_plain().values(), columns)
 
-    def begin(self, row):
+    def begin(self):
         """Begin anew behind an event, where forces may jump."""
-        self.last[:] = row[self.columns]
         self.difference[:] = 0.0
         self.signs[:] = 0
 
-    def take(self, t, row):
-        """Take the row at the end of a step, at the time t [s]."""
-        _take(
-            t, self.columns, row, self.last, self.difference, self.signs, self.swing, self.time, self.largest
-        )  # fmt: skip
+    def take(self, t, row0, row):
+        """Take the rows at the beginning of a step and at its end, at the time t [s]."""
+        self._take(t, row0, row)
 
     def to_plain(self):
         """Return the arrays that ``from_plain`` needs to go on."""
-        return {name: value for name, value in vars(self).items() if name != "columns"}
+        return {name: getattr(self, name) for name in ("difference", "signs", "swing", "time", "largest")}
 
     def from_plain(self, plain):
         """Go on where ``to_plain`` was called."""
@@ -81,20 +79,19 @@ def ones(bits):
 
 @entry
 def _take(
-    t: float, columns: Indices, row: Vector, last_out: Vector, difference_out: Vector, signs_out: Indices,
-    swing_out: Vector, time_out: Vector, largest_out: Vector,
+    difference_out: Vector, signs_out: Indices, swing_out: Vector, time_out: Vector, largest_out: Vector,
+    columns: Indices, t: float, row0: Vector, row: Vector,
 ):  # fmt: skip
     """Shift a bit for a change of sign into the ``signs``; keep the largest of the swings while they alternate."""
     for i in range(columns.shape[0]):
         x = row[columns[i]]
-        difference = x - last_out[i]
+        difference = x - row0[columns[i]]
         alternates = difference * difference_out[i] < 0.0
         signs = (signs_out[i] << 1 | int(alternates)) & ALL
         swing = min(abs(difference), abs(difference_out[i]))
         if alternates and swing > swing_out[i] and ones(signs) >= CHANGES:
             swing_out[i] = swing
             time_out[i] = t
-        last_out[i] = x
         difference_out[i] = difference
         signs_out[i] = signs
         largest_out[i] = max(largest_out[i], abs(x))
