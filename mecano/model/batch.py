@@ -31,6 +31,7 @@ class Batch:
     first_memory: int  # of the memory of a state
     entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
     event_values: np.ndarray = None  # (n, n_events) part of those of the system
+    y: np.ndarray = None  # (n, n_outputs) part of the outputs of the system
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
@@ -40,7 +41,6 @@ class Batch:
         self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         self.F, self.g = np.zeros(self.watched_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
-        self.y = np.zeros((len(self.p), self.n_outputs))
         self.e = np.zeros((len(self.p), 4))
         self.n_events = len(kind.events)
         self.before = np.array([kind.modes.index(event.before) for event in kind.events], np.int64)
@@ -51,7 +51,7 @@ class Batch:
         return slice(self.first_mode, self.first_mode + len(self.p))
 
     def record(self):
-        """The record BATCH of the loops; ``entries`` and ``event_values`` must be set."""
+        """The record BATCH of the loops; ``entries``, ``event_values`` and ``y`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],

@@ -68,14 +68,13 @@ class Sampler:
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", [(*item, "") for item in NODE_OUTPUTS])
         self.node_size = self._size()
-        self.batches = [b for b in system.batches if b.n_outputs]
-        for b in self.batches:
+        for b in system.batches:
             for path, label in b.paths:
                 outputs = [(o.name + label, o.unit, o.doc, o.shape, o.rate and o.rate + label) for o in b.kind.outputs]
                 self._declare(path, outputs)
-        self.energy_start = self._size()
         self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())
+        self._fill = _fill.bind(self.row, system.outputs, system.energy, *self.nodes)
         starts = {column.path: column.start for column in self.columns}
         rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
         pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
@@ -93,17 +92,10 @@ class Sampler:
             start += self.columns[-1].size
 
     def take(self, run):
-        """Return the row at ``run.motion``, whose outputs the batches hold (system.observe); the array is reused."""
-        s, row = run.motion, self.row
-        kinetic, potential = self.system.energy[:2].tolist()
-        _node_rows(*self.nodes, s.z, s.v, s.R, row)
-        i = self.node_size
-        for b in self.batches:
-            row[i : i + b.y.size] = b.y.ravel()
-            i += b.y.size
-        total = kinetic + potential
-        row[i:] = kinetic, potential, run.dissipated, run.given, total, total + run.dissipated - run.given
-        return row
+        """Return the row at ``run.motion``, whose outputs the system holds (``observe``); the array is reused."""
+        s = run.motion
+        self._fill(s.z, s.v, s.R, run.dissipated, run.given)
+        return self.row
 
     def between(self, state, u, h, row0, row1):
         """Return the row at a ``state``, the fraction u of a step of size h from ``row0`` to ``row1``; a new array.
@@ -146,6 +138,22 @@ def _turn(u, i, row0, row1, row_out):
         square += row_out[k] * row_out[k]
     for k in range(i, i + 4):
         row_out[k] /= math.sqrt(square)
+
+
+@entry
+def _fill(
+    row_out: Vector, outputs: Vector, energy: Vector, x: Indices, r: Indices, rotation: Indices,
+    z: Vector, v: Vector, R: Matrices, dissipated: float, given: float,
+):  # fmt: skip
+    """Write the motion of the nodes, the outputs of the elements, and the ENERGIES into the row."""
+    _node_rows(x, r, rotation, z, v, R, row_out)
+    kinetic, potential = energy[0], energy[1]
+    energies = kinetic, potential, dissipated, given, kinetic + potential, kinetic + potential + dissipated - given
+    first = row_out.shape[0] - len(energies)
+    for i in range(outputs.shape[0]):
+        row_out[first - outputs.shape[0] + i] = outputs[i]
+    for i in range(len(energies)):
+        row_out[first + i] = energies[i]
 
 
 @entry

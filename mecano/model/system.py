@@ -84,10 +84,8 @@ class System:
 
     def _record(self):
         """The record SYSTEM of the loops, and those of the batches."""
-        sizes = [len(b.p) * b.n_events for b in self.batches]
-        self._event_values = np.zeros(sum(sizes))
-        for b, size, end in zip(self.batches, sizes, np.cumsum(sizes), strict=True):
-            b.event_values = self._event_values[end - size : end].reshape(len(b.p), b.n_events)
+        self._event_values = _joined(self.batches, "event_values", "n_events")
+        self.outputs = _joined(self.batches, "y", "n_outputs")
         self._batch_records = np.concatenate([b.record() for b in self.batches])
         arrays = {
             "laws": self.laws, "force": self.force, "size": self._size, "mass": self._mass, "slot_dof": self.slot_dof,
@@ -232,7 +230,7 @@ class System:
         return g
 
     def observe(self, s):
-        """Outputs (batch.y) and energies (batch.e, energy) at ``s``; ``assemble`` must have been called at s before."""
+        """Write outputs (n,), batch.y for each batch, and energies (batch.e, energy) at ``s``, evaluated before."""
         self._observe(*_motion(s))
 
     @property
@@ -268,6 +266,15 @@ class System:
     def follow(self, modes):
         """Give the parts that have the mode of their owner that mode, in the ``modes`` of a state, in place."""
         modes[self.followers[:, 0]] = modes[self.followers[:, 1]]
+
+
+def _joined(batches, name, width):
+    """Return a vector for what all batches write, of which each gets its part (n, width) under a ``name``."""
+    sizes = [len(b.p) * getattr(b, width) for b in batches]
+    whole = np.zeros(sum(sizes))
+    for b, size, end in zip(batches, sizes, np.cumsum(sizes), strict=True):
+        setattr(b, name, whole[end - size : end].reshape(len(b.p), -1))
+    return whole
 
 
 def _followers(instances, batches):
