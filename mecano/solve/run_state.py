@@ -21,11 +21,6 @@ class RunState:
     powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
     compliance: Compliance | None = None  # of redundant constraints in the present modes
 
-    @property
-    def work(self):
-        """Energy dissipated and given since the start [J]."""
-        return self.dissipated, self.given
-
     def tried(self, rejected, iterations):
         """The same run with more rejected trials and Newton iterations counted."""
         return RunState(
