@@ -74,6 +74,36 @@ def test_redundant_constraints_that_contradict_one_another_are_told():
     assert "what to try: leave one of these constraints out" in str(error.value)
 
 
+def test_the_bolt_is_named_beside_the_motor_that_it_contradicts():
+    """`fixed` shares the unknowns of its nodes: no multiplier of its own stands in the equations."""
+    with pytest.raises(AssemblyError, match="contradict") as error:
+        March(deck(BLOCKED.format("{linear: {slope: 1}}")))
+    assert "the others are: fixed 'hold': moment" in str(error.value)
+
+
+BOLTED_LATER = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {block: {position: [0, 0, 0]}, tail: {position: [0, 0, 0]}}
+    elements:
+      block: {type: rigid_body, node: block, mass: 1, inertia: [0.01, 0.01, 0.01]}
+      tail: {type: rigid_body, node: tail, mass: 1, inertia: [0.01, 0.01, 0.01]}
+    joints:
+      guide: {type: prismatic, nodes: [ground, block], axis: [1, 0, 0], stops: {upper: 0.1}}
+      bolt: {type: fixed, nodes: [block, tail]}
+      wall: {type: prismatic, nodes: [ground, tail], axis: [1, 0, 0], stops: {upper: 0.1}}
+    initial: {velocities: [{nodes: [block, tail], velocity: [1, 0, 0]}]}
+    time: {end: 0.2, step: 1.0e-3}
+"""
+
+
+def test_a_redundancy_that_begins_in_a_run_names_the_bolt():
+    """Two stops close at once on two bodies that are bolted together: without the bolt each would hold its own."""
+    march = March(deck(BOLTED_LATER))
+    (text,) = [text for text in march.march.remarks if text.startswith("since t = 0.1 s")]
+    assert all(name in text for name in ("prismatic 'guide'", "prismatic 'wall'", "fixed 'bolt': force x"))
+
+
 BESIDE = """
     mecano: 1
     gravity: [0, 0, -9.81]

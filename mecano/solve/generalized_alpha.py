@@ -19,6 +19,7 @@ from mecano.model.loops import residual
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.analysis import analyse
+from mecano.solve.apart import redundant_groups
 from mecano.solve.compliance import NO_ROWS, soften
 from mecano.solve.consistent import Consistent
 from mecano.solve.increments import finish, largest_change, predict, tangents
@@ -269,7 +270,7 @@ class GeneralizedAlpha:
     def _others(self, s, name):
         """Name the constraints that repeat one another with the one of this ``name``."""
         if self._redundant is None:
-            self._redundant = analyse(self.system, s, self.length).redundant
+            self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
         others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
         more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
         return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""

@@ -4,6 +4,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.solve.analysis import analyse, gradient
+from mecano.solve.apart import redundant_groups
 from mecano.solve.compliance import compliance
 from mecano.solve.consistent import Consistent
 
@@ -26,7 +27,8 @@ def consistent_in(system, linear, s, soft, length):
     if not repeats and not _missed(system, s, length, soft, analysis):
         return consistent, soft, ()
     soft = compliance(system, s, length, analysis)
-    return Consistent(system, linear, s, soft), soft, analysis.redundant if repeats else ()
+    found = redundant_groups(system, s, length, analysis) if repeats else ()
+    return Consistent(system, linear, s, soft), soft, found
 
 
 def _missed(system, s, length, soft, analysis):
