@@ -114,6 +114,11 @@ class Interruption:
             self._number = CLOCK
         return self._number is not None
 
+    def raise_if_asked(self, where):
+        """Raise Stopped where a signal has asked for it, be it that the exception was lost where none can be raised."""
+        if self._number is not None:
+            raise self.stopped(where)
+
     def stopped(self, where):
         """The exception that ends the run; ``where`` it stands, in words."""
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")

@@ -14,9 +14,13 @@ from process import COMMAND, mecano_process
 from surviving import SWING, check_same, contents, decks, ended, forked, listening_resume
 
 import mecano
+from mecano.errors import ResultsError
 from mecano.interrupt import CLOCK, EXIT_CODES
 from mecano.results.verify import verify
 from mecano.run import run
+from mecano.study.folder import Folder
+from mecano.study.pool import Limits, Pool
+from mecano.study.read import read_study
 
 ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
 ANSWER = 2.0  # s of processor time after a signal: what others take of the machine is none of the program's
@@ -227,6 +231,38 @@ def test_a_study_that_is_killed_while_it_compiles_leaves_no_orphans(folder, star
     process.kill()
     process.wait()
     wait_until(lambda: not alive(compiling), 30.0)
+
+
+@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_study_that_is_stopped_while_it_compiles_ends_after_what_it_has_begun(folder, started, wanted, code):
+    process = started("sweep", "study.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
+    wait_until(lambda: list((folder / "cache").rglob("*.o")))
+    (compiling,) = children(process.pid)
+    process.send_signal(wanted)
+    assert process.wait(30.0) == code
+    assert not alive(compiling)
+
+
+def test_an_error_in_a_study_leaves_no_orphans(folder, monkeypatch):
+    """What the parent cannot write ends it; until then it waits for its cases, which write checkpoints."""
+    monkeypatch.chdir(folder)
+    study = read_study("study.yaml")
+    pool = Pool(Folder(folder / "study_runs", study), 2, Limits())
+    (folder / "study_runs").mkdir()
+    numbers = []
+
+    def watch():
+        if all(pool.folder.file(one.case, ".h5").exists() for one in pool.running):
+            numbers.extend(one.process.pid for one in pool.running)
+            raise ResultsError("no room")
+
+    monkeypatch.setattr(pool, "_watch", watch)
+    with pytest.raises(ResultsError):
+        pool.run(study.cases)
+    assert len(numbers) == 2 and not any(map(alive, numbers))
+    for case in study.cases[:2]:
+        with mecano.open_results(pool.folder.file(case, ".h5")) as results:
+            assert results.status == "stopped"
 
 
 @pytest.mark.parametrize(("wanted", "code"), [(signal.SIGHUP, 129), (signal.SIGXCPU, 152)])

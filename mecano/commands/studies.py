@@ -8,7 +8,7 @@ from functools import partial
 import click
 
 from mecano.commands import overrides, show
-from mecano.interrupt import seconds
+from mecano.interrupt import Interruption, seconds
 
 
 @click.command()
@@ -41,6 +41,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     table.h5. A case that fails stops no other. Exit code 0: all cases are complete, 3: some are not.
     """
     _refuse_strays(executor, resume=resume, force=force, jobs=jobs, scheduler=scheduler, sbatch=options, wait=wait)
+    interruption = Interruption()
+    interruption.listen()
     from mecano.study import perform
     from mecano.study.folder import Folder
     from mecano.study.pool import Limits
@@ -70,6 +72,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or perform.cores())
     if cases:
         perform.compile_first(deck, progress.note)
+    interruption.raise_if_asked("before the cases were begun")
     table = perform.perform(folder, units, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)

@@ -48,9 +48,14 @@ def compile_first(deck, announce=lambda text: None):
         **tied(),
     )  # fmt: skip
     with process:
-        for line in process.stderr:
-            if COMPILING in line:
-                announce(COMPILING)
+        try:
+            for line in process.stderr:
+                if COMPILING in line:
+                    announce(COMPILING)
+        except BaseException:  # a signal, which this process answers once the other has ended
+            process.kill()
+            process.wait()
+            raise
 
 
 def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None):

@@ -83,14 +83,27 @@ class Pool:
         """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None."""
         waiting = list(reversed(cases))
         with self._listening() as bell:
-            while (waiting and not self.asked) or self.running:
-                while waiting and not self.asked and len(self.running) < self.jobs:
-                    self.running.append(self._start(waiting.pop()))
-                _rest(bell)
-                self._forward()
-                self._watch()
-                self._gather()
+            try:
+                self._run(waiting, bell)
+            finally:
+                self._end()
         return self.asked[0] if self.asked else None
+
+    def _run(self, waiting, bell):
+        while (waiting and not self.asked) or self.running:
+            while waiting and not self.asked and len(self.running) < self.jobs:
+                self.running.append(self._start(waiting.pop()))
+            _rest(bell)
+            self._forward()
+            self._watch()
+            self._gather()
+
+    def _end(self):
+        """Let no process outlive an error in this one: each writes a checkpoint, and --resume goes on with it."""
+        for one in self.running:
+            os.kill(one.process.pid, signal.SIGTERM)
+        for one in self.running:
+            one.process.wait()
 
     def _start(self, case):
         folder, study, log = self.folder, self.folder.study, self.folder.file(case, ".log")
