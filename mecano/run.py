@@ -91,6 +91,7 @@ def _resume(deck, path, *around):
     if not exists(path):
         return _from_the_start(deck, path, False, *around)
     from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+    from mecano.results.verify import verify
 
     with undisturbed():
         left = Remains(path, deck)
@@ -98,6 +99,7 @@ def _resume(deck, path, *around):
         if left.checkpoint is not None and not left.complete:
             return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
     if left.complete:
+        verify(path)  # what has changed in it is not complete, and no study is to go on with it
         announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")

@@ -245,6 +245,18 @@ class TestTheCheckpoint:
         assert resume(deck, path, announce=told.append) is None
         assert path.read_bytes() == before and "is complete" in told[0]
 
+    def test_a_complete_file_that_has_changed_is_refused(self, tmp_path):
+        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        run(deck, path)
+        with h5py.File(path) as file:
+            place = file["storage/output"].id.get_chunk_info(0).byte_offset
+        data = bytearray(path.read_bytes())
+        data[place] ^= 1
+        path.write_bytes(data)
+        with pytest.raises(ResultsError, match="is damaged"):
+            resume(deck, path, announce=told.append)
+        assert path.read_bytes() == data and not told
+
     def test_another_deck_is_refused_with_what_differs(self, left):
         _, path = left
         other = input_deck("bouncing_ball", "time.end=5", "time.step=0.02", "title=Another")
