@@ -13,6 +13,9 @@ from mecano import __version__
 from mecano.commands import decks, results, solving, studies
 from mecano.interrupt import stopped_by
 from mecano.lifeline import watch_parent
+from mecano.memory import is_lack_of_memory
+
+OUT_OF_MEMORY = "mecano: out of memory; `mecano check` says how much a run takes, `ulimit -v` how much is allowed"
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # results are then the same from run to run
@@ -64,8 +67,6 @@ def main():
     except click.ClickException as error:
         error.show()
         _end(2)
-    except MemoryError:
-        _end(7, "out of memory")
     except Exception as error:
         _report(error)
 
@@ -102,6 +103,8 @@ def _report(error):
         from mecano.deck.format import deck_error_text
 
         _end(error.exit_code, deck_error_text(error))
+    if is_lack_of_memory(error):
+        _end(7, OUT_OF_MEMORY)
     if isinstance(error, MecanoError):
         _end(error.exit_code, f"mecano: {error}")
     raise error

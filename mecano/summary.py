@@ -5,6 +5,7 @@ from textwrap import wrap
 
 from mecano.contract import SECTIONS
 from mecano.deck.amounts import saved_times, steps
+from mecano.footprint import in_words, memory_of_run
 from mecano.interrupt import abandonable
 from mecano.prepare import amount_warnings, mass_of, prepare, some, warnings_of
 from mecano.solve.analysis import DENSE_ROWS
@@ -34,6 +35,7 @@ def summary(deck, every=False):
         _gravity(values["gravity"]),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
+        f"memory           about {in_words(memory_of_run(prepared))} in a run",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]

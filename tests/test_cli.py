@@ -1,6 +1,7 @@
 """The command line: exit codes, messages, what is left on the disk, interruptions."""
 
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -223,7 +224,18 @@ class TestRun:
 
         monkeypatch.setattr(mecano.run, "run", greedy)
         code, _, err = call("run", "deck.yaml", "-q")
-        assert (code, err) == (7, "out of memory\n")
+        assert code == 7 and err.startswith("mecano: out of memory; ")
+
+    @pytest.mark.parametrize("megabytes", [150, 200, 260, 350, 500])
+    def test_a_limit_of_memory(self, folder, megabytes):
+        """Whatever library is the first that cannot be loaded, or has no thread: exit code 7, without a traceback."""
+        limit = megabytes * 2**20
+        ended = subprocess.run(
+            [*COMMAND, "run", "deck.yaml", "-q", "--force"], capture_output=True, text=True,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+        )  # fmt: skip
+        assert ended.returncode in (0, 7) and "Traceback" not in ended.stderr
+        assert megabytes > 200 or ended.stderr.startswith("mecano: out of memory; ")
 
     def test_a_bug_is_not_hidden(self, folder):
         code = "import mecano.run; mecano.run.run = lambda *a, **k: 1 / 0; from mecano.cli import main; main()"
@@ -311,6 +323,29 @@ def test_check_says_what_the_model_is(call, folder):
     code, out, err = call("check", "deck.yaml")
     assert (code, err) == (0, "") and "Bar on a hinge" in out and "mobility         1" in out
     assert list(folder.iterdir()) == [folder / "deck.yaml"]
+
+
+@pytest.mark.parametrize("members", [1, 600])
+def test_check_foresees_the_memory_of_a_run(call, folder, members):
+    """To a quarter: of a small model, and of one whose file has 18,000 series."""
+    nodes = "".join(f"  n{i}: {{position: [{i}, 0, 0]}}\n" for i in range(members + 1))
+    beams = "".join(f"  b{i}: {{type: beam, nodes: [n{i}, n{i + 1}], section: s}}\n" for i in range(members))
+    section = "sections: {s: {type: circle, diameter: 0.1, E: 210 GPa, nu: 0.3, density: 7800}}\n"
+    time = "time: {end: 2e-3, step: 1e-3}\n"
+    (folder / "large.yaml").write_text(f"mecano: 1\ngravity: none\nnodes:\n{nodes}elements:\n{beams}{section}{time}")
+    subprocess.run([*COMMAND, "warmup", "large.yaml"], check=True, capture_output=True)  # a compiler takes more
+    foreseen, unit = re.search(r"memory +about (\S+) (MB|GB) in a run", call("check", "large.yaml")[1]).groups()
+    assert unit == "MB" and float(foreseen) == pytest.approx(memory_of("run", "large.yaml", "-q"), rel=0.25)
+
+
+def memory_of(*words):
+    """Largest resident memory [MB] of the command, which must end with 0.
+
+    A process counts as large as the one that has started it, so this one starts a small one that starts it.
+    """
+    code = "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True)"
+    code += "; print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024)"
+    return float(subprocess.run([sys.executable, "-c", code, *COMMAND, *words], check=True, capture_output=True).stdout)
 
 
 class TestResults:

@@ -80,6 +80,12 @@ class LinearSolver:
         return self._solve_otherwise(data, b, x_out, null)
 
     @property
+    def nbytes(self):
+        """Memory of the factors and of what makes them [B]."""
+        arrays = (*self._tables, self._equations, *self._solve_arguments[5:9])
+        return sum(array.nbytes for array in arrays)
+
+    @property
     def factor(self):
         """What ``multifrontal.substitute`` takes between b and x."""
         return self._substitute_arguments

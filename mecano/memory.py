@@ -1,0 +1,26 @@
+"""Lack of memory, as Python and the libraries below it report it: seldom as MemoryError."""
+
+import errno
+
+WORDS = (  # of errors of the loader of libraries, of threads, of C++ and of HDF5
+    "failed to map segment from shared object",
+    "cannot allocate memory",
+    "can't start new thread",
+    "memory allocation failed",
+    "bad_alloc",
+    "unable to allocate",
+)
+
+
+def is_lack_of_memory(error):
+    """Decide whether an exception, or one that it came from, says that the system gave no more memory."""
+    seen = set()
+    while error is not None and id(error) not in seen:
+        seen.add(id(error))
+        if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+            return True
+        text = str(error).lower()
+        if isinstance(error, OSError | ImportError | RuntimeError) and any(words in text for words in WORDS):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
