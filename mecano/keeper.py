@@ -28,6 +28,11 @@ class Keeper:
             ended = time.monotonic()
             self.due = ended + max(self.interval, SHARE * (ended - now))
 
+    def look(self):
+        """Raise Stopped in the midst of a step, from whose beginning there is no checkpoint, where it is asked for."""
+        if self.interruption.wanted(time.monotonic(), self.recorder.writer.closing_time):
+            raise self.interruption.stopped("among the saved times of one step")
+
     def keep(self, run):
         """Write a checkpoint; raises ResultsError."""
         march = json.dumps(self.march.to_plain())

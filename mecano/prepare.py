@@ -7,6 +7,7 @@ import numpy as np
 
 from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
+from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem
 from mecano.interrupt import abandonable
 from mecano.model.sampler import row_size
@@ -98,17 +99,19 @@ def march_of(prepared, observers=()):
         k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
         duration=values["end"] - values["start"],
     )  # fmt: skip
-    return March(system, method, _control(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
+    return March(system, method, control_of(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
 
 
-def _control(values):
+def control_of(values):
+    """Return the step control that the checked section ``time`` asks for."""
     step, adaptive = values["step"], values["adaptive"]
+    smallest = max(SMALLEST_STEP * step, finest_step(values))
     if adaptive is None:
-        return FixedStep(step, SMALLEST_STEP * step)
+        return FixedStep(step, smallest)
     duration = values["end"] - values["start"]
     return AdaptiveStep(
         adaptive["tolerance"], duration,
-        minimum=given(adaptive["minimum_step"], SMALLEST_STEP * step),
+        minimum=given(adaptive["minimum_step"], smallest),
         maximum=given(adaptive["maximum_step"], duration / 20),
     )  # fmt: skip
 

@@ -8,11 +8,15 @@ from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.solve.interpolate import interpolate
 from mecano.solve.ringing import RingingWatch
 
+LOOK = 1000  # saved times of one step between two looks at signals and the wall-clock time
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 
 
 class Recorder:
-    """Observer that writes saved times, solver history, events and extremes."""
+    """Observer that writes saved times, solver history, events and extremes.
+
+    ``look()`` is called among the many saved times that one long step may have; it may raise Stopped.
+    """
 
     def __init__(self, prepared, writer, sampler, control):
         self.system, self.writer, self.sampler, self.control = prepared.system, writer, sampler, control
@@ -20,6 +24,7 @@ class Recorder:
         every = values["output"]["every"]
         self.every = None if every == "step" else every
         self.start, self.end = values["time"]["start"], values["time"]["end"]
+        self.look = lambda: None
         self.saved = 0  # multiples of the interval, after the start; -1 at the end
         self.row = np.zeros(len(sampler.row))  # at the beginning of the next step, behind the events there
         self.ends = watched(self.deck, sampler, "ends")
@@ -97,6 +102,8 @@ class Recorder:
         while (wanted := self._next()) <= t + sliver and self.saved >= 0:
             self.writer.append(wanted, row if wanted > t - sliver else self._between(accepted, wanted, row))
             self.saved = self.saved + 1 if wanted < self.end else -1
+            if not self.saved % LOOK:
+                self.look()
 
     def _between(self, accepted, t, row):
         """The row at a time within the step that led to ``row``: motions may peak there."""

@@ -48,7 +48,8 @@ def _from_the_start(deck, path, force, observers, announce, interruption, interv
             announce(text)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.first(start)
-        march.pause = Keeper(march, recorder, interruption, interval)
+        march.pause = keeper = Keeper(march, recorder, interruption, interval)
+        recorder.look = keeper.look
         return _to_the_end(deck, start, march, recorder, observers, announce, notes)
 
 
@@ -120,7 +121,8 @@ def _go_on(deck, left, observers, announce, interruption, interval):
         announce(note)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.from_plain(recorded)
-        march.pause = Keeper(march, recorder, interruption, interval)
+        march.pause = keeper = Keeper(march, recorder, interruption, interval)
+        recorder.look = keeper.look
         return _to_the_end(deck, start, march, recorder, observers, announce, left.remarks)
 
 

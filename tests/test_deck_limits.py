@@ -10,7 +10,7 @@ import pytest
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import DeckError
-from mecano.prepare import prepare
+from mecano.prepare import control_of, prepare
 
 DECK = """\
 mecano: 1
@@ -63,6 +63,52 @@ def test_numbers_that_vanish_together_are_refused_by_place():
     assert text.startswith("deck.yaml:10:12: circle 's': gives stiffnesses or a mass that overflow or vanish")
     assert "'step' must be at least 1e-12 s here" in refused(("step: 0.1", "step: 1e-13"), ("end: 1", "end: 1"))
     assert "'output.every' must be at least 1e-12 s here" in refused(("every: 0.2", "every: 1e-13"))
+
+
+def test_more_saved_times_in_a_step_than_can_be_meant_are_refused_with_their_number():
+    text = refused(("every: 0.2", "every: 1e-10"))
+    assert text.startswith("deck.yaml:13:17: 'output.every' asks for 1e+09 saved times in one step of 'time.step', 0.1")
+    assert text.endswith("write 'step', or 1e-06 s or more")
+    assert values(("every: 0.2", "every: 1.1e-6"))
+
+
+@pytest.mark.parametrize(("start", "finest"), [("0", 3.55e-15), ("1e9", 1.91e-6)])
+def test_steps_that_rounding_swallows_are_refused(start, finest):
+    """16 spacings of floating-point numbers at the greatest time of the run; 2^-52 and 2^-23 s here."""
+    time = f"time: {{start: {start}, end: 1e9 + 1, " if start != "0" else "time: {end: 1.5, "
+    least = f"'adaptive.minimum_step' must be at least {finest:.3g} s here"
+    step = "step: 0.1, adaptive: {tolerance: 1e-3, minimum_step: %g}"
+    for share, wrong in ((0.9, True), (1.1, False)):
+        change = ("time: {end: 1, ", time), ("step: 0.1", step % (share * finest))
+        assert (least in refused(*change)) if wrong else values(*change)
+
+
+def test_no_step_is_cut_to_less_than_rounding_of_times():
+    text = DECK.replace("time: {end: 1, step: 0.1}", "time: {start: 1e9, end: 1e9 + 1, step: 1e-2}")
+    for more in ("", ", adaptive: {tolerance: 1e-3}"):
+        values = deck_of_bytes(text.replace("1e-2}", f"1e-2{more}}}").encode(), "deck.yaml").values["time"]
+        assert 1e9 + control_of(values).minimum > 1e9 + 1e-6
+
+
+def test_a_million_entries_are_refused_without_reading_them():
+    start = time.process_time()
+    entries = "".join(f"  n{i}: {{position: [0, 0, 0]}}\n" for i in range(10**6))
+    assert "more than 4000000 values" in refused(("  a: {position", entries + "  a: {position"))
+    assert time.process_time() - start < 5.0
+
+
+def test_an_override_with_a_line_break_in_its_key_has_its_place_in_the_first_line():
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(DECK.encode(), "deck.yaml", overrides=["time\u2028\n.end 11"])
+    assert deck_error_text(info.value).startswith("--set time\\u2028\\n.end 11:1:1: an override is written")
+
+
+def test_long_lists_are_refused_at_once():
+    """To read 4 million numbers took 20 s and 580 MB; a table in a file takes a hundredth of the time for each."""
+    start = time.process_time()
+    text = refused(("value: 1.0", "value: {table: {points: [" + "1, " * 3_000_000 + "1]}}"))
+    assert text.startswith("deck.yaml:11:") and "a list of more than 100000 values; a long table stands in" in text
+    assert time.process_time() - start < 2.0
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """What `mecano run` writes: saved times and extremes, checked against a run of the same deck that saves every step."""
 
+import signal
 import subprocess
 import sys
 
@@ -10,6 +11,8 @@ from marching import INPUTS, input_deck
 import mecano
 from mecano.elements import KINDS
 from mecano.errors import NonFiniteError
+from mecano.interrupt import Interruption, Stopped
+from mecano.keeper import Keeper
 from mecano.model.sampler import Sampler
 from mecano.run import run
 
@@ -121,6 +124,18 @@ def test_extremes_are_those_of_all_steps(both):
     saved = np.abs(thin[peaking].values).max()
     extreme = thin.extremes[peaking]
     assert max(extreme.maximum, -extreme.minimum) > 1.0001 * saved  # a peak that the saved times miss
+
+
+def test_saving_within_one_step_looks_at_signals(tmp_path, monkeypatch):
+    """A signal that comes while 100,000 times of one step are being saved ends the run after 1000 of them."""
+    interruption = Interruption()
+    monkeypatch.setattr(interruption, "_number", signal.SIGTERM)
+    monkeypatch.setattr(Keeper, "__call__", lambda keeper, run: None)  # it came after the last question of the step
+    deck = input_deck("free_body", "time={end: 10, step: 1}", "output.every=1.01e-5")
+    with pytest.raises(Stopped, match="stopped by SIGTERM among the saved times of one step"):
+        run(deck, tmp_path / "r.h5", interruption=interruption)
+    with mecano.open_results(tmp_path / "r.h5") as results:
+        assert results.status == "stopped" and len(results.time) == 1001
 
 
 def test_an_output_that_is_not_finite_ends_the_run_and_stands_in_no_file(tmp_path, monkeypatch):

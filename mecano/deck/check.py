@@ -23,6 +23,7 @@ from mecano.schema import TEXT, Field
 from mecano.schema import mapping as mapping_type
 
 VERSION = 1
+MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
 UNCHECKED = "how the parts fit together is checked when this is mended"
 
 
@@ -166,11 +167,16 @@ def _has_weight(node, kinds):
 
 
 def _check_saved_times(result, root, scope):
-    """The interval of saved results must be longer than rounding of times."""
+    """The interval of saved results must be longer than rounding of times, and not far shorter than a step."""
     time, every = result["time"], result["output"]["every"]
     if time and type(every) is float and every < (shortest := shortest_interval(time)):
         _, node = root.value["output"][1].value["every"]
         scope.refuse(node, f"'output.every' must be at least {shortest:g} s here, got {found(node)}", "write 'step'")
+    elif time and type(every) is float and (count := time["step"] / every) > MOST_IN_A_STEP:
+        _, node = root.value["output"][1].value["every"]
+        text = f"'output.every' asks for {count:.3g} saved times in one step of 'time.step', {time['step']:g} s"
+        hint = f"between steps results are interpolated: write 'step', or {time['step'] / MOST_IN_A_STEP:.3g} s or more"
+        scope.refuse(node, text, hint)
 
 
 def _check_version(root, problems):

@@ -15,7 +15,9 @@ from mecano.errors import DeckError, Problem
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MAX_DEPTH = 64
 MAX_NODES = 4_000_000
+MAX_MARKS = 3_500_000  # ':' and ',' in a text, so that one with far more values is refused without reading it
 MAX_EXPANDED = 100_000  # nodes that aliases may add
+MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
@@ -159,6 +161,9 @@ class Composer:
         frame = self.frames[-1]
         if type(frame.node.value) is list:
             frame.node.value.append(node)
+            if len(frame.node.value) > MAX_ITEMS:
+                hint = "a long table stands in a CSV file beside the deck: 'table: {file: NAME.csv}'"
+                self.stop(f"a list of more than {MAX_ITEMS} values", frame.node, hint)
         elif frame.key is None:
             frame.key = node
             self.check_key(frame.node.value, node)
@@ -200,6 +205,8 @@ HANDLERS = {
 def compose(source, problems, loader=LOADER):
     """The root Node of a Source, or None when it is empty; adds to ``problems``, raises DeckError."""
     composer = Composer(source, problems)
+    if (marks := sum(map(source.text.count, ":,"))) > MAX_MARKS:
+        composer.stop(f"more than {MAX_NODES} values: {marks} of ':' and ','", Node(None, source))
     try:
         for event in yaml.parse(source.text[source.begin :], Loader=loader):
             composer.take(event)

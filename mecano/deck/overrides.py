@@ -30,7 +30,8 @@ def overridden(root, overrides, sections, problems):
 
 def shown(path):
     """What stands in the place of a file in messages on an override."""
-    return f"--set {path if len(path) <= 60 else path[:57] + '...'}".strip()
+    printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in path)
+    return f"--set {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
 
 
 def _applied(root, text, names):

@@ -1,5 +1,7 @@
 """The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
 
+import math
+
 from mecano.deck.limits import (
     AUTOMATIC,
     above_rounding,
@@ -39,6 +41,7 @@ PARAMETER = Type("parameter", "a number")
 LAW_IN_PLACE = Type("law_in_place", "a number or a mapping of terms")
 ZERO = (0.0, 0.0, 0.0)
 MOST_INTERVALS = 1e12
+LEAST_ULPS = 16.0  # spacings of floating-point times in a step
 
 
 def check_time(time):
@@ -55,6 +58,8 @@ def check_time(time):
     low, high = bounds["minimum_step"], bounds["maximum_step"]
     if low != AUTOMATIC and low > time["step"]:
         return "'step' must not be less than 'adaptive.minimum_step'"
+    if low != AUTOMATIC and low < (finest := finest_step(time)):
+        return f"'adaptive.minimum_step' must be at least {finest:.3g} s here, or a step would not change the time"
     if high != AUTOMATIC and high < time["step"]:
         return "'step' must not be greater than 'adaptive.maximum_step'"
     return None
@@ -63,6 +68,11 @@ def check_time(time):
 def shortest_interval(time):
     """Return the shortest interval [s] that steps and saved times may have: it must be more than rounding of times."""
     return max(abs(time["start"]), abs(time["end"])) / MOST_INTERVALS
+
+
+def finest_step(time):
+    """Return the shortest step [s] that changes every time of the run by more than rounding."""
+    return LEAST_ULPS * math.ulp(max(abs(time["start"]), abs(time["end"])))
 
 
 def check_initial(initial):

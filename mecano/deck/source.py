@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from array import array
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -51,9 +52,27 @@ class Source:
         return self.mark(len(before) - 1, len(before[-1]))
 
 
+class Lines:
+    """The lines of a text without their ends, by number: as a list of texts they would take five times its memory."""
+
+    def __init__(self, text):
+        self._text = text
+        self._begins, self._ends = array("q", [0]), array("q")
+        for end in LINE_END.finditer(text):
+            self._ends.append(end.start())
+            self._begins.append(end.end())
+        self._ends.append(len(text))
+
+    def __len__(self):
+        return len(self._begins)
+
+    def __getitem__(self, i):
+        return self._text[self._begins[i] : self._ends[i]]  # IndexError ends an iteration
+
+
 @lru_cache(maxsize=4)  # the copies of a template are Sources of one text
 def _lines(text):
-    return LINE_END.split(text)
+    return Lines(text)
 
 
 class Unreadable(Exception):
