@@ -290,4 +290,20 @@ def test_points():
     assert tally.share == 0.0  # where nothing was tried nothing was held
     for why in ("", "", "", "lost"):
         tally.take(Trial(4, "x", why))
-    assert tally.share == 0.75 and "| 4 | kills | 4 | 3 | 7.50 of 10 |" in run.table([(line, tally)])
+    text = run.table({4: run.row(line, tally, "7, abc, 2026-01-31")})
+    assert tally.share == 0.75 and "| 4 | kills | 4 | 3 | 7.50 of 10 | 7, abc, 2026-01-31 |" in text
+
+
+def test_rows_are_written_beside_those_of_other_lines(tmp_path, monkeypatch):
+    page = tmp_path / "reliability.md"
+    page.write_text(f"before\n\n{run.BEGIN}\n{run.END}\n\nafter\n")
+    monkeypatch.setattr(run, "PAGE", page)
+    for number, held in ((4, 1), (12, 2), (4, 3)):
+        run.write({number: [str(number), "kills", "1,000", str(held), f"{held}.00 of 10", f"{number}, abc, today"]})
+    lines = page.read_text().splitlines()
+    assert lines[:2] + lines[-2:] == ["before", "", "", "after"] and len(lines) == 11
+    assert lines[5:8] == [
+        "| 4 | kills | 1,000 | 3 | 3.00 of 10 | 4, abc, today |",
+        "| 12 | kills | 1,000 | 2 | 2.00 of 10 | 12, abc, today |",
+        "|  | all | 2,000 | 5 | 5.00 of 20 |  |",
+    ]

@@ -11,7 +11,8 @@ import time
 from functools import partial
 from mmap import mmap
 
-from scorecard.killed import DECKS, arguments, differs, held, lost_rows, reference, started, witnessed
+from scorecard.damaged import ended
+from scorecard.killed import DECKS, arguments, differs, held, lost_rows, reference, started, unlike, witnessed
 from scorecard.outcome import forked, in_process, last_line, unfit
 from scorecard.trial import Job, Line
 
@@ -192,9 +193,10 @@ def vanishing_path(share, folder):
     run = started("double_pendulum", place)
     waited(place / "r.h5")
     time.sleep(0.5 * share * reference("double_pendulum")[1])
+    early = not ended(run.pid)
     shutil.rmtree(place)
     outcome = run.ended()
-    return refused(outcome)
+    return refused(outcome) if early else unlike(outcome)
 
 
 def waited(path):

@@ -3,7 +3,7 @@
     python tests/scorecard/run.py                 all lines, as docs/reliability.md shows them; an hour on two cores
     python tests/scorecard/run.py --quick         a few of the trials, for continuous integration
     python tests/scorecard/run.py --line 4 --line 5 --seed 7 --keep FOLDER
-    python tests/scorecard/run.py --write         and write the table into docs/reliability.md
+    python tests/scorecard/run.py --write         and write the rows that were made into docs/reliability.md
 
 The points of a line are its weight times the share of its trials that were held. What a trial that was not held has
 left lies in the folder of --keep.
@@ -39,6 +39,7 @@ QUICK = {  # of the trials of the module, for continuous integration: a minute o
     "singular": 0.2, "hard": 0.1, "size": 0.01, "damaged": 0.01, "physics": 0.1, "signals": 0.02,
 }  # fmt: skip
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reliability.md"
+HEAD = ["#", "what", "trials", "held", "points", "seed, commit, date"]
 BEGIN, END = "<!-- table -->", "<!-- end of table -->"
 SHOWN = 5  # failures of a line that are named
 
@@ -65,10 +66,11 @@ def main(arguments=None):
                 tallies.setdefault(trial.line, Tally()).take(trial)
         for number in numbers:
             tell(lines[number], tallies.setdefault(number, Tally()), time.monotonic() - begun)
-    text = table([(lines[number], tallies[number]) for number in sorted(lines)])
-    print(text)
+    made_by = f"{seed}, {commit()}, {datetime.now(UTC):%Y-%m-%d}"
+    rows = {number: row(lines[number], tallies[number], made_by) for number in lines}
+    print(table(rows))
     if asked.write:
-        write(text, f"seed {seed}, {datetime.now(UTC):%Y-%m-%d}, commit {commit()}")
+        write(rows)
     return 0 if all(not tally.failures for tally in tallies.values()) else 1
 
 
@@ -124,25 +126,35 @@ def tell(line, tally, seconds):
         print(f"    {count} x {why}\n        first: {first.name}", flush=True)
 
 
+def row(line, tally, made_by):
+    """The row of the table for a line, as its cells; ``made_by`` is the seed, the commit and the date."""
+    held = tally.count - len(tally.failures)
+    points = f"{line.weight * tally.share:.2f} of {line.weight:g}"
+    return [str(line.number), line.what, f"{tally.count:,}", f"{held:,}", points, made_by]
+
+
 def table(rows):
-    """The table of (Line, Tally), as Markdown."""
-    text = ["| # | what | trials | held | points |", "|---|---|---|---|---|"]
-    for line, tally in rows:
-        held = tally.count - len(tally.failures)
-        points = f"{line.weight * tally.share:.2f} of {line.weight:g}"
-        text.append(f"| {line.number} | {line.what} | {tally.count:,} | {held:,} | {points} |")
-    total, weight = sum(line.weight * tally.share for line, tally in rows), sum(line.weight for line, _ in rows)
-    text.append(f"| | all | {sum(t.count for _, t in rows):,} | {sum(t.count - len(t.failures) for _, t in rows):,} | "
-                f"{total:.2f} of {weight:g} |")  # fmt: skip
-    return "\n".join(text)
+    """The table of rows {number of the line: cells}, as Markdown, with the sum of all."""
+    cells = [HEAD, ["---"] * len(HEAD), *(rows[number] for number in sorted(rows)), total(rows.values())]
+    return "\n".join(f"| {' | '.join(row)} |" for row in cells)
 
 
-def write(text, when):
-    """Put the table into the page."""
+def total(rows):
+    """The last row: the sums of all others."""
+    rows = list(rows)
+    count, held = (sum(int(row[i].replace(",", "")) for row in rows) for i in (2, 3))
+    points, weight = (sum(float(row[4].split(" of ")[i]) for row in rows) for i in (0, 1))
+    return ["", "all", f"{count:,}", f"{held:,}", f"{points:.2f} of {weight:g}", ""]
+
+
+def write(rows):
+    """Put rows into the table of the page, in the place of those of the same lines; the others stay."""
     page = PAGE.read_text()
     head, _, rest = page.partition(BEGIN)
-    _, _, tail = rest.partition(END)
-    PAGE.write_text(f"{head}{BEGIN}\n{when}\n\n{text}\n{END}{tail}")
+    before, _, tail = rest.partition(END)
+    split = [[cell.strip() for cell in text.strip("| ").split(" | ")] for text in before.splitlines()]
+    kept = {int(cells[0]): cells for cells in split if cells[0].isdigit()}
+    PAGE.write_text(f"{head}{BEGIN}\n{table(kept | rows)}\n{END}{tail}")
 
 
 def commit():

@@ -60,6 +60,8 @@ def jobs(lines, factor, seed):
 
 # --- mistakes
 
+UNIT = re.compile(r" ?[A-Za-z]")  # behind a number, which is then no number alone
+
 # (name, pattern with the group "old", text in its place, what the message must say of what would be right)
 FAMILIES = (
     ("negative mass", r"\bmass: (?P<old>[\d.]+)", "-1", r"positive|greater than (0|zero)|> 0"),
@@ -90,8 +92,8 @@ FAMILIES = (
     ("a mapping for a list", r"position: (?P<old>\[[^\]]*\])", "{x: 1}", r"a list of 3 numbers"),
     ("infinite", r"\bmass: (?P<old>[\d.]+)", ".inf", r"finite|number"),
     ("comma for a point", r"\bmass: (?P<old>[\d.]+)\b", "'1,5'", r"number|1\.5|point"),
-    ("unequal inertia", r"inertia: (?P<old>\[[^\]]*\])", "[1, 1, 5]", r"sum|triangle|exceed|at most|physical|larger"),
-    ("negative inertia", r"inertia: (?P<old>\[[^\]]*\])", "[1, -1, 1]", r"positive|> 0"),
+    ("unequal inertia", r"\binertia: (?P<old>\[[^\]]*\])", "[1, 1, 5]", r"sum|triangle|exceed|at most|physical|larger"),
+    ("negative inertia", r"\binertia: (?P<old>\[[^\]]*\])", "[1, -1, 1]", r"positive|> 0"),
     ("no method", r"\btime: {(?P<old>)end", "method: euler, ", r"generalized_alpha|one of"),
     ("rho beyond 1", r"\btime: {(?P<old>)end", "rho_inf: 1.5, ", r"0 (and|to) 1|between 0|at most 1|<= 1"),
     ("unknown ground", r"\bground: (?P<old>\w+)", "moon", r"ground"),
@@ -109,6 +111,7 @@ def family_of(family, texts, rng):
     for name in names:
         text = texts[name]
         spots = [m for m in re.finditer(pattern, text) if not commented(text, m.start("old"))]
+        spots = [m for m in spots if not UNIT.match(text, m.end("old"))]
         if spots:
             spot = rng.choice(spots)
             begin, end = spot.span("old")

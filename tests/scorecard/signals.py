@@ -192,6 +192,8 @@ def study(i, rng, folder):
         end = time.monotonic() + GONE
         while orphans(folder) and time.monotonic() < end:
             time.sleep(0.1)
+    if seconds >= LATEST:  # it was killed then, and what it had begun may not have ended yet
+        return f"{sent} of a study answered after {seconds:.1f} s"
     left = orphans(folder)
     for pid in left:
         os.kill(pid, signal.SIGKILL)
@@ -200,8 +202,6 @@ def study(i, rng, folder):
     wanted = {"SIGINT": (130, 3, 2), "SIGTERM": (143, 3, 2), "SIGKILL": (-9, 3, 2)}[sent]
     if code not in wanted:
         return f"{sent} of a study: exit code {code}"
-    if seconds > LATEST:
-        return f"{sent} of a study answered after {seconds:.1f} s"
     return unresumed(folder)
 
 
