@@ -4,7 +4,10 @@ And a small scorecard is made in processes that crash, hang and raise.
 """
 
 import os
+import resource
 import signal
+import subprocess
+import sys
 import time
 from types import SimpleNamespace
 
@@ -307,3 +310,14 @@ def test_rows_are_written_beside_those_of_other_lines(tmp_path, monkeypatch):
         "| 12 | kills | 1,000 | 2 | 2.00 of 10 | 12, abc, today |",
         "|  | all | 2,000 | 5 | 5.00 of 20 |  |",
     ]
+
+
+def test_quick_trials_are_held(tmp_path):
+    """Decks, kills, numbers and models of the scorecard; the other lines take longer, and have tests of their own."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    lines = [word for number in (1, 3, 4, 5, 7, 8) for word in ("--line", str(number))]
+    command = [sys.executable, run.__file__, "--quick", "--seed", "5", "--keep", str(tmp_path), *lines]
+    ended = subprocess.run(command, capture_output=True, text=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 60.0
