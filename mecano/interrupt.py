@@ -163,9 +163,11 @@ def _keep_outcome(outcome, done, call, arguments):
 
 def stopped_by(error):
     """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
-    while error is not None and not isinstance(error, Stopped):
+    seen = set()  # a chain of exceptions may be a ring
+    while error is not None and not isinstance(error, Stopped) and id(error) not in seen:
+        seen.add(id(error))
         error = error.__cause__ or error.__context__
-    return error
+    return error if isinstance(error, Stopped) else None
 
 
 def _unraisable(lost):
