@@ -156,7 +156,7 @@ def _materials(sections):
 def _tires(tire_laws):
     """(path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
     for name, d in tire_laws.items():
-        if d["lateral"] and (found := runaway(d["lateral"])):
+        if (lateral := d.get("lateral")) and (found := runaway(lateral)):
             field, text = found
             yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
 
