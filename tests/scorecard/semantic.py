@@ -187,7 +187,15 @@ def defines(text, match):
     line = text[text.rfind("\n", 0, match.start()) + 1 : match.start()]
     section = re.findall(r"^(\w+):", text[: match.start()], re.MULTILINE)[-1:]
     entry = line == "  " or (line[:1].strip() and line.count("{") - line.count("}") == 1)
-    return (entry and section[:1] != [] and section[0] in NAMING) or match[0] not in known()
+    if entry and section[:1] != [] and section[0] in NAMING:
+        return True
+    return (not line.strip() and under(text[: match.start()], len(line)) in NAMING) or match[0] not in known()
+
+
+def under(before, indent):
+    """The key under which a line with this indent stands, as in the sections of a template; "" at the top."""
+    keys = re.findall(r"^( *)([A-Za-z_]+):", before, re.MULTILINE)
+    return next((key for spaces, key in reversed(keys) if len(spaces) < indent), "")
 
 
 def known():
@@ -249,4 +257,5 @@ def typo(text, place, word, others, seed, folder):
 
 def suggested(outcome, line, word, wrong):
     """Why a misspelt word is not said with the right line and the right suggestion."""
-    return judged(outcome, line, rf"'{re.escape(word)}'").replace(f"'{wrong}'", "'...'")
+    named = rf"'(\w+_)?{re.escape(word)}'"  # a name in a template has the name of the instance before it
+    return judged(outcome, line, named).replace(f"'{wrong}'", "'...'")
