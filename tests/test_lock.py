@@ -11,23 +11,13 @@ from itertools import pairwise
 
 import pytest
 from process import mecano_process
-from surviving import decks, ended, forked
+from surviving import SWING, decks, ended, forked
 
 import mecano
 from mecano.errors import ResultsError
 from mecano.results import lock
 from mecano.results.lock import lock_of, locked
 from mecano.run import resume, run
-
-DECK = """\
-mecano: 1
-gravity: [0, 0, -9.81]
-nodes: {pin: {position: [0, 0, 0]}}
-elements:
-  bar: {type: rigid_body, node: pin, mass: 1.0, center_of_mass: [0.5, 0, 0], inertia: [1.0e-4, 0.0833, 0.0833]}
-joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
-time: {end: 1.0e5, step: 1.0e-3}
-"""
 
 
 @pytest.fixture
@@ -38,7 +28,7 @@ def path(tmp_path):
 @pytest.fixture
 def running(tmp_path):
     """A living run that writes r.h5 beside deck.yaml."""
-    (tmp_path / "deck.yaml").write_text(DECK)
+    (tmp_path / "deck.yaml").write_text(SWING)
     words = [sys.executable, "-m", "mecano", "run", "deck.yaml", "-o", "r.h5", "-q"]
     process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.DEVNULL)
     while not (tmp_path / "r.h5").exists():

@@ -11,6 +11,7 @@ import numpy as np
 
 from mecano.errors import MecanoError, ResultsError
 from mecano.results.live_sums import last_table
+from mecano.results.positioned import Positioned
 from mecano.results.seal import BLOCK, seal_of
 
 AT_ONCE = 256  # blocks
@@ -25,7 +26,7 @@ _HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-class Checked:
+class Checked(Positioned):
     """A read-only file-like object for h5py over a file, each byte of which is checked by the sums in the file.
 
     Reading a block that has changed raises OSError, and so does reading behind the end of a file that was cut short.
@@ -54,7 +55,6 @@ class Checked:
         except BaseException:
             self.close()
             raise
-        self._position = 0
 
     def refresh(self):
         """Find the sums; those of a file that is being written move as it grows."""
@@ -64,19 +64,10 @@ class Checked:
         """Close the file."""
         os.close(self._descriptor)
 
-    def seek(self, offset, whence=os.SEEK_SET):
-        """Move, and return the new position."""
-        self._position = offset + (0, self._position, self.size + self.missing)[whence]
-        return self._position
-
-    def tell(self):
-        """Return the position."""
-        return self._position
-
-    def read(self, size):
-        """Read bytes."""
-        buffer = bytearray(size)
-        return bytes(buffer[: self.readinto(buffer)])
+    @property
+    def end(self):
+        """Bytes of the whole file, those that are missing included."""
+        return self.size + self.missing
 
     def readinto(self, buffer):
         """Fill a buffer."""

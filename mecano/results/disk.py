@@ -28,6 +28,7 @@ import h5py
 
 from mecano.interrupt import SIGNALS
 from mecano.results.live_sums import LiveSums, put
+from mecano.results.positioned import Positioned
 from mecano.results.seal import BLOCK, seal, seal_of
 from mecano.results.whole_file import appearing
 
@@ -36,7 +37,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
 
 
-class Disk:
+class Disk(Positioned):
     """A file-like object for h5py over a file that is being written; its bytes have check sums at every instant.
 
     Parameters
@@ -58,23 +59,13 @@ class Disk:
         self.error = None
         self._descriptor = os.open(path, os.O_RDWR | (0 if begun else os.O_CREAT | os.O_TRUNC), 0o666)
         self._sums = LiveSums(self._descriptor)
-        self._position = 0
         self.size = _unsealed_size(self._descriptor) if begun else 0
         self._withheld = []  # (offset, bytes) of the writes after the failure, which HDF5 may read again
 
-    def seek(self, offset, whence=os.SEEK_SET):
-        """Move, and return the new position."""
-        self._position = offset + (0, self._position, self.size)[whence]
-        return self._position
-
-    def tell(self):
-        """Return the position."""
-        return self._position
-
-    def read(self, size):
-        """Read bytes."""
-        buffer = bytearray(size)
-        return bytes(buffer[: self.readinto(buffer)])
+    @property
+    def end(self):
+        """Bytes of the file, without the sums."""
+        return self.size
 
     def readinto(self, buffer):
         """Read into a buffer as much as there is."""
