@@ -1,4 +1,4 @@
-"""Lack of memory, as Python and the libraries below it report it: seldom as MemoryError."""
+"""Recognize a lack of memory, which the libraries below Python rarely report as MemoryError."""
 
 import errno
 

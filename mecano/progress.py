@@ -82,7 +82,7 @@ class Progress:
             self._say("\r\x1b[K")
 
     def _say(self, text):
-        """Print; when nobody listens any more, or the terminal is gone, the run goes on in silence."""
+        """Print; continue the run in silence when the terminal is gone or nobody reads."""
         try:
             print(text, end="", file=sys.stderr, flush=True)
         except OSError:

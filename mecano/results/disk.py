@@ -95,7 +95,7 @@ class Disk(Positioned):
         return len(data)
 
     def truncate(self, size=None):
-        """Make the file as long as told; the bytes behind it are those of the sums."""
+        """Set the length of the file; the bytes behind it are those of the sums."""
         self.size = self._position if size is None else size
         if self.error is None:
             self._fail(self._sums.cover, self.size)

@@ -99,7 +99,7 @@ class Pool:
             self._gather()
 
     def _end(self):
-        """Let no process outlive an error in this one: each writes a checkpoint, and --resume goes on with it."""
+        """Let no process outlive an error in this one: each writes a checkpoint, and --resume continues from it."""
         for one in self.running:
             os.kill(one.process.pid, signal.SIGTERM)
         for one in self.running:
