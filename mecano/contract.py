@@ -2,22 +2,12 @@
 
 A kind is a record of data and functions. The local unknowns of one element are, in this order: the slots of
 ``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its
-``multipliers``, those that it has ``borrowed``. All compiled functions work on ONE element and take, always in this
-order:
+``multipliers``, those that it has ``borrowed``. All compiled functions work on ONE element and take first
 
-    # element
     p       record of parameters (``dtype``); a field ``mass`` is the mass of the element [kg]
-    m       (n_memory,) memory, read only: what ``commit`` wrote on the last accepted step
-    mode    index into ``modes``
-    t       time [s]
-    laws    flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
-    # state in
-    q       (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], borrowed ones
-    v       (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 for multipliers
-    a       (n_local,) accelerations, in the same frames
-    R       (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
+    at      Place: time, state and memory of the element, all of it read only
 
-``force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M)`` adds the residual of the equations of motion
+``force(p, at, f, K, C, M)`` adds the residual of the equations of motion
 (internal minus external forces, inertia included) to ``f`` (n_local,) and its exact derivatives K = df/dq,
 C = df/dv, M = df/da to (n_local, n_local) arrays that arrive zeroed. Rotations are varied in the material frame,
 dR = R hat(dTheta); the rotation rows of ``f`` are material moments. A constraint Phi adds
@@ -29,20 +19,20 @@ the end of q, in the order of ``Part.borrows``. It adds nothing to their rows; t
 multipliers, derivatives by lambda: k times that by the reaction k*lambda in q. Forces may depend on reactions in a
 kind that borrows only, and there without multipliers or inertia of its own.
 
-``levels(p, m, mode, t, laws, q, v, a, R, g)`` writes value, rate and second rate of the constraints to
+``levels(p, at, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
 writes 0, Phi, dPhi/dt. All constraints of one kind are on positions, or all on velocities (``Row.constraint_unit`` per
 second): then B = dPhi/dv stands in C, -k dPhi/dq in K, and the loops turn rows and penalty into those of a
 displacement. A constraint that is let go in some mode writes no levels there, and the rows -k_lambda: no reaction.
 
-``observe(p, m, mode, t, laws, q, v, a, R, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
+``observe(p, at, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
 arrive zeroed: kinetic
 energy [J], potential energy [J], dissipated power [W] (>= 0), power given by the surroundings [W]. ``F`` (n_local,)
 are the forces and moments that everything else exerts on the nodes of the element's slots (what a joint transmits);
 for a kind without ``force``, ``q`` carries after its own unknowns the multipliers of its ``parts``, in their order.
 The energies of an element are those of its own ``observe`` and of its parts, whose outputs are written beside its own.
 
-``event_values(p, m, mode, t, laws, q, v, a, R, g)`` writes one number per event; an event that is watched in the
+``event_values(p, at, g)`` writes one number per event; an event that is watched in the
 current mode happens where its number rises through zero. For a kind without ``force``, ``q`` is that of ``observe``.
 
 An event may come with a *shock* (``Event.shock``): constraints of the element, or of the parts that follow its mode,
@@ -52,16 +42,34 @@ is open and a reaction >= 0 where it is closed. A contact has an event back, whi
 zero. What grips holds in both directions until another event lets go of it; the number of its event may be of anything
 else. As positions do not change in a shock, a constraint may hold what its ``commit`` has just written.
 
-``commit(p, m, mode, t, laws, q, v, a, R, m_out)`` writes the new memory after an accepted step.
+``commit(p, at, m_out)`` writes the new memory after an accepted step.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
+
+
+class Place(NamedTuple):
+    """Where a function of an element is evaluated."""
+
+    t: float  # time [s]
+    phase: int  # index into ``modes``
+    k: float  # scale of the multipliers
+    penalty: float  # of the constraints
+    laws: np.ndarray  # flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
+    m: np.ndarray  # (n_memory,) what ``commit`` wrote on the last accepted step
+    q: np.ndarray  # (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], borrowed ones
+    v: (
+        np.ndarray
+    )  # (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 for multipliers
+    a: np.ndarray  # (n_local,) accelerations, in the same frames
+    R: np.ndarray  # (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
 
 
 @dataclass(frozen=True)

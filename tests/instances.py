@@ -1,17 +1,14 @@
 """Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
 
-import types
 import zlib
 from dataclasses import dataclass
 from dataclasses import field as value_of
-from functools import cache
 
 import numpy as np
-from numba import njit
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints import CONSTRAINTS
-from mecano.contract import Context
+from mecano.contract import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
@@ -20,18 +17,6 @@ ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
-
-
-def _call(p, *arguments):
-    function(p[0], *arguments)  # noqa: F821
-
-
-@cache
-def _compiled(function, name):
-    """``_call`` for one function, with a name of its own in numba's cache."""
-    bound = types.FunctionType(_call.__code__, {**_call.__globals__, "function": function}, name)
-    bound.__qualname__ = name
-    return njit(cache=True)(bound)
 
 
 @dataclass
@@ -61,7 +46,7 @@ class Motion:
 
 @dataclass
 class Instance:
-    """One element, constraint or joint on its nodes, with its compiled functions."""
+    """One element, constraint or joint on its nodes, with its functions."""
 
     kind: object
     p: np.ndarray  # (1,) record
@@ -91,23 +76,24 @@ class Instance:
         later = np.array([s[0] + h * s[1] + 0.5 * h * h * s[2], s[1] + h * s[2], s[2]])
         return Instance(**{**vars(self), "scalars": later})
 
-    def run(self, name, t, *arguments):
-        """Call the compiled function ``name`` of the kind."""
-        call = _compiled(getattr(self.kind, name), f"test_{name}_{self.kind.name}")
-        call(self.p, self.memory, self.mode, t, *arguments)
+    def run(self, name, t, state, *out, k=1.0, penalty=0.0):
+        """Call the function ``name`` of the kind, as the Python that it is: nothing is compiled."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
+            at = Place(t, self.mode, k, penalty, self.laws, self.memory, *state)
+            getattr(self.kind, name)(self.p.view(np.recarray)[0], at, *out)
 
     def force(self, t, state, k=1.0, penalty=0.0):
         """f, K, C, M at the local ``state`` (q, v, a, R)."""
         n = self.kind.n_local
         out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
-        self.run("force", t, k, penalty, self.laws, *state, *out)
+        self.run("force", t, state, *out, k=k, penalty=penalty)
         return out
 
     def levels(self, t, state):
         """(n_multipliers, 3)"""
         g = np.zeros((len(self.kind.multipliers), 3))
         if self.kind.levels is not None:
-            self.run("levels", t, self.laws, *state, g)
+            self.run("levels", t, state, g)
         return g
 
     def observe(self, t, state, F):
@@ -115,14 +101,14 @@ class Instance:
         n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
         y, e = np.zeros(n + BEYOND), np.zeros(4)
         if self.kind.observe is not None:
-            self.run("observe", t, self.laws, *state, F, y, e)
+            self.run("observe", t, state, F, y, e)
         assert not y[n:].any(), "more outputs are written than declared"
         return y[:n].copy(), e
 
     def written(self, name, size, t, state):
         """What ``event_values`` or ``commit`` writes, (size,)."""
         out = np.zeros(size)
-        self.run(name, t, self.laws, *state, out)
+        self.run(name, t, state, out)
         return out
 
 

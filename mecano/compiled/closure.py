@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 
 from mecano.compiled.kernel import Kernel
+from mecano.compiled.methods import Generic, methods_in
 
 OURS = "mecano"  # modules of this package are followed, those of others are known by name
 LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
@@ -73,6 +74,8 @@ def _describe(value, names):
     """Text that differs where machine code that uses the ``value`` may differ; ``names`` are those used of a module."""
     if isinstance(value, Kernel):
         return f"{type(value).__name__ == 'Inlined'} {digest(value.__wrapped__)}"
+    if isinstance(value, Generic) or (isinstance(value, type) and hasattr(value, "has_methods")):
+        return f"{value.__name__} {_describe_methods(value.__module__)}"
     if isinstance(value, types.FunctionType):
         return digest(value) if value.__module__.startswith(OURS) else f"{value.__module__}.{value.__qualname__}"
     if isinstance(value, types.ModuleType):
@@ -99,3 +102,23 @@ def _describe_module(module, names):
     if module.__name__.partition(".")[0] != OURS:
         return module.__name__
     return f"{[_describe(getattr(module, name), names) for name in names if hasattr(module, name)]}"
+
+
+@cache
+def _describe_methods(module):
+    """Digest of all methods that a module gives to operators and functions, and of the functions that they call.
+
+    Methods of one type use those of others: they are taken together, each once, whatever is asked for first.
+    """
+    found, waiting = [], methods_in(module)
+    seen = {code for _, code in waiting}
+    while waiting:
+        name, function = waiting.pop(0)
+        used = [function.__globals__[n] for n in sorted(_names(function.__code__)) if n in function.__globals__]
+        called = [value.__wrapped__ for value in used if isinstance(value, Kernel)]
+        called += [value for value in used if isinstance(value, types.FunctionType)]
+        waiting += [(f.__qualname__, f) for f in called if f.__module__ == module and f not in seen]
+        seen.update(called)
+        constants = [repr(value) for value in used if isinstance(value, PLAIN)]
+        found.append(f"{name} {_describe_code(function.__code__, function.__doc__)} {constants}")
+    return _hash("\n".join(found))

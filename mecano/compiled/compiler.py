@@ -14,9 +14,9 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, cfunc, njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, overload, overload_attribute
 
-from mecano.compiled import memory
+from mecano.compiled import memory, methods
 from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
 from mecano.compiled.entry import Array
 from mecano.compiled.nowhere import Nowhere, wanted
@@ -105,6 +105,7 @@ def _machine_code(signature, function):
 
 
 def _code_of(signature, function):
+    _learn_methods()
     function = cfunc(signature, error_model="numpy")(function)
     module = llvm.parse_assembly(function.inspect_llvm())
     missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
@@ -235,3 +236,32 @@ def _zero(A, index):
 @overload(wanted)
 def _wanted(A):
     return (lambda A: False) if _is_nowhere(A) else (lambda A: True)
+
+
+def _kind(argument):
+    """The type by which a method is chosen, of an argument of this type of numba."""
+    if isinstance(argument, types.BaseNamedTuple):
+        return argument.instance_class
+    return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, types.Number) else None
+
+
+_known = set()  # functions with methods that numba knows
+
+
+def _learn_methods():
+    """Tell numba of functions with methods, and of attributes, that it does not know yet."""
+    for function in [f for f in methods.functions() if f not in _known]:
+        overload(function, jit_options={"error_model": "numpy"}, strict=False)(_choosing(function))
+        _known.add(function)
+    for name in [name for name in methods.attribute_names() if name not in _known]:
+        overload_attribute(types.BaseNamedTuple, name, jit_options={"error_model": "numpy"})(_attribute(name))
+        _known.add(name)
+
+
+def _choosing(function):
+    """What numba asks: the code of the function for arguments of these types, or None."""
+    return lambda *kinds: methods.code_for(function, tuple(map(_kind, kinds)))
+
+
+def _attribute(name):
+    return lambda a: methods.attribute_of(_kind(a), name)  # of the name that the function has for it

@@ -3,6 +3,8 @@
 These are the names; what the compiler makes of them stands in compiler.py.
 """
 
+import numpy as np
+
 
 def floats(address, shape):
     """The array of floats of this shape (a number or a tuple) at ``address``."""
@@ -25,10 +27,9 @@ def call(function, first, second):
 
 
 def take_zeros(shape):
-    """An array of zeros of this shape (a tuple), which must be given back."""
-    raise RuntimeError("known to compiled code only")
+    """Return an array of zeros of this shape (a tuple), which must be given back."""
+    return np.zeros(shape)
 
 
 def give_back(array):
     """Free the memory of an array of ``take_zeros``."""
-    raise RuntimeError("known to compiled code only")

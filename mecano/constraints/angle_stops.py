@@ -6,7 +6,7 @@ from mecano.constraints.joint_frame import triad
 from mecano.constraints.relative_angle import MULTIPLIER, angle_levels, hold_angle
 from mecano.constraints.twist_law import followed
 from mecano.contract import record
-from mecano.maths.vec import mat
+from mecano.maths.vector import mat
 
 AXES = {"mu": (3, 3), "xi": (3, 3)}
 LAYOUT = ("R0", "R1")

@@ -8,7 +8,7 @@ equations (12)-(14) of Cardona, Geradin & Doan 1991):
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import add_col, add_mat, add_row, add_vec, outer
+from mecano.maths.vector import add_col, add_mat, add_row, add_vec, outer
 
 
 @kernel

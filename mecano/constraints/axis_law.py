@@ -9,7 +9,7 @@ from mecano.constraints.carried import add_blocks
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output
 from mecano.laws.table import evaluate_force, potential
-from mecano.maths.vec import add, add_mat, add_vec, outer, scale, tmul
+from mecano.maths.vector import add_mat, add_vec, outer
 
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": ()}
 
@@ -23,15 +23,15 @@ def add_along(f, K, C, P, P_c, P_rate, blocks):
     for i, b, _ in blocks:
         add_vec(f, i, P, b)
         for j, c, r in blocks:
-            add_mat(K, i, j, 1.0, outer(b, add(scale(P_c, c), scale(P_rate, r))))
+            add_mat(K, i, j, 1.0, outer(b, P_c * c + P_rate * r))
             add_mat(C, i, j, P_rate, outer(b, c))
 
 
 @kernel
 def turning_blocks(i, j, gradient, H, omega_0, omega_1):
     """Blocks for ``add_along`` of a coordinate of two rotations at i, j, given its gradients and their derivatives."""
-    r_0 = add(tmul(H[0][0], omega_0), tmul(H[1][0], omega_1))
-    r_1 = add(tmul(H[0][1], omega_0), tmul(H[1][1], omega_1))
+    r_0 = H[0][0].T @ omega_0 + H[1][0].T @ omega_1
+    r_1 = H[0][1].T @ omega_0 + H[1][1].T @ omega_1
     return (i, gradient[0], r_0), (j, gradient[1], r_1)
 
 
@@ -59,17 +59,17 @@ def law_kind(name, doc, dtype, layout, force, coordinate, memory=()):
     """
 
     @kernel
-    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-        c, rate = coordinate(p, m, q, v, R)
-        report(p, laws, c, rate, y, e)
+    def observe(p, at, F, y, e):
+        c, rate = coordinate(p, at.m, at.q, at.v, at.R)
+        report(p, at.laws, c, rate, y, e)
 
     @kernel
-    def event_values(p, m, mode, t, laws, q, v, a, R, g):
-        put_stop_events(g, p.low, p.high, coordinate(p, m, q, v, R)[0] - p.natural)
+    def event_values(p, at, g):
+        put_stop_events(g, p.low, p.high, coordinate(p, at.m, at.q, at.v, at.R)[0] - p.natural)
 
     @kernel
-    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-        m_out[0] = coordinate(p, m, q, v, R)[0]
+    def commit(p, at, m_out):
+        m_out[0] = coordinate(p, at.m, at.q, at.v, at.R)[0]
 
     what, unit = ("force", "N") if layout[0][0] == "x" else ("moment", "N m")
     return Kind(

@@ -7,7 +7,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, turned
 from mecano.constraints.slide import slide
 from mecano.contract import Output
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 
 TURNING = (
     Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"),
@@ -42,6 +42,6 @@ def put_sliding(p, q, v, R, y, i):
 
 
 @kernel
-def follow_turning(p, m, mode, t, laws, q, v, a, R, m_out):
+def follow_turning(p, at, m_out):
     """Follow the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
-    m_out[0] = follow(m[0], angle_in_turn(p, v, R)[0])
+    m_out[0] = follow(at.m[0], angle_in_turn(p, at.v, at.R)[0])

@@ -15,25 +15,7 @@ from mecano.constraints.carried import relative_rotation
 from mecano.constraints.friction import FRICTION_RECORD, POWER, REGULARIZED, TINY, friction_record
 from mecano.contract import Kind, Output, Row, record
 from mecano.laws.friction import friction_factor
-from mecano.maths.vec import (
-    EYE,
-    add_col,
-    add_mat,
-    add_vec,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    norm,
-    outer,
-    scale,
-    skew,
-    sub,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, add_col, add_mat, add_vec, dot, mat, norm, outer, skew, vec
 
 RECORD = record(radius=(), **FRICTION_RECORD)
 BORROWED = 6
@@ -42,44 +24,44 @@ BORROWED = 6
 @kernel
 def _friction(p, laws, q, v, A):
     """Angular velocity w, moment over normal force (3,) and its derivative by w, in axes of a; |F|."""
-    w = sub(mul(A, vec(v, 3)), vec(v, 0))
+    w = A @ vec(v, 3) - vec(v, 0)
     u = p.radius * norm(w)
     _, b, b1 = friction_factor(laws, p.coefficient, p.regularization, u)
     r2 = p.radius * p.radius
     bend = r2 * r2 * b1 / (u * u) if u > 0.0 else 0.0
-    slope = madd(mscale(r2 * b, EYE), mscale(bend, outer(w, w)))
-    return w, scale(r2 * b, w), slope, norm(vec(q, BORROWED))
+    slope = r2 * b * EYE + bend * outer(w, w)
+    return w, r2 * b * w, slope, norm(vec(q, BORROWED))
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
-    A = relative_rotation(mat(R[0]), mat(R[1]))
-    back = transpose(A)
-    omega_1 = vec(v, 3)
-    _, moment, slope, N = _friction(p, laws, q, v, A)
-    moment_b, D = mul(back, moment), mscale(N, slope)
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    back = A.T
+    omega_1 = vec(at.v, 3)
+    _, moment, slope, N = _friction(p, at.laws, at.q, at.v, A)
+    moment_b, D = back @ moment, N * slope
     add_vec(f, 0, -N, moment)
     add_vec(f, 3, N, moment_b)
-    by_0, by_1 = matmul(D, skew(mul(A, omega_1))), matmul(D, matmul(A, skew(omega_1)))
+    by_0, by_1 = D @ skew(A @ omega_1), D @ (A @ skew(omega_1))
     add_mat(K, 0, 0, -1.0, by_0)
     add_mat(K, 0, 3, 1.0, by_1)
-    add_mat(K, 3, 0, 1.0, matmul(back, madd(by_0, mscale(-N, skew(moment)))))
-    add_mat(K, 3, 3, 1.0, madd(mscale(-1.0, matmul(back, by_1)), mscale(N, skew(moment_b))))
+    add_mat(K, 3, 0, 1.0, back @ (by_0 - N * skew(moment)))
+    add_mat(K, 3, 3, 1.0, -(back @ by_1) + N * skew(moment_b))
     add_mat(C, 0, 0, 1.0, D)
-    add_mat(C, 0, 3, -1.0, matmul(D, A))
-    add_mat(C, 3, 0, -1.0, matmul(back, D))
-    add_mat(C, 3, 3, 1.0, matmul(back, matmul(D, A)))
+    add_mat(C, 0, 3, -1.0, D @ A)
+    add_mat(C, 3, 0, -1.0, back @ D)
+    add_mat(C, 3, 3, 1.0, back @ (D @ A))
     for j in range(3):
-        share = k * q[BORROWED + j] / max(N, TINY)
+        share = at.k * at.q[BORROWED + j] / max(N, TINY)
         add_col(K, 0, BORROWED + j, -share, moment)
         add_col(K, 3, BORROWED + j, share, moment_b)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Moment, normal force, power."""
-    w, moment, _, N = _friction(p, laws, q, v, relative_rotation(mat(R[0]), mat(R[1])))
+    w, moment, _, N = _friction(p, at.laws, at.q, at.v, relative_rotation(mat(at.R[0]), mat(at.R[1])))
     y[0] = N * math.sqrt(dot(moment, moment))
     y[1] = N
     y[2] = N * dot(moment, w)

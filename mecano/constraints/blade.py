@@ -5,24 +5,24 @@ node. The multiplier is the force on the body along l.
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.no_slip import NO_MATRIX, Place, hold, leaning, on_a_plane, put_rates
+from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import ZERO
+from mecano.maths.vector import NO_MATRIX, ZERO
 
 RECORD = record(axis=3, normal=3)
 AT_THE_NODE = Place(ZERO, (NO_MATRIX, NO_MATRIX))
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Force across the blade."""
-    hold(k, penalty, AT_THE_NODE, on_a_plane(p, R)[1:], q, v, R, f, K, C)
+    hold(at.k, at.penalty, AT_THE_NODE, on_a_plane(p, at.R)[1:], at.q, at.v, at.R, f, K, C)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Velocity across the blade and its rate."""
-    put_rates(AT_THE_NODE, on_a_plane(p, R)[1:], v, a, R, g)
+    put_rates(AT_THE_NODE, on_a_plane(p, at.R)[1:], at.v, at.a, at.R, g)
 
 
 def sample(rng):

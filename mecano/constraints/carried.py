@@ -11,28 +11,14 @@ which in inertial axes are :math:`\mu \times \xi` and :math:`-\mu \times \xi`. T
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import (
-    add,
-    add_mat,
-    cross,
-    dot,
-    madd,
-    matmul,
-    mscale,
-    mul,
-    outer,
-    scale,
-    skew,
-    tmul,
-    transpose,
-)  # fmt: skip
+from mecano.maths.vector import add_mat, cross, dot, outer, skew
 
 
 @kernel
 def carried(R, omega, alpha, m):
     """R m and its first and second rate, inertial; omega, alpha material angular velocity and acceleration."""
     spin = cross(omega, m)
-    return mul(R, m), mul(R, spin), mul(R, add(cross(alpha, m), cross(omega, spin)))
+    return R @ m, R @ spin, R @ (cross(alpha, m) + cross(omega, spin))
 
 
 @kernel
@@ -45,17 +31,17 @@ def product_rates(u, w):
 @kernel
 def product_gradient(A, m, s):
     """Gradients (b_0, b_1) of (R_0 m) . (R_1 s) by the material variations of both nodes."""
-    return cross(m, mul(A, s)), cross(s, tmul(A, m))
+    return cross(m, A @ s), cross(s, A.T @ m)
 
 
 @kernel
 def product_curvature(A, m, s):
     """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
     hat_m, hat_s = skew(m), skew(s)
-    H_00 = matmul(hat_m, skew(mul(A, s)))
-    H_01 = mscale(-1.0, matmul(hat_m, matmul(A, hat_s)))
-    H_10 = mscale(-1.0, matmul(hat_s, matmul(transpose(A), hat_m)))
-    return (H_00, H_01), (H_10, matmul(hat_s, skew(tmul(A, m))))
+    H_00 = hat_m @ skew(A @ s)
+    H_01 = -(hat_m @ (A @ hat_s))
+    H_10 = -(hat_s @ (A.T @ hat_m))
+    return (H_00, H_01), (H_10, hat_s @ skew(A.T @ m))
 
 
 @kernel
@@ -66,29 +52,29 @@ def twist(A, mu, xi):
     where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
     turns mu_3 into xi_3 is taken off.
     """
-    X, Y = mul(A, xi[0]), mul(A, xi[1])
+    X, Y = A @ xi[0], A @ xi[1]
     return math.atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
 
 
 @kernel
 def twist_gradient(A, mu_3, xi_3):
     """Gradients (-G_0, G_1) of the angle; G_0 and G_1 are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
-    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    xi, mu = A @ xi_3, A.T @ mu_3
     size = 1.0 / (1.0 + dot(mu_3, xi))
-    return scale(-size, add(mu_3, xi)), scale(size, add(mu, xi_3))
+    return -size * (mu_3 + xi), size * (mu + xi_3)
 
 
 @kernel
 def twist_curvature(A, mu_3, xi_3):
     """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
-    xi, mu = mul(A, xi_3), tmul(A, mu_3)
+    xi, mu = A @ xi_3, A.T @ mu_3
     size = 1.0 / (1.0 + dot(mu_3, xi))
-    b_0, b_1 = scale(-size, add(mu_3, xi)), scale(size, add(mu, xi_3))
-    by_0, by_1 = scale(-size, cross(mu_3, xi)), scale(-size, cross(xi_3, mu))
-    H_00 = madd(mscale(-size, skew(xi)), outer(b_0, by_0))
-    H_01 = madd(mscale(size, matmul(A, skew(xi_3))), outer(b_0, by_1))
-    H_10 = madd(mscale(-size, matmul(transpose(A), skew(mu_3))), outer(b_1, by_0))
-    H_11 = madd(mscale(size, skew(mu)), outer(b_1, by_1))
+    b_0, b_1 = -size * (mu_3 + xi), size * (mu + xi_3)
+    by_0, by_1 = -size * cross(mu_3, xi), -size * cross(xi_3, mu)
+    H_00 = -size * skew(xi) + outer(b_0, by_0)
+    H_01 = size * (A @ skew(xi_3)) + outer(b_0, by_1)
+    H_10 = -size * (A.T @ skew(mu_3)) + outer(b_1, by_0)
+    H_11 = size * skew(mu) + outer(b_1, by_1)
     return (H_00, H_01), (H_10, H_11)
 
 
@@ -120,7 +106,7 @@ def follow(previous, angle):
 @kernel
 def relative_rotation(R_0, R_1):
     """R_0^T R_1"""
-    return matmul(transpose(R_0), R_1)
+    return R_0.T @ R_1
 
 
 @kernel

@@ -5,7 +5,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import LEAN, prepare_ground, too_low
 from mecano.contract import Output
-from mecano.maths.vec import add, norm, put, scale, vec
+from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
 CARRIED = 0.1  # of the radius: no farther does the assembly bring a wheel onto the ground that it always touches
@@ -69,9 +69,9 @@ def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
     y[0] = height
     y[1] = radius
     put(y, 2, push)
-    put(y, 5, add(scale(push[0], n), add(scale(push[1], t), scale(push[2], l))))
+    put(y, 5, push[0] * n + (push[1] * t + push[2] * l))
     y[8] = spin
-    put(y, 9, add(vec(q, 0), arm))
+    put(y, 9, vec(q, 0) + arm)
     y[12] = lean
 
 
@@ -79,4 +79,4 @@ def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
 def put_outputs(y, q, push, frame, height, radius, arm, spin, lean):
     """Write OUTPUTS, as ``put_contact``."""
     put_contact(y, q, push, frame, height, radius, arm, spin, lean)
-    y[13] = norm((push[1], push[2], 0.0)) / push[0] if push[0] > 0.0 else 0.0
+    y[13] = norm(Vec3(push[1], push[2], 0.0)) / push[0] if push[0] > 0.0 else 0.0

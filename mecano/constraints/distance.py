@@ -4,34 +4,34 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import EYE, add_mat, dot, madd, mscale, norm, outer, scale, sub, vec
+from mecano.maths.vector import EYE, add_mat, dot, norm, outer, vec
 
 RECORD = record(**TARGET)
 MULTIPLIER = 6
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces along the line between the nodes."""
-    d = sub(vec(q, 3), vec(q, 0))
+    d = vec(at.q, 3) - vec(at.q, 0)
     length = norm(d)
-    n = scale(1.0 / length, d)
-    blocks = ((0, scale(-1.0, n)), (3, n))
-    Phi = length - target(p, laws, t)[0]
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
-    across = mscale(g / length, madd(EYE, mscale(-1.0, outer(n, n))))
+    n = d / length
+    blocks = ((0, -n), (3, n))
+    Phi = length - target(p, at.laws, at.t)[0]
+    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], blocks)
+    across = g / length * (EYE - outer(n, n))
     for i, s in ((0, -1.0), (3, 1.0)):
         for j, s_j in ((0, -1.0), (3, 1.0)):
             add_mat(K, i, j, s * s_j, across)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates of the length, those of f(t) included."""
-    d, d1, d2 = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0)), sub(vec(a, 3), vec(a, 0))
+    d, d1, d2 = vec(at.q, 3) - vec(at.q, 0), vec(at.v, 3) - vec(at.v, 0), vec(at.a, 3) - vec(at.a, 0)
     length = norm(d)
     rate = dot(d, d1) / length
-    y, y1, y2 = target(p, laws, t)
+    y, y1, y2 = target(p, at.laws, at.t)
     put_levels(g, 0, length - y, rate - y1, (dot(d1, d1) + dot(d, d2) - rate * rate) / length - y2)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.constraints.line import SHORTEST
 from mecano.laws.probe import curve_at
-from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, scale, sub, vec
+from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 
 LINE_RECORD = {
     "EA": (), "inverse_area": (), "damping": (), "law": "i", "mass": (), "own": (), "cross": (), "gravity": 3,
@@ -23,9 +23,9 @@ def strained(length, rate, L, L_rate):
 @kernel
 def add_line_inertia(p, a, f, M):
     """Forces of inertia and weight."""
-    half_weight = scale(0.5 * p.mass, vec(p.gravity, 0))
+    half_weight = 0.5 * p.mass * vec(p.gravity, 0)
     for i, j in ((0, 3), (3, 0)):
-        add_vec(f, i, 1.0, sub(add(scale(p.own, vec(a, i)), scale(p.cross, vec(a, j))), half_weight))
+        add_vec(f, i, 1.0, p.own * vec(a, i) + p.cross * vec(a, j) - half_weight)
         add_mat(M, i, i, p.own, EYE)
         add_mat(M, i, j, p.cross, EYE)
 
@@ -50,7 +50,7 @@ def put_line_energy(p, q, v, e):
     """Write the kinetic energy and the potential of the weight."""
     v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)
     e[0] = 0.5 * p.own * (dot(v_0, v_0) + dot(v_1, v_1)) + p.cross * dot(v_0, v_1)
-    e[1] = -0.5 * p.mass * dot(g, add(vec(q, 0), vec(q, 3)))
+    e[1] = -0.5 * p.mass * dot(g, vec(q, 0) + vec(q, 3))
 
 
 def line_record(d, nodes, context):

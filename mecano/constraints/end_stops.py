@@ -42,29 +42,29 @@ def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sampl
     """
 
     @kernel
-    def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
-        if mode == LOCKED:
-            hold(p, 1.0, m[0], k, penalty, q, R, f, K)
+    def force(p, at, f, K, C, M):
+        if at.phase == LOCKED:
+            hold(p, 1.0, at.m[0], at.k, at.penalty, at.q, at.R, f, K)
         else:
-            let_go(f, K, row, k, q[row])
+            let_go(f, K, row, at.k, at.q[row])
 
     @kernel
-    def levels(p, m, mode, t, laws, q, v, a, R, g):
+    def levels(p, at, g):
         g[:] = 0.0
-        if mode == LOCKED:
-            levels_of(p, 1.0, m[0], q, v, a, R, g)
+        if at.phase == LOCKED:
+            levels_of(p, 1.0, at.m[0], at.q, at.v, at.a, at.R, g)
 
     @kernel
-    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-        y[0], y[1] = q[row], float(mode)
+    def observe(p, at, F, y, e):
+        y[0], y[1] = at.q[row], float(at.phase)
 
     @kernel
-    def event_values(p, m, mode, t, laws, q, v, a, R, g):
-        g[0] = p.direction * (coordinate(p, m, q, v, R) - p.value)
+    def event_values(p, at, g):
+        g[0] = p.direction * (coordinate(p, at.m, at.q, at.v, at.R) - p.value)
 
     @kernel
-    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-        m_out[0] = m[0] if mode == LOCKED else coordinate(p, m, q, v, R)
+    def commit(p, at, m_out):
+        m_out[0] = at.m[0] if at.phase == LOCKED else coordinate(p, at.m, at.q, at.v, at.R)
 
     what, unit, of = _words(layout)
     return Kind(
@@ -83,32 +83,32 @@ def stop_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample
     """The Kind of a pair of stops; arguments as those of ``latch_kind``."""
 
     @kernel
-    def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
-        if mode == BETWEEN:
-            let_go(f, K, row, k, q[row])
+    def force(p, at, f, K, C, M):
+        if at.phase == BETWEEN:
+            let_go(f, K, row, at.k, at.q[row])
         else:
-            hold(p, 1.0 if mode == LOWER else -1.0, m[0], k, penalty, q, R, f, K)
+            hold(p, 1.0 if at.phase == LOWER else -1.0, at.m[0], at.k, at.penalty, at.q, at.R, f, K)
 
     @kernel
-    def levels(p, m, mode, t, laws, q, v, a, R, g):
+    def levels(p, at, g):
         g[:] = 0.0
-        if mode != BETWEEN:
-            levels_of(p, 1.0 if mode == LOWER else -1.0, m[0], q, v, a, R, g)
+        if at.phase != BETWEEN:
+            levels_of(p, 1.0 if at.phase == LOWER else -1.0, at.m[0], at.q, at.v, at.a, at.R, g)
 
     @kernel
-    def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
-        side = 0.0 if mode == BETWEEN else 1.0 if mode == UPPER else -1.0
-        y[0], y[1] = -side * q[row], side
+    def observe(p, at, F, y, e):
+        side = 0.0 if at.phase == BETWEEN else 1.0 if at.phase == UPPER else -1.0
+        y[0], y[1] = -side * at.q[row], side
 
     @kernel
-    def event_values(p, m, mode, t, laws, q, v, a, R, g):
-        c = coordinate(p, m, q, v, R)
-        g[0], g[1] = p.lower - c, -q[row]
-        g[2], g[3] = c - p.upper, -q[row]
+    def event_values(p, at, g):
+        c = coordinate(p, at.m, at.q, at.v, at.R)
+        g[0], g[1] = p.lower - c, -at.q[row]
+        g[2], g[3] = c - p.upper, -at.q[row]
 
     @kernel
-    def commit(p, m, mode, t, laws, q, v, a, R, m_out):
-        m_out[0] = coordinate(p, m, q, v, R) if mode == BETWEEN else m[0]
+    def commit(p, at, m_out):
+        m_out[0] = coordinate(p, at.m, at.q, at.v, at.R) if at.phase == BETWEEN else at.m[0]
 
     what, unit, of = _words(layout)
     return Kind(

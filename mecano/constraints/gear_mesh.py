@@ -18,7 +18,7 @@ from mecano.constraints.joint_frame import triad
 from mecano.constraints.relative_angle import turning_levels
 from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rates
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add, mat, scale, vec
+from mecano.maths.vector import mat, vec
 
 MESH_RECORD = record(mu_1=(3, 3), xi_1=(3, 3), mu_2=(3, 3), xi_2=(3, 3), travel=2, tangent=3, offset=())
 MULTIPLIER = 15
@@ -33,42 +33,42 @@ def gear_angles(p, m, R):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces on both gears, moments on all three nodes."""
-    A, tau = mat(R[0]), vec(p.tangent, 0)
-    Q_1, Q_2 = relative_rotation(A, mat(R[1])), relative_rotation(A, mat(R[2]))
+    A, tau = mat(at.R[0]), vec(p.tangent, 0)
+    Q_1, Q_2 = relative_rotation(A, mat(at.R[1])), relative_rotation(A, mat(at.R[2]))
     mu_1, xi_1, mu_2, xi_2 = vec(p.mu_1[2], 0), vec(p.xi_1[2], 0), vec(p.mu_2[2], 0), vec(p.xi_2[2], 0)
     h_1, h_2 = p.travel[0], p.travel[1]
-    angle_1, angle_2 = gear_angles(p, m, R)
-    Phi = h_1 * angle_1 + h_2 * angle_2 + slide(q, v, A, tau)[0] - p.offset
+    angle_1, angle_2 = gear_angles(p, at.m, at.R)
+    Phi = h_1 * angle_1 + h_2 * angle_2 + slide(at.q, at.v, A, tau)[0] - p.offset
     (c_1, b_1), (c_2, b_2) = twist_gradient(Q_1, mu_1, xi_1), twist_gradient(Q_2, mu_2, xi_2)
-    back, b_0, along = slide_gradient(q, A, tau)
-    b_0 = add(b_0, add(scale(h_1, c_1), scale(h_2, c_2)))
-    blocks = ((0, back), (3, b_0), (6, along), (9, scale(h_1, b_1)), (12, scale(h_2, b_2)))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
+    back, b_0, along = slide_gradient(at.q, A, tau)
+    b_0 = b_0 + (h_1 * c_1 + h_2 * c_2)
+    blocks = ((0, back), (3, b_0), (6, along), (9, h_1 * b_1), (12, h_2 * b_2))
+    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], blocks)
     add_blocks(K, 3, 9, h_1 * g, twist_curvature(Q_1, mu_1, xi_1))
     add_blocks(K, 3, 12, h_2 * g, twist_curvature(Q_2, mu_2, xi_2))
-    add_slide_curvature(K, g, q, A, tau)
+    add_slide_curvature(K, g, at.q, A, tau)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates."""
-    carrier = (mat(R[0]), vec(v, 3), vec(a, 3))
-    first, second = (mat(R[1]), vec(v, 9), vec(a, 9)), (mat(R[2]), vec(v, 12), vec(a, 12))
+    carrier = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3))
+    first, second = (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9)), (mat(at.R[2]), vec(at.v, 12), vec(at.a, 12))
     _, rate_1, second_1 = turning_levels(mat(p.mu_1), mat(p.xi_1), carrier, first)
     _, rate_2, second_2 = turning_levels(mat(p.mu_2), mat(p.xi_2), carrier, second)
-    s, s_rate, s_second = slide_rates(q, v, a, carrier[0], vec(p.tangent, 0))
-    angle_1, angle_2 = gear_angles(p, m, R)
+    s, s_rate, s_second = slide_rates(at.q, at.v, at.a, carrier[0], vec(p.tangent, 0))
+    angle_1, angle_2 = gear_angles(p, at.m, at.R)
     h_1, h_2 = p.travel[0], p.travel[1]
     Phi = h_1 * angle_1 + h_2 * angle_2 + s - p.offset
     put_levels(g, 0, Phi, h_1 * rate_1 + h_2 * rate_2 + s_rate, h_1 * second_1 + h_2 * second_2 + s_second)
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """Follow both angles over whole turns."""
-    m_out[0], m_out[1] = gear_angles(p, m, R)
+    m_out[0], m_out[1] = gear_angles(p, at.m, at.R)
 
 
 def sample(rng):

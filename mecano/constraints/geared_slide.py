@@ -17,33 +17,33 @@ from mecano.constraints.joint_frame import triad
 from mecano.constraints.relative_angle import turning_levels
 from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add, dot, mat, scale, sub, tmul, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
 MULTIPLIER = 12
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces and moments on both nodes."""
-    A, sigma, mu, xi, h = mat(R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
-    Q = relative_rotation(A, mat(R[1]))
-    s = dot(sigma, tmul(A, sub(vec(q, 6), vec(q, 0)))) - p.offset
+    A, sigma, mu, xi, h = mat(at.R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
+    Q = relative_rotation(A, mat(at.R[1]))
+    s = dot(sigma, A.T @ (vec(at.q, 6) - vec(at.q, 0))) - p.offset
     Phi = -h * wrap(twist(Q, mu, xi) - s / h)
-    b_0, b_R, b_1 = slide_gradient(q, A, sigma)
+    b_0, b_R, b_1 = slide_gradient(at.q, A, sigma)
     turn_0, turn_1 = twist_gradient(Q, mu[2], xi[2])
-    blocks = ((0, b_0), (3, add(b_R, scale(-h, turn_0))), (6, b_1), (9, scale(-h, turn_1)))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
-    add_slide_curvature(K, g, q, A, sigma)
+    blocks = ((0, b_0), (3, b_R - h * turn_0), (6, b_1), (9, -h * turn_1))
+    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], blocks)
+    add_slide_curvature(K, g, at.q, A, sigma)
     add_blocks(K, 3, 9, -h * g, twist_curvature(Q, mu[2], xi[2]))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates."""
-    first, second = (mat(R[0]), vec(v, 3), vec(a, 3)), (mat(R[1]), vec(v, 9), vec(a, 9))
+    first, second = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3)), (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9))
     angle, rate, second_rate = turning_levels(mat(p.mu), mat(p.xi), first, second)
-    s, s_rate, s_second = slide_rates(q, v, a, first[0], vec(p.sigma, 0))
+    s, s_rate, s_second = slide_rates(at.q, at.v, at.a, first[0], vec(p.sigma, 0))
     Phi = -p.travel * wrap(angle - (s - p.offset) / p.travel)
     put_levels(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)
 

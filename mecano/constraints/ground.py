@@ -15,7 +15,7 @@ from mecano.contract import Context, Output
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
-from mecano.maths.vec import ZERO, dot, sub, vec
+from mecano.maths.vector import ZERO, Vec3, dot, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
@@ -100,7 +100,7 @@ def rim_above(ground, radius, x, axis):
     """
     laws = LawTable()
     p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3))))
-    g = touch(p, laws.array(), tuple(np.array(x, float)), tuple(unit(axis)))
+    g = touch(p, laws.array(), Vec3(*np.array(x, float)), Vec3(*unit(axis)))
     return g.r - radius, (g.r - radius) * g.q
 
 
@@ -138,7 +138,7 @@ def lean_of(g):
 @kernel
 def along_profile(p, x):
     """Distance [m] of the point x (3,) along the profile of the ground of record ``p``."""
-    return dot(vec(p.direction, 0), sub(x, vec(p.point, 0)))
+    return dot(vec(p.direction, 0), x - vec(p.point, 0))
 
 
 @kernel
@@ -148,7 +148,7 @@ def touch(p, laws, x, a):
     ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed one, which bounds the iteration's steps.
     """
     n0, d = vec(p.normal, 0), vec(p.direction, 0)
-    X = sub(x, vec(p.point, 0))
+    X = x - vec(p.point, 0)
     z = dot(n0, X)
     if p.height == 0:
         return disc_contact(n0, ZERO, z, a)

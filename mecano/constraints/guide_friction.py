@@ -39,7 +39,7 @@ from mecano.constraints.friction import (
 from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
 from mecano.contract import Kind, Output, Row, record
 from mecano.laws.friction import friction_factor
-from mecano.maths.vec import ZERO, add, add_col, add_mat, add_vec, mat, outer, scale, vec
+from mecano.maths.vector import ZERO, add_col, add_mat, add_vec, mat, outer, vec
 
 KEYED_RECORD = record(mu=3, inverse_key=(), **FRICTION_RECORD)
 ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
@@ -56,25 +56,25 @@ def _keyed_normal(p, q):
 
 
 @kernel
-def keyed_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def keyed_force(p, at, f, K, C, M):
     """Opposite forces on both nodes, and the moment on the first."""
-    mu, A = vec(p.mu, 0), mat(R[0])
-    N, by = _keyed_normal(p, q)
-    c, c_v = drag(p, laws, slide(q, v, A, mu)[1])
-    b, r = slide_gradient(q, A, mu), slide_rate_gradient(q, v, A, mu)
+    mu, A = vec(p.mu, 0), mat(at.R[0])
+    N, by = _keyed_normal(p, at.q)
+    c, c_v = drag(p, at.laws, slide(at.q, at.v, A, mu)[1])
+    b, r = slide_gradient(at.q, A, mu), slide_rate_gradient(at.q, at.v, A, mu)
     add_along(f, K, C, N * c, 0.0, N * c_v, ((0, b[0], r[0]), (3, b[1], r[1]), (6, b[2], r[2])))
-    add_slide_curvature(K, N * c, q, A, mu)
+    add_slide_curvature(K, N * c, at.q, A, mu)
     for j in range(5):
         for i in range(3):
-            add_col(K, 3 * i, 9 + j, k * c * by[j], b[i])
+            add_col(K, 3 * i, 9 + j, at.k * c * by[j], b[i])
 
 
 @kernel
-def keyed_observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def keyed_observe(p, at, F, y, e):
     """Force, normal force, power."""
-    rate = slide(q, v, mat(R[0]), vec(p.mu, 0))[1]
-    y[1] = _keyed_normal(p, q)[0]
-    y[0] = y[1] * drag(p, laws, rate)[0]
+    rate = slide(at.q, at.v, mat(at.R[0]), vec(p.mu, 0))[1]
+    y[1] = _keyed_normal(p, at.q)[0]
+    y[0] = y[1] * drag(p, at.laws, rate)[0]
     y[2] = y[0] * rate
     e[2] = y[2]
 
@@ -94,14 +94,14 @@ def _round(p, laws, q, rate, turn):
 
 
 @kernel
-def round_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def round_force(p, at, f, K, C, M):
     """Opposite forces and moments on both nodes."""
-    mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(R[0])
-    Q = relative_rotation(A, mat(R[1]))
-    omega_0, omega_1 = vec(v, 3), vec(v, 9)
+    mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(at.R[0])
+    Q = relative_rotation(A, mat(at.R[1]))
+    omega_0, omega_1 = vec(at.v, 3), vec(at.v, 9)
     gradient, H = twist_gradient(Q, mu, xi), twist_curvature(Q, mu, xi)
-    N, by, c, slope = _round(p, laws, q, slide(q, v, A, mu)[1], turning_rate(gradient, omega_0, omega_1))
-    b, r = slide_gradient(q, A, mu), slide_rate_gradient(q, v, A, mu)
+    N, by, c, slope = _round(p, at.laws, at.q, slide(at.q, at.v, A, mu)[1], turning_rate(gradient, omega_0, omega_1))
+    b, r = slide_gradient(at.q, A, mu), slide_rate_gradient(at.q, at.v, A, mu)
     (_, _, turn_0), (_, _, turn_1) = turning_blocks(3, 9, gradient, H, omega_0, omega_1)
     blocks = (
         (0, b[0], r[0], ZERO, ZERO),
@@ -110,28 +110,28 @@ def round_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
         (9, ZERO, ZERO, gradient[1], turn_1),
     )
     for i, s_i, _, g_i, _ in blocks:
-        along = add(scale(c[0], s_i), scale(c[1], g_i))
+        along = c[0] * s_i + c[1] * g_i
         add_vec(f, i, N, along)
-        by_s = add(scale(N * slope[0][0], s_i), scale(N * slope[1][0], g_i))
-        by_g = add(scale(N * slope[0][1], s_i), scale(N * slope[1][1], g_i))
+        by_s = N * slope[0][0] * s_i + N * slope[1][0] * g_i
+        by_g = N * slope[0][1] * s_i + N * slope[1][1] * g_i
         for j, s_j, rs_j, g_j, rg_j in blocks:
             add_mat(K, i, j, 1.0, outer(by_s, rs_j))
             add_mat(K, i, j, 1.0, outer(by_g, rg_j))
             add_mat(C, i, j, 1.0, outer(by_s, s_j))
             add_mat(C, i, j, 1.0, outer(by_g, g_j))
         for j in range(4):
-            add_col(K, i, 12 + j, k * by[j], along)
-    add_slide_curvature(K, N * c[0], q, A, mu)
+            add_col(K, i, 12 + j, at.k * by[j], along)
+    add_slide_curvature(K, N * c[0], at.q, A, mu)
     add_blocks(K, 3, 9, N * c[1], H)
 
 
 @kernel
-def round_observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def round_observe(p, at, F, y, e):
     """Force, moment, normal force, power."""
-    mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(R[0])
-    rate = slide(q, v, A, mu)[1]
-    turn = turning_rate(twist_gradient(relative_rotation(A, mat(R[1])), mu, xi), vec(v, 3), vec(v, 9))
-    N, _, c, _ = _round(p, laws, q, rate, turn)
+    mu, xi, A = vec(p.mu, 0), vec(p.xi, 0), mat(at.R[0])
+    rate = slide(at.q, at.v, A, mu)[1]
+    turn = turning_rate(twist_gradient(relative_rotation(A, mat(at.R[1])), mu, xi), vec(at.v, 3), vec(at.v, 9))
+    N, _, c, _ = _round(p, at.laws, at.q, rate, turn)
     y[0], y[1], y[2] = N * c[0], N * c[1], N
     y[3] = y[0] * rate + y[1] * turn
     e[2] = y[3]

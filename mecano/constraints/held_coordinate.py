@@ -7,27 +7,27 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import dot, sub, vec
+from mecano.maths.vector import dot, vec
 
 RECORD = record(direction=3, origin=3, **TARGET)
 MULTIPLIER = 3
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Force along the direction."""
     n = vec(p.direction, 0)
-    Phi = dot(n, sub(vec(q, 0), vec(p.origin, 0))) - target(p, laws, t)[0]
-    add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, n),))
+    Phi = dot(n, vec(at.q, 0) - vec(p.origin, 0)) - target(p, at.laws, at.t)[0]
+    add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], ((0, n),))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates, those of f(t) included."""
     n = vec(p.direction, 0)
-    y, y1, y2 = target(p, laws, t)
-    Phi = dot(n, sub(vec(q, 0), vec(p.origin, 0))) - y
-    put_levels(g, 0, Phi, dot(n, vec(v, 0)) - y1, dot(n, vec(a, 0)) - y2)
+    y, y1, y2 = target(p, at.laws, at.t)
+    Phi = dot(n, vec(at.q, 0) - vec(p.origin, 0)) - y
+    put_levels(g, 0, Phi, dot(n, vec(at.v, 0)) - y1, dot(n, vec(at.a, 0)) - y2)
 
 
 def sample(rng):

@@ -25,7 +25,7 @@ from mecano.constraints.friction import (
     pads,
 )  # fmt: skip
 from mecano.contract import Kind, record
-from mecano.maths.vec import add_col, mat, vec
+from mecano.maths.vector import add_col, mat, vec
 
 RECORD = record(mu=3, xi=3, radius=(), collar_radius=(), **FRICTION_RECORD)
 BORROWED = 6
@@ -46,25 +46,25 @@ def _moment(p, laws, q, rate):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
     gradient, H = twist_gradient(A, mu, xi), twist_curvature(A, mu, xi)
-    omega_0, omega_1 = vec(v, 0), vec(v, 3)
-    moment, moment_rate, by, _ = _moment(p, laws, q, turning_rate(gradient, omega_0, omega_1))
+    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
+    moment, moment_rate, by, _ = _moment(p, at.laws, at.q, turning_rate(gradient, omega_0, omega_1))
     add_turning(f, K, C, moment, 0.0, moment_rate, gradient, H, omega_0, omega_1)
     for i in range(5):
-        add_col(K, 0, BORROWED + i, k * by[i], gradient[0])
-        add_col(K, 3, BORROWED + i, k * by[i], gradient[1])
+        add_col(K, 0, BORROWED + i, at.k * by[i], gradient[0])
+        add_col(K, 3, BORROWED + i, at.k * by[i], gradient[1])
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Moment, normal force, power."""
-    A = relative_rotation(mat(R[0]), mat(R[1]))
-    rate = turning_rate(twist_gradient(A, vec(p.mu, 0), vec(p.xi, 0)), vec(v, 0), vec(v, 3))
-    y[0], _, _, y[1] = _moment(p, laws, q, rate)
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    rate = turning_rate(twist_gradient(A, vec(p.mu, 0), vec(p.xi, 0)), vec(at.v, 0), vec(at.v, 3))
+    y[0], _, _, y[1] = _moment(p, at.laws, at.q, rate)
     y[2] = y[0] * rate
     e[2] = y[2]
 

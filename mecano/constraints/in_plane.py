@@ -8,7 +8,7 @@ from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import dot, mat, scale, sub, tmul, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=3, **TARGET)
 MULTIPLIER = 9
@@ -19,8 +19,8 @@ def hold_slide(sign, mu, wanted, k, penalty, q, R, f, K):
     """Add the constraint sign (mu . d - wanted) = 0, d from the first node to the second in axes of the first."""
     A = mat(R[0])
     b_0, b_R, b_1 = slide_gradient(q, A, mu)
-    Phi = sign * (dot(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))) - wanted)
-    blocks = ((0, scale(sign, b_0)), (3, scale(sign, b_R)), (6, scale(sign, b_1)))
+    Phi = sign * (dot(mu, A.T @ (vec(q, 6) - vec(q, 0))) - wanted)
+    blocks = ((0, sign * b_0), (3, sign * b_R), (6, sign * b_1))
     g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
     add_slide_curvature(K, sign * g, q, A, mu)
 
@@ -33,15 +33,15 @@ def slide_levels(sign, mu, wanted, q, v, a, R, g):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
-    hold_slide(1.0, vec(p.mu, 0), target(p, laws, t)[0], k, penalty, q, R, f, K)
+    hold_slide(1.0, vec(p.mu, 0), target(p, at.laws, at.t)[0], at.k, at.penalty, at.q, at.R, f, K)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates, those of f(t) included."""
-    slide_levels(1.0, vec(p.mu, 0), target(p, laws, t), q, v, a, R, g)
+    slide_levels(1.0, vec(p.mu, 0), target(p, at.laws, at.t), at.q, at.v, at.a, at.R, g)
 
 
 def sample(rng):

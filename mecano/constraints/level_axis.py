@@ -10,24 +10,24 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add_mat, cross, dot, mat, matmul, skew, tmul, vec
+from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 RECORD = record(axis=3, normal=3)
 MULTIPLIER = 3
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Moment on the node."""
-    axis, n = vec(p.axis, 0), tmul(mat(R[0]), vec(p.normal, 0))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, dot(axis, n), q[MULTIPLIER], ((0, cross(axis, n)),))
-    add_mat(K, 0, 0, g, matmul(skew(axis), skew(n)))
+    axis, n = vec(p.axis, 0), mat(at.R[0]).T @ vec(p.normal, 0)
+    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, dot(axis, n), at.q[MULTIPLIER], ((0, cross(axis, n)),))
+    add_mat(K, 0, 0, g, skew(axis) @ skew(n))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates."""
-    axis, axis1, axis2 = carried(mat(R[0]), vec(v, 0), vec(a, 0), vec(p.axis, 0))
+    axis, axis1, axis2 = carried(mat(at.R[0]), vec(at.v, 0), vec(at.a, 0), vec(p.axis, 0))
     n = vec(p.normal, 0)
     put_levels(g, 0, dot(axis, n), dot(axis1, n), dot(axis2, n))
 

@@ -8,7 +8,7 @@ together gives :math:`f_1 = -f_0 = N u`. With :math:`P = I - u u^T` and :math:`w
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import EYE, add, add_mat, add_vec, dot, madd, mscale, norm, outer, scale, sub, vec
+from mecano.maths.vector import EYE, add_mat, add_vec, dot, norm, outer, vec
 
 SHORTEST = 1e-12  # [m]: below it the line has no direction
 
@@ -16,10 +16,10 @@ SHORTEST = 1e-12  # [m]: below it the line has no direction
 @kernel
 def line(q, v):
     """Length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
-    d, velocity = sub(vec(q, 3), vec(q, 0)), sub(vec(v, 3), vec(v, 0))
+    d, velocity = vec(q, 3) - vec(q, 0), vec(v, 3) - vec(v, 0)
     length = norm(d)
     inverse = 1.0 / max(length, SHORTEST)
-    u = scale(inverse, d)
+    u = inverse * d
     return length, dot(u, velocity), (inverse, u, velocity)
 
 
@@ -29,10 +29,10 @@ def add_line_force(f, K, C, rate, geometry, N, N_length, N_rate):
     inverse, u, velocity = geometry
     add_vec(f, 0, -N, u)
     add_vec(f, 3, N, u)
-    across = madd(EYE, mscale(-1.0, outer(u, u)))
-    w = scale(inverse, sub(velocity, scale(rate, u)))
-    stiffness = madd(outer(u, add(scale(N_length, u), scale(N_rate, w))), mscale(N * inverse, across))
-    damping = mscale(N_rate, outer(u, u))
+    across = EYE - outer(u, u)
+    w = inverse * (velocity - rate * u)
+    stiffness = outer(u, N_length * u + N_rate * w) + N * inverse * across
+    damping = N_rate * outer(u, u)
     for i in range(2):
         for j in range(2):
             sign = 1.0 if i == j else -1.0

@@ -16,27 +16,10 @@ from mecano.constraints.augmented import put_levels
 from mecano.constraints.ground import normal_and_level
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import Block, directions, directions_variation, disc_contact
-from mecano.maths.vec import (
-    ZERO,
-    add,
-    add_row,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    outer,
-    scale,
-    skew,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import NO_MATRIX, ZERO, add_row, cross, dot, mat, outer, skew, vec
 
 CONTACT, AIR = 0, 1
 MULTIPLIERS = 6
-NO_MATRIX = (ZERO, ZERO, ZERO)
 
 
 class Place(NamedTuple):
@@ -56,11 +39,11 @@ class Direction(NamedTuple):
 @kernel
 def on_a_plane(p, R):
     """Directions t and l (surface.py) of the axis of a body on a plane: they depend on its rotation only."""
-    axis, n = mul(mat(R[0]), vec(p.axis, 0)), vec(p.normal, 0)
+    axis, n = mat(R[0]) @ vec(p.axis, 0), vec(p.normal, 0)
     g = disc_contact(n, ZERO, 0.0, axis)
     t, l = directions(axis, g)
     by_turn = Block(NO_MATRIX, cross(axis, n), NO_MATRIX)
-    t_t, l_t = directions_variation(axis, g, t, by_turn, mscale(-1.0, skew(axis)))
+    t_t, l_t = directions_variation(axis, g, t, by_turn, -skew(axis))
     return Direction(t, (NO_MATRIX, t_t)), Direction(l, (NO_MATRIX, l_t))
 
 
@@ -74,11 +57,11 @@ def leaning(rng):
 @kernel
 def velocity(place, Rn, v):
     """u [m/s], its derivatives (by dx, by inertial dtheta), 3x3, and the inertial angular velocity."""
-    omega = mul(Rn, vec(v, 3))
+    omega = Rn @ vec(v, 3)
     w = skew(omega)
-    u = add(vec(v, 0), cross(omega, place.arm))
-    by_turn = madd(matmul(skew(place.arm), w), matmul(w, place.d_arm[1]))
-    return u, (matmul(w, place.d_arm[0]), by_turn), omega
+    u = vec(v, 0) + cross(omega, place.arm)
+    by_turn = skew(place.arm) @ w + w @ place.d_arm[1]
+    return u, (w @ place.d_arm[0], by_turn), omega
 
 
 @kernel
@@ -91,18 +74,18 @@ def hold(k, penalty, place, directions, q, v, R, f, K, C):
         e, de = directions[i]
         row, Phi = MULTIPLIERS + i, dot(e, u)
         size = penalty * Phi - q[row]
-        by_x = add(tmul(de[0], u), tmul(du[0], e))
-        by_t = add(tmul(de[1], u), tmul(du[1], e))
-        pull = add(pull, scale(size, e))
-        pull_x = madd(pull_x, madd(mscale(size, de[0]), outer(scale(penalty, e), by_x)))
-        pull_t = madd(pull_t, madd(mscale(size, de[1]), outer(scale(penalty, e), by_t)))
-        by_u = madd(by_u, outer(scale(penalty, e), e))
+        by_x = de[0].T @ u + du[0].T @ e
+        by_t = de[1].T @ u + du[1].T @ e
+        pull = pull + size * e
+        pull_x = pull_x + (size * de[0] + outer(penalty * e, by_x))
+        pull_t = pull_t + (size * de[1] + outer(penalty * e, by_t))
+        by_u = by_u + outer(penalty * e, e)
         f[row] -= k * Phi
         add_multiplier_column(K, row, k, Rn, place.arm, e)
         add_row(K, row, 0, -k, by_x)
-        add_row(K, row, 3, -k, tmul(Rn, by_t))
+        add_row(K, row, 3, -k, Rn.T @ by_t)
         add_row(C, row, 0, -k, e)
-        add_row(C, row, 3, -k, tmul(Rn, cross(place.arm, e)))
+        add_row(C, row, 3, -k, Rn.T @ cross(place.arm, e))
     add_force(f, Rn, place.arm, pull)
     add_velocity_tangent(C, Rn, place.arm, by_u)
     add_position_tangent(K, Rn, place.arm, place.d_arm, pull, (pull_x, pull_t))
@@ -121,9 +104,9 @@ def put_rates(place, directions, v, a, R, g):
     Rn = mat(R[0])
     u, _, omega = velocity(place, Rn, v)
     x_rate = vec(v, 0)
-    arm_rate = add(mul(place.d_arm[0], x_rate), mul(place.d_arm[1], omega))
-    u_rate = add(vec(a, 0), add(cross(mul(Rn, vec(a, 3)), place.arm), cross(omega, arm_rate)))
+    arm_rate = place.d_arm[0] @ x_rate + place.d_arm[1] @ omega
+    u_rate = vec(a, 0) + (cross(Rn @ vec(a, 3), place.arm) + cross(omega, arm_rate))
     for i in range(len(directions)):
         e, de = directions[i]
-        e_rate = add(mul(de[0], x_rate), mul(de[1], omega))
+        e_rate = de[0] @ x_rate + de[1] @ omega
         put_levels(g, i, 0.0, dot(e, u), dot(e_rate, u) + dot(e, u_rate))

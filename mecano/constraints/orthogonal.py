@@ -15,28 +15,28 @@ from mecano.constraints.carried import (
     relative_rotation,
 )  # fmt: skip
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import dot, mat, mul, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=3, xi=3)
 MULTIPLIER = 6
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Moments of the constraint."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
     b_0, b_1 = product_gradient(A, mu, xi)
-    Phi = dot(mu, mul(A, xi))
-    g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], ((0, b_0), (3, b_1)))
+    Phi = dot(mu, A @ xi)
+    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], ((0, b_0), (3, b_1)))
     add_blocks(K, 0, 3, g, product_curvature(A, mu, xi))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates of the product."""
-    mu = carried(mat(R[0]), vec(v, 0), vec(a, 0), vec(p.mu, 0))
-    xi = carried(mat(R[1]), vec(v, 3), vec(a, 3), vec(p.xi, 0))
+    mu = carried(mat(at.R[0]), vec(at.v, 0), vec(at.a, 0), vec(p.mu, 0))
+    xi = carried(mat(at.R[1]), vec(at.v, 3), vec(at.a, 3), vec(p.xi, 0))
     Phi, rate, second = product_rates(mu, xi)
     put_levels(g, 0, Phi, rate, second)
 

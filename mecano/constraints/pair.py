@@ -20,7 +20,7 @@ from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
 from mecano.constraints.twist_law import TWIST_LAW, twist_law_record
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, put, scale, vec
+from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
@@ -130,7 +130,7 @@ def pair_force(p, laws, q, v, R):
     s_2, v_2 = slide(q, v, A, mu[1])
     s_3, v_3 = slide(q, v, A, mu[2])
     F_1, F_2 = held(p, laws, q, 3, s_1 - p.start[0], v_1), held(p, laws, q, 4, s_2 - p.start[1], v_2)
-    return F_1, F_2, held(p, laws, q, 5, s_3 - p.start[2], v_3)
+    return Vec3(F_1, F_2, held(p, laws, q, 5, s_3 - p.start[2], v_3))
 
 
 @kernel
@@ -140,11 +140,11 @@ def pair_moment(p, laws, q, v, R):
     A = relative_rotation(mat(R[0]), mat(R[1]))
     tilt_2, rate_2 = tilted(mu[0], xi[2], A, omega_0, omega_1)
     # the constraint about_1 is mu_2 . xi_3 = 0, its law is one of the angle -mu_2 . xi_3 about mu_1
-    tilt_1, rate_1 = tilted(scale(-1.0, mu[1]), xi[2], A, omega_0, omega_1)
+    tilt_1, rate_1 = tilted(-mu[1], xi[2], A, omega_0, omega_1)
     angle, rate = turned(mat(R[0]), omega_0, mu, mat(R[1]), omega_1, xi)
     M_1 = held(p, laws, q, 1, tilt_1, rate_1)
     M_1 = -M_1 if p.row[1] >= 0.0 else M_1
-    return M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate)
+    return Vec3(M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate))
 
 
 @kernel

@@ -8,31 +8,31 @@ import math
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import product_curvature, product_gradient
-from mecano.maths.vec import add, dot, madd, mscale, mul, outer, scale, sub
+from mecano.maths.vector import dot, outer
 
 
 @kernel
 def pin_angle(A, mu, xi):
     """Angle [rad] in (-pi, pi]; A = R_0^T R_1, mu (3, 3) rows, xi (3,) material."""
-    pin = mul(A, xi)
+    pin = A @ xi
     return math.atan2(dot(mu[1], pin), dot(mu[0], pin))
 
 
 @kernel
 def pin_gradient(A, mu, xi):
     """Gradients (b_0, b_1) of the angle by the material variations of both nodes."""
-    pin = mul(A, xi)
+    pin = A @ xi
     u, w = dot(mu[0], pin), dot(mu[1], pin)
     by_u, by_w = product_gradient(A, mu[0], xi), product_gradient(A, mu[1], xi)
     inverse = 1.0 / (u * u + w * w)
-    b_0 = sub(scale(u * inverse, by_w[0]), scale(w * inverse, by_u[0]))
-    return b_0, sub(scale(u * inverse, by_w[1]), scale(w * inverse, by_u[1]))
+    b_0 = u * inverse * by_w[0] - w * inverse * by_u[0]
+    return b_0, u * inverse * by_w[1] - w * inverse * by_u[1]
 
 
 @kernel
 def pin_curvature(A, mu, xi):
     """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
-    pin = mul(A, xi)
+    pin = A @ xi
     u, w = dot(mu[0], pin), dot(mu[1], pin)
     by_u, by_w = product_gradient(A, mu[0], xi), product_gradient(A, mu[1], xi)
     H_u, H_w = product_curvature(A, mu[0], xi), product_curvature(A, mu[1], xi)
@@ -46,7 +46,7 @@ def pin_curvature(A, mu, xi):
 @kernel
 def _entry(u, w, inverse, b, by_u, by_w, H_u, H_w, i, j):
     """H_ij from the numerator u grad w - w grad u and the denominator u^2 + w^2."""
-    crossed = madd(outer(by_w[i], by_u[j]), mscale(-1.0, outer(by_u[i], by_w[j])))
-    bent = madd(mscale(u, H_w[i][j]), mscale(-w, H_u[i][j]))
-    grown = add(scale(2.0 * u, by_u[j]), scale(2.0 * w, by_w[j]))
-    return mscale(inverse, madd(madd(crossed, bent), mscale(-1.0, outer(b[i], grown))))
+    crossed = outer(by_w[i], by_u[j]) - outer(by_u[i], by_w[j])
+    bent = u * H_w[i][j] - w * H_u[i][j]
+    grown = 2.0 * u * by_u[j] + 2.0 * w * by_w[j]
+    return inverse * (crossed + bent - outer(b[i], grown))

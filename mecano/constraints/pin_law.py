@@ -6,20 +6,20 @@ from mecano.constraints.carried import follow, relative_rotation, turning_rate
 from mecano.constraints.pin_angle import pin_angle, pin_curvature, pin_gradient
 from mecano.contract import record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 
 RECORD = record(mu=(3, 3), xi=3, **LAW_RECORD)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = mat(p.mu), vec(p.xi, 0)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
     gradient, H = pin_gradient(A, mu, xi), pin_curvature(A, mu, xi)
-    omega_0, omega_1 = vec(v, 0), vec(v, 3)
-    angle = follow(m[0], pin_angle(A, mu, xi)) - p.natural
-    P, P_angle, P_rate = evaluate_force(laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
+    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
+    angle = follow(at.m[0], pin_angle(A, mu, xi)) - p.natural
+    P, P_angle, P_rate = evaluate_force(at.laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
     add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
 
 

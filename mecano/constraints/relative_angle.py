@@ -21,7 +21,7 @@ from mecano.constraints.carried import (
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import add, dot, mat, mul, scale, sub, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 MULTIPLIER = 6
@@ -33,7 +33,7 @@ def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
     A = relative_rotation(mat(R[0]), mat(R[1]))
     Phi = sign * wrap(twist(A, mu, xi) - wanted)
     b_0, b_1 = twist_gradient(A, mu[2], xi[2])
-    blocks = ((0, scale(sign, b_0)), (3, scale(sign, b_1)))
+    blocks = ((0, sign * b_0), (3, sign * b_1))
     g = add_constraint(f, K, MULTIPLIER, k, penalty, Phi, q[MULTIPLIER], blocks)
     add_blocks(K, 0, 3, sign * g, twist_curvature(A, mu[2], xi[2]))
 
@@ -42,11 +42,11 @@ def hold_angle(sign, mu, xi, wanted, k, penalty, q, R, f, K):
 def turning_levels(mu, xi, first, second):
     """The angle of ``twist`` [rad] and its two rates; of each node (R, omega, alpha), the latter two material."""
     mu_3, xi_3 = carried(first[0], first[1], first[2], mu[2]), carried(second[0], second[1], second[2], xi[2])
-    spin = sub(mul(second[0], second[1]), mul(first[0], first[1]))
-    spin_rate = sub(mul(second[0], second[2]), mul(first[0], first[2]))
+    spin = second[0] @ second[1] - first[0] @ first[1]
+    spin_rate = second[0] @ second[2] - first[0] @ first[2]
     cosine, cosine_rate, _ = product_rates(mu_3, xi_3)
-    G = scale(1.0 / (1.0 + cosine), add(mu_3[0], xi_3[0]))
-    G_rate = scale(1.0 / (1.0 + cosine), sub(add(mu_3[1], xi_3[1]), scale(cosine_rate, G)))
+    G = (mu_3[0] + xi_3[0]) / (1.0 + cosine)
+    G_rate = (mu_3[1] + xi_3[1] - cosine_rate * G) / (1.0 + cosine)
     return twist(relative_rotation(first[0], second[0]), mu, xi), dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
 
 
@@ -59,15 +59,15 @@ def angle_levels(sign, mu, xi, wanted, v, a, R, g):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Moments on both nodes."""
-    hold_angle(1.0, mat(p.mu), mat(p.xi), target(p, laws, t)[0], k, penalty, q, R, f, K)
+    hold_angle(1.0, mat(p.mu), mat(p.xi), target(p, at.laws, at.t)[0], at.k, at.penalty, at.q, at.R, f, K)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates, those of f(t) included."""
-    angle_levels(1.0, mat(p.mu), mat(p.xi), target(p, laws, t), v, a, R, g)
+    angle_levels(1.0, mat(p.mu), mat(p.xi), target(p, at.laws, at.t), at.v, at.a, at.R, g)
 
 
 def sample(rng):

@@ -7,47 +7,31 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Kind, Row, record
-from mecano.maths.vec import (
-    EYE,
-    add_mat,
-    add_vec,
-    cross,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    scale,
-    skew,
-    sub,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, add_mat, add_vec, cross, mat, skew, vec
 
 RECORD = record(d=3)
 MULTIPLIERS = 9
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces on both nodes and the moment on the first."""
-    d, A = vec(p.d, 0), mat(R[0])
-    Phi = sub(sub(vec(q, 6), vec(q, 0)), mul(A, d))
-    g = sub(scale(penalty, Phi), vec(q, MULTIPLIERS))
-    g_body, hat_d = tmul(A, g), skew(d)
+    d, A = vec(p.d, 0), mat(at.R[0])
+    Phi = vec(at.q, 6) - vec(at.q, 0) - A @ d
+    g = at.penalty * Phi - vec(at.q, MULTIPLIERS)
+    g_body, hat_d = A.T @ g, skew(d)
     add_vec(f, 0, -1.0, g)
     add_vec(f, 3, -1.0, cross(d, g_body))
     add_vec(f, 6, 1.0, g)
-    add_vec(f, MULTIPLIERS, -k, Phi)
-    _add_gradient(K, k, penalty, A, hat_d)
-    add_mat(K, 3, 3, -1.0, matmul(hat_d, madd(skew(g_body), mscale(penalty, hat_d))))
+    add_vec(f, MULTIPLIERS, -at.k, Phi)
+    _add_gradient(K, at.k, at.penalty, A, hat_d)
+    add_mat(K, 3, 3, -1.0, hat_d @ (skew(g_body) + at.penalty * hat_d))
 
 
 @kernel
 def _add_gradient(K, k, penalty, A, hat_d):
     """The blocks -k B^T, -k B and penalty B^T B but that of the rotation; B = (-I, A hat(d), I)."""
-    turn, arm = matmul(A, hat_d), matmul(hat_d, transpose(A))
+    turn, arm = A @ hat_d, hat_d @ A.T
     for i, s in ((0, -1.0), (6, 1.0)):
         add_mat(K, i, MULTIPLIERS, -k * s, EYE)
         add_mat(K, MULTIPLIERS, i, -k * s, EYE)
@@ -60,12 +44,12 @@ def _add_gradient(K, k, penalty, A, hat_d):
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates, inertial."""
-    d = carried(mat(R[0]), vec(v, 3), vec(a, 3), vec(p.d, 0))
-    Phi = sub(sub(vec(q, 6), vec(q, 0)), d[0])
-    rate = sub(sub(vec(v, 6), vec(v, 0)), d[1])
-    second = sub(sub(vec(a, 6), vec(a, 0)), d[2])
+    d = carried(mat(at.R[0]), vec(at.v, 3), vec(at.a, 3), vec(p.d, 0))
+    Phi = vec(at.q, 6) - vec(at.q, 0) - d[0]
+    rate = vec(at.v, 6) - vec(at.v, 0) - d[1]
+    second = vec(at.a, 6) - vec(at.a, 0) - d[2]
     for i in range(3):
         put_levels(g, i, Phi[i], rate[i], second[i])
 

@@ -7,11 +7,11 @@ the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mod
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, touch
-from mecano.constraints.no_slip import AIR, NO_MATRIX, Direction, Place, hold, let_go, put_rates
+from mecano.constraints.no_slip import AIR, Direction, Place, hold, let_go, put_rates
 from mecano.constraints.rolling_radius import leaning_discs
 from mecano.contract import Kind, Row, record
 from mecano.maths.surface import directions, directions_variation, disc_variation
-from mecano.maths.vec import mat, mscale, mul, skew, vec
+from mecano.maths.vector import NO_MATRIX, mat, skew, vec
 
 RECORD = record(axis=3, radius=(), **GROUND_RECORD)
 ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of the ground", "N", "m/s"))
@@ -20,33 +20,33 @@ ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of th
 @kernel
 def _geometry(p, laws, q, R):
     """Place of the contact, (t, l)."""
-    axis = mul(mat(R[0]), vec(p.axis, 0))
+    axis = mat(R[0]) @ vec(p.axis, 0)
     g = touch(p, laws, vec(q, 0), axis)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
     t, l = directions(axis, g)
     t_x, l_x = directions_variation(axis, g, t, by_x, NO_MATRIX)
-    t_t, l_t = directions_variation(axis, g, t, by_t, mscale(-1.0, skew(axis)))
+    t_t, l_t = directions_variation(axis, g, t, by_t, -skew(axis))
     return Place(g.arm, (by_x.arm, by_t.arm)), (Direction(t, (t_x, t_t)), Direction(l, (l_x, l_t)))
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Tangential forces at C and their moment."""
-    if mode == AIR:
-        let_go(2, k, q, f, K)
+    if at.phase == AIR:
+        let_go(2, at.k, at.q, f, K)
         return
-    place, along = _geometry(p, laws, q, R)
-    hold(k, penalty, place, along, q, v, R, f, K, C)
+    place, along = _geometry(p, at.laws, at.q, at.R)
+    hold(at.k, at.penalty, place, along, at.q, at.v, at.R, f, K, C)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Velocity of the contact and its rate."""
-    if mode == AIR:
+    if at.phase == AIR:
         g[:] = 0.0
         return
-    place, along = _geometry(p, laws, q, R)
-    put_rates(place, along, v, a, R, g)
+    place, along = _geometry(p, at.laws, at.q, at.R)
+    put_rates(place, along, at.v, at.a, at.R, g)
 
 
 ROLLING = Kind(

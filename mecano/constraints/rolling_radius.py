@@ -13,20 +13,7 @@ from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.contract import Kind, Row, record
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
 from mecano.maths.surface import disc_variation
-from mecano.maths.vec import (
-    add,
-    add_row,
-    cross,
-    dot,
-    madd,
-    mat,
-    mscale,
-    mul,
-    outer,
-    scale,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import add_row, cross, dot, mat, outer, vec
 
 RECORD = record(axis=3, radius=(), **GROUND_RECORD)
 CONTACT, AIR = 0, 1
@@ -36,47 +23,47 @@ MULTIPLIER = 6
 @kernel
 def _press(g, by):
     """d(n/q), 3x3, by the variables of the Block ``by``."""
-    return madd(mscale(1.0 / g.q, by.n), outer(scale(g.s / g.q**3, g.n), by.s))
+    return by.n / g.q + outer(g.s / g.q**3 * g.n, by.s)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Force n/q at C, and its moment."""
-    if mode == AIR:
-        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+    if at.phase == AIR:
+        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
-    Rn = mat(R[0])
-    axis = mul(Rn, vec(p.axis, 0))
-    g = touch(p, laws, vec(q, 0), axis)
-    Phi, b = g.r - p.radius, scale(1.0 / g.q, g.n)
-    size = penalty * Phi - q[MULTIPLIER]
-    pull, b_turn = scale(size, b), cross(g.arm, b)
+    Rn = mat(at.R[0])
+    axis = Rn @ vec(p.axis, 0)
+    g = touch(p, at.laws, vec(at.q, 0), axis)
+    Phi, b = g.r - p.radius, g.n / g.q
+    size = at.penalty * Phi - at.q[MULTIPLIER]
+    pull, b_turn = size * b, cross(g.arm, b)
     add_force(f, Rn, g.arm, pull)
-    f[MULTIPLIER] -= k * Phi
-    add_multiplier_column(K, MULTIPLIER, k, Rn, g.arm, b)
-    add_row(K, MULTIPLIER, 0, -k, b)
-    add_row(K, MULTIPLIER, 3, -k, tmul(Rn, b_turn))
+    f[MULTIPLIER] -= at.k * Phi
+    add_multiplier_column(K, MULTIPLIER, at.k, Rn, g.arm, b)
+    add_row(K, MULTIPLIER, 0, -at.k, b)
+    add_row(K, MULTIPLIER, 3, -at.k, Rn.T @ b_turn)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
-    pull_x = madd(mscale(size, _press(g, by_x)), outer(scale(penalty, b), b))
-    pull_t = madd(mscale(size, _press(g, by_t)), outer(scale(penalty, b), b_turn))
+    pull_x = size * _press(g, by_x) + outer(at.penalty * b, b)
+    pull_t = size * _press(g, by_t) + outer(at.penalty * b, b_turn)
     add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), pull, (pull_x, pull_t))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates, with the curvature of the ground."""
-    if mode == AIR:
+    if at.phase == AIR:
         put_levels(g, 0, 0.0, 0.0, 0.0)
         return
-    Rn = mat(R[0])
-    axis, omega, alpha = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3)), mul(Rn, vec(a, 3))
-    at = touch(p, laws, vec(q, 0), axis)
-    by_x, by_t = disc_variation(vec(p.direction, 0), axis, at)
-    arm_rate = add(mul(by_x.arm, vec(v, 0)), mul(by_t.arm, omega))
-    b_rate = add(mul(_press(at, by_x), vec(v, 0)), mul(_press(at, by_t), omega))
-    u, b = add(vec(v, 0), cross(omega, at.arm)), scale(1.0 / at.q, at.n)
-    u_rate = add(vec(a, 0), add(cross(alpha, at.arm), cross(omega, arm_rate)))
-    put_levels(g, 0, at.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
+    Rn = mat(at.R[0])
+    axis, omega, alpha = Rn @ vec(p.axis, 0), Rn @ vec(at.v, 3), Rn @ vec(at.a, 3)
+    contact = touch(p, at.laws, vec(at.q, 0), axis)
+    by_x, by_t = disc_variation(vec(p.direction, 0), axis, contact)
+    arm_rate = by_x.arm @ vec(at.v, 0) + by_t.arm @ omega
+    b_rate = _press(contact, by_x) @ vec(at.v, 0) + _press(contact, by_t) @ omega
+    u, b = vec(at.v, 0) + cross(omega, contact.arm), contact.n / contact.q
+    u_rate = vec(at.a, 0) + (cross(alpha, contact.arm) + cross(omega, arm_rate))
+    put_levels(g, 0, contact.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
 
 
 def ground_below(rng, wave=True):

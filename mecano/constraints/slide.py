@@ -6,46 +6,46 @@ x1 at 6.
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import carried, product_rates
-from mecano.maths.vec import add, add_mat, cross, dot, matmul, mul, scale, skew, sub, tmul, transpose, vec
+from mecano.maths.vector import add_mat, cross, dot, skew, vec
 
 
 @kernel
 def slide(q, v, A, mu):
     """s [m], its rate [m/s]."""
-    d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
 
 
 @kernel
 def slide_rates(q, v, a, R_0, mu):
     """s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
-    d, d_rate, d_second = sub(vec(q, 6), vec(q, 0)), sub(vec(v, 6), vec(v, 0)), sub(vec(a, 6), vec(a, 0))
+    d, d_rate, d_second = vec(q, 6) - vec(q, 0), vec(v, 6) - vec(v, 0), vec(a, 6) - vec(a, 0)
     return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
 
 
 @kernel
 def slide_gradient(q, A, mu):
     """Gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
-    normal = mul(A, mu)
-    return scale(-1.0, normal), cross(mu, tmul(A, sub(vec(q, 6), vec(q, 0)))), normal
+    normal = A @ mu
+    return -normal, cross(mu, A.T @ (vec(q, 6) - vec(q, 0))), normal
 
 
 @kernel
 def slide_rate_gradient(q, v, A, mu):
     """Gradients of the rate of s at the local indices 0, 3, 6."""
-    d, e = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
+    d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
     spin = cross(vec(v, 3), mu)
-    turn = mul(A, spin)
-    return scale(-1.0, turn), add(cross(mu, e), cross(spin, d)), turn
+    turn = A @ spin
+    return -turn, cross(mu, e) + cross(spin, d), turn
 
 
 @kernel
 def add_slide_curvature(K, g, q, A, mu):
     """Add g times the derivative of the gradients of s to K."""
     hat_mu = skew(mu)
-    turn, arm = matmul(A, hat_mu), matmul(hat_mu, transpose(A))
+    turn, arm = A @ hat_mu, hat_mu @ A.T
     add_mat(K, 6, 3, -g, turn)
     add_mat(K, 0, 3, g, turn)
     add_mat(K, 3, 6, g, arm)
     add_mat(K, 3, 0, -g, arm)
-    add_mat(K, 3, 3, g, matmul(hat_mu, skew(tmul(A, sub(vec(q, 6), vec(q, 0))))))
+    add_mat(K, 3, 3, g, hat_mu @ skew(A.T @ (vec(q, 6) - vec(q, 0))))

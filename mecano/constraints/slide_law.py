@@ -8,21 +8,21 @@ from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, 
 from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 from mecano.schema import LAW, NUMBER, Field
 
 RECORD = record(mu=3, **LAW_RECORD)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite forces on both nodes, and the moment on the first."""
-    mu, A = vec(p.mu, 0), mat(R[0])
-    displacement, rate = slide(q, v, A, mu)
-    P, P_s, P_rate = evaluate_force(laws, p.law, displacement - p.natural, rate)
-    b, r = slide_gradient(q, A, mu), slide_rate_gradient(q, v, A, mu)
+    mu, A = vec(p.mu, 0), mat(at.R[0])
+    displacement, rate = slide(at.q, at.v, A, mu)
+    P, P_s, P_rate = evaluate_force(at.laws, p.law, displacement - p.natural, rate)
+    b, r = slide_gradient(at.q, A, mu), slide_rate_gradient(at.q, at.v, A, mu)
     add_along(f, K, C, P, P_s, P_rate, ((0, b[0], r[0]), (3, b[1], r[1]), (6, b[2], r[2])))
-    add_slide_curvature(K, P, q, A, mu)
+    add_slide_curvature(K, P, at.q, A, mu)
 
 
 @kernel

@@ -5,7 +5,7 @@ from mecano.constraints.end_stops import LATCH_RECORD, STOP_RECORD, end_fields, 
 from mecano.constraints.in_plane import MULTIPLIER, hold_slide, slide_levels
 from mecano.constraints.slide import slide
 from mecano.contract import record
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 
 AXES = {"mu": 3}
 LAYOUT = ("x0", "R0", "x1")

@@ -9,27 +9,27 @@ from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record
 from mecano.constraints.carried import product_curvature, product_gradient, relative_rotation, turning_rate
 from mecano.contract import record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import dot, mat, mul, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=3, xi=3, **LAW_RECORD)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = vec(p.mu, 0), vec(p.xi, 0)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
     gradient, H = product_gradient(A, mu, xi), product_curvature(A, mu, xi)
-    omega_0, omega_1 = vec(v, 0), vec(v, 3)
+    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
     tilt, rate = tilted(mu, xi, A, omega_0, omega_1)
-    P, P_tilt, P_rate = evaluate_force(laws, p.law, tilt - p.natural, rate)
+    P, P_tilt, P_rate = evaluate_force(at.laws, p.law, tilt - p.natural, rate)
     add_turning(f, K, C, P, P_tilt, P_rate, gradient, H, omega_0, omega_1)
 
 
 @kernel
 def tilted(mu, xi, A, omega_0, omega_1):
     """c and its rate [1/s]; A = R_0^T R_1, material angular velocities."""
-    return dot(mu, mul(A, xi)), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
+    return dot(mu, A @ xi), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
 
 
 @kernel

@@ -27,33 +27,26 @@ from typing import NamedTuple
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
 from mecano.maths.surface import Contact, disc_variation
-from mecano.maths.vec import (
+from mecano.maths.vector import (
     EYE,
+    NO_MATRIX,
     ZERO,
-    add,
+    Mat3,
+    Vec3,
     add_mat,
     add_row,
     add_vec,
     cross,
     dot,
-    madd,
     mat,
-    matmul,
-    mscale,
-    mul,
     norm,
     outer,
-    scale,
     skew,
-    sub,
-    tmul,
-    transpose,
     vec,
-)  # fmt: skip
+)
 
 Y, PSI, BOW = 6, 7, 8  # local unknowns
-NO_MATRIX = (ZERO, ZERO, ZERO)
-OF_Y, OF_PSI = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)  # derivatives of y and psi in the block S
+OF_Y, OF_PSI = EYE[0], EYE[1]  # derivatives of y and psi in the block S
 
 
 class Patch(NamedTuple):
@@ -97,22 +90,22 @@ class Variation(NamedTuple):
 @kernel
 def columns(a, b):
     """The matrix (a, b, 0)."""
-    return transpose((a, b, ZERO))
+    return Mat3(a, b, ZERO).T
 
 
 @kernel
 def patch(p, laws, q, v, R):
     """The Patch of a wheel of record ``p`` (GROUND_RECORD, axis, radius), local unknowns q and v."""
     Rn = mat(R[0])
-    a, omega, y, psi = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3)), q[Y], q[PSI]
-    g = touch(p, laws, sub(vec(q, 0), scale(y, a)), a)
-    rho, across = sub(g.arm, scale(y, a)), cross(g.n, a)
-    z = sub(cross(omega, rho), scale(v[Y], a))
-    u = add(vec(v, 0), add(z, scale(psi, cross(g.n, z))))
+    a, omega, y, psi = Rn @ vec(p.axis, 0), Rn @ vec(v, 3), q[Y], q[PSI]
+    g = touch(p, laws, vec(q, 0) - y * a, a)
+    rho, across = g.arm - y * a, cross(g.n, a)
+    z = cross(omega, rho) - v[Y] * a
+    u = vec(v, 0) + (z + psi * cross(g.n, z))
     lift = dot(g.n, u)
-    aside = add(sub(a, scale(g.s, g.n)), scale(psi, across))  # Q a in the ground
-    v_C = sub(sub(u, scale(lift, g.n)), scale(p.twist * v[PSI] * y, across))
-    v_0 = add(v_C, add(scale(v[Y], aside), scale(p.twist * v[PSI] * y, across)))
+    aside = a - g.s * g.n + psi * across  # Q a in the ground
+    v_C = u - lift * g.n - p.twist * v[PSI] * y * across
+    v_0 = v_C + (v[Y] * aside + p.twist * v[PSI] * y * across)
     w1, rolled = -(lift + v[Y] * g.s) / g.q, dot(v_0, a) / g.q**2
     return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, v_0, w1, rolled, p.twist)
 
@@ -121,15 +114,15 @@ def patch(p, laws, q, v, R):
 def by_positions(p, k, y1):
     """Variations of the Patch ``k`` by X, T and S; ``y1`` = dy/dt."""
     at_x, at_t = disc_variation(vec(p.direction, 0), k.a, k.g)
-    turn, y_turn, w = skew(k.a), mscale(k.y, skew(k.a)), skew(k.omega)
+    turn, y_turn, w = skew(k.a), k.y * skew(k.a), skew(k.omega)
     # x' moves by dx - a dy + y a x dtheta
-    n_t, s_t = madd(at_t.n, matmul(at_x.n, y_turn)), add(at_t.s, tmul(y_turn, at_x.s))
-    arm_t = madd(at_t.arm, matmul(at_x.arm, y_turn))
-    n_y, s_y = columns(scale(-1.0, mul(at_x.n, k.a)), ZERO), (-dot(at_x.s, k.a), 0.0, 0.0)
-    arm_y = scale(-1.0, mul(at_x.arm, k.a))
+    n_t, s_t = at_t.n + at_x.n @ y_turn, at_t.s + y_turn.T @ at_x.s
+    arm_t = at_t.arm + at_x.arm @ y_turn
+    n_y, s_y = columns(-(at_x.n @ k.a), ZERO), Vec3(-dot(at_x.s, k.a), 0.0, 0.0)
+    arm_y = -(at_x.arm @ k.a)
     X = _variation(k, y1, at_x.n, NO_MATRIX, at_x.s, at_x.arm, at_x.arm, NO_MATRIX, ZERO, ZERO)
-    T = _variation(k, y1, n_t, mscale(-1.0, turn), s_t, arm_t, madd(arm_t, y_turn), matmul(skew(k.rho), w), ZERO, ZERO)
-    rho_y = columns(sub(arm_y, k.a), ZERO)
+    T = _variation(k, y1, n_t, -turn, s_t, arm_t, arm_t + y_turn, skew(k.rho) @ w, ZERO, ZERO)
+    rho_y = columns(arm_y - k.a, ZERO)
     S = _variation(k, y1, n_y, NO_MATRIX, s_y, columns(arm_y, ZERO), rho_y, NO_MATRIX, OF_Y, OF_PSI)
     return X, T, S
 
@@ -138,60 +131,60 @@ def by_positions(p, k, y1):
 def _variation(k, y1, n, a, s, arm, rho, z_turned, y, psi):
     """The Variation from those of normal, axis, s, r c, rho, y and psi; ``z_turned`` is that of z by dR Omega."""
     g = k.g
-    z = madd(madd(matmul(skew(k.omega), rho), z_turned), mscale(-y1, a))
-    swing = madd(mscale(-1.0, matmul(skew(k.z), n)), matmul(skew(g.n), z))
-    u = madd(z, madd(mscale(k.psi, swing), outer(cross(g.n, k.z), psi)))
-    lift = add(tmul(n, k.u), tmul(u, g.n))
-    across = madd(mscale(-1.0, matmul(skew(k.a), n)), matmul(skew(g.n), a))
-    twisted = mscale(k.twist * k.psi1, madd(mscale(k.y, across), outer(k.across, y)))
-    v_C = madd(madd(u, outer(scale(-1.0, g.n), lift)), madd(mscale(-k.lift, n), mscale(-1.0, twisted)))
-    aside = madd(madd(a, mscale(-g.s, n)), outer(scale(-1.0, g.n), s))
-    aside = madd(aside, madd(mscale(k.psi, across), outer(k.across, psi)))
-    v_0 = madd(v_C, madd(mscale(y1, aside), twisted))
-    w1 = add(scale(-1.0 / g.q, add(lift, scale(y1, s))), scale(k.w1 * g.s / g.q**2, s))
-    along = add(tmul(v_0, k.a), add(tmul(a, k.v_0), scale(2.0 * k.rolled * g.s, s)))
-    rolled, slip = scale(1.0 / g.q**2, along), tmul(v_0, _along(k))
-    return Variation(n, a, s, across, rho, y, psi, scale(-1.0, tmul(arm, g.c)), v_C, slip, rolled, w1)
+    z = skew(k.omega) @ rho + z_turned - y1 * a
+    swing = -(skew(k.z) @ n) + skew(g.n) @ z
+    u = z + (k.psi * swing + outer(cross(g.n, k.z), psi))
+    lift = n.T @ k.u + u.T @ g.n
+    across = -(skew(k.a) @ n) + skew(g.n) @ a
+    twisted = k.twist * k.psi1 * (k.y * across + outer(k.across, y))
+    v_C = u + outer(-g.n, lift) + (-k.lift * n - twisted)
+    aside = a - g.s * n + outer(-g.n, s)
+    aside = aside + (k.psi * across + outer(k.across, psi))
+    v_0 = v_C + (y1 * aside + twisted)
+    w1 = -(lift + y1 * s) / g.q + k.w1 * g.s / g.q**2 * s
+    along = v_0.T @ k.a + (a.T @ k.v_0 + 2.0 * k.rolled * g.s * s)
+    rolled, slip = along / g.q**2, v_0.T @ _along(k)
+    return Variation(n, a, s, across, rho, y, psi, -(arm.T @ g.c), v_C, slip, rolled, w1)
 
 
 @kernel
 def _along(k):
     """The direction of v_0, zero at rest."""
     speed = norm(k.v_0)
-    return scale(1.0 / speed, k.v_0) if speed > 0.0 else ZERO
+    return k.v_0 / speed if speed > 0.0 else ZERO
 
 
 @kernel
 def by_velocities(k):
     """Variations of the Patch ``k`` by v, inertial omega, and (dy/dt, dpsi/dt)."""
     V = _by_velocity(k, EYE, NO_MATRIX, 1.0)
-    W = _by_velocity(k, _with_psi(k, mscale(-1.0, skew(k.rho))), NO_MATRIX, 1.0)
-    aside = columns(ZERO, scale(-k.twist * k.y, k.across))
-    return V, W, _by_velocity(k, _with_psi(k, columns(scale(-1.0, k.a), ZERO)), aside, 0.0)
+    W = _by_velocity(k, _with_psi(k, -skew(k.rho)), NO_MATRIX, 1.0)
+    aside = columns(ZERO, -k.twist * k.y * k.across)
+    return V, W, _by_velocity(k, _with_psi(k, columns(-k.a, ZERO)), aside, 0.0)
 
 
 @kernel
 def _with_psi(k, z):
     """Q z for a matrix z."""
-    return madd(z, mscale(k.psi, matmul(skew(k.g.n), z)))
+    return z + k.psi * (skew(k.g.n) @ z)
 
 
 @kernel
 def _by_velocity(k, u, aside, of_wheel):
     """The Variation by three velocities; ``of_wheel`` is 1 for those of the wheel, 0 for those of the patch in it."""
-    lift = tmul(u, k.g.n)
-    v_C = madd(madd(u, outer(scale(-1.0, k.g.n), lift)), aside)
-    no, slip = NO_MATRIX, scale(of_wheel, tmul(v_C, _along(k)))
-    rolled, w1 = scale(of_wheel / k.g.q**2, tmul(v_C, k.a)), scale(-of_wheel / k.g.q, lift)
+    lift = u.T @ k.g.n
+    v_C = u + outer(-k.g.n, lift) + aside
+    no, slip = NO_MATRIX, of_wheel * (v_C.T @ _along(k))
+    rolled, w1 = of_wheel / k.g.q**2 * (v_C.T @ k.a), -of_wheel / k.g.q * lift
     return Variation(no, no, ZERO, no, no, ZERO, ZERO, ZERO, v_C, slip, rolled, w1)
 
 
 @kernel
 def add_patch_force(f, Rn, k, F, N, damping):
     """Add the force of the patch: F in the ground, N against it [N], of which ``damping`` is not on y. Returns G."""
-    G = sub(sub(F, scale(k.psi, cross(k.g.n, F))), scale(N, k.g.n))
-    add_vec(f, 0, 1.0, sub(F, scale(N, k.g.n)))
-    add_vec(f, 3, 1.0, tmul(Rn, cross(k.rho, G)))
+    G = F - k.psi * cross(k.g.n, F) - N * k.g.n
+    add_vec(f, 0, 1.0, F - N * k.g.n)
+    add_vec(f, 3, 1.0, Rn.T @ cross(k.rho, G))
     f[Y] -= dot(k.a, G) + k.g.s * damping
     f[PSI] -= k.twist * k.y * dot(k.across, F)
     return G
@@ -200,8 +193,8 @@ def add_patch_force(f, Rn, k, F, N, damping):
 @kernel
 def patch_column(k, F):
     """What a force F (inertial, in the ground) does on x, theta (inertial) and (y, psi, 0)."""
-    G = sub(F, scale(k.psi, cross(k.g.n, F)))
-    return F, cross(k.rho, G), (-dot(k.a, G), -k.twist * k.y * dot(k.across, F), 0.0)
+    G = F - k.psi * cross(k.g.n, F)
+    return F, cross(k.rho, G), Vec3(-dot(k.a, G), -k.twist * k.y * dot(k.across, F), 0.0)
 
 
 @kernel
@@ -212,13 +205,13 @@ def add_patch_tangent(A, j, Rn, frame, k, F, N, damping, G, dF, dN, d_damping, d
     turns the variables; ``moment`` 3x3 is what the turning of the node itself adds.
     """
     n = k.g.n
-    dP = madd(dF, mscale(-1.0, madd(outer(n, dN), mscale(N, d.n))))
-    swing = madd(mscale(-1.0, matmul(skew(F), d.n)), matmul(skew(n), dF))
-    dG = madd(dP, madd(mscale(-k.psi, swing), outer(scale(-1.0, cross(n, F)), d.psi)))
-    turn = madd(madd(matmul(skew(k.rho), dG), mscale(-1.0, matmul(skew(G), d.rho))), moment)
-    side = add(add(tmul(d.a, G), tmul(dG, k.a)), add(scale(damping, d.s), scale(k.g.s, d_damping)))
-    yaw = add(scale(k.y, add(tmul(d.across, F), tmul(dF, k.across))), scale(dot(k.across, F), d.y))
-    add_mat(A, 0, j, 1.0, matmul(dP, frame))
-    add_mat(A, 3, j, 1.0, matmul(transpose(Rn), matmul(turn, frame)))
-    add_row(A, Y, j, -1.0, tmul(frame, side))
-    add_row(A, PSI, j, -k.twist, tmul(frame, yaw))
+    dP = dF - (outer(n, dN) + N * d.n)
+    swing = -(skew(F) @ d.n) + skew(n) @ dF
+    dG = dP + (-k.psi * swing + outer(-cross(n, F), d.psi))
+    turn = skew(k.rho) @ dG - skew(G) @ d.rho + moment
+    side = d.a.T @ G + dG.T @ k.a + (damping * d.s + k.g.s * d_damping)
+    yaw = k.y * (d.across.T @ F + dF.T @ k.across) + dot(k.across, F) * d.y
+    add_mat(A, 0, j, 1.0, dP @ frame)
+    add_mat(A, 3, j, 1.0, Rn.T @ (turn @ frame))
+    add_row(A, Y, j, -1.0, frame.T @ side)
+    add_row(A, PSI, j, -k.twist, frame.T @ yaw)

@@ -29,21 +29,21 @@ from mecano.constraints.carried import (
 )  # fmt: skip
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 from mecano.schema import LAW, NUMBER, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **LAW_RECORD)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
     mu, xi = mat(p.mu), mat(p.xi)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
     gradient, H = twist_gradient(A, mu[2], xi[2]), twist_curvature(A, mu[2], xi[2])
-    omega_0, omega_1 = vec(v, 0), vec(v, 3)
-    angle = follow(m[0], twist(A, mu, xi)) - p.natural
-    P, P_angle, P_rate = evaluate_force(laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
+    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
+    angle = follow(at.m[0], twist(A, mu, xi)) - p.natural
+    P, P_angle, P_rate = evaluate_force(at.laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
     add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
 
 

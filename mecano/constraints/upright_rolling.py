@@ -5,29 +5,29 @@ Geradin & Doan 1991 taken literally. On a plane only.
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.no_slip import NO_MATRIX, Place, hold, leaning, on_a_plane, put_rates
+from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
 from mecano.constraints.rolling import ROWS
 from mecano.contract import Kind, record
-from mecano.maths.vec import scale, vec
+from mecano.maths.vector import NO_MATRIX, vec
 
 RECORD = record(axis=3, radius=(), normal=3)
 
 
 @kernel
 def _below_the_centre(p):
-    return Place(scale(-p.radius, vec(p.normal, 0)), (NO_MATRIX, NO_MATRIX))
+    return Place(-p.radius * vec(p.normal, 0), (NO_MATRIX, NO_MATRIX))
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Tangential forces below the centre and their moment."""
-    hold(k, penalty, _below_the_centre(p), on_a_plane(p, R), q, v, R, f, K, C)
+    hold(at.k, at.penalty, _below_the_centre(p), on_a_plane(p, at.R), at.q, at.v, at.R, f, K, C)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Velocity of the point below the centre and its rate."""
-    put_rates(_below_the_centre(p), on_a_plane(p, R), v, a, R, g)
+    put_rates(_below_the_centre(p), on_a_plane(p, at.R), at.v, at.a, at.R, g)
 
 
 def sample(rng):

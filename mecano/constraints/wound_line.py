@@ -28,7 +28,7 @@ from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_modes import FAR
 from mecano.contract import CONTACT, Event, Kind, Part, Row, record
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import add_col, add_row, dot, scale, sub, vec
+from mecano.maths.vector import add_col, add_row, dot, vec
 
 RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
 STRETCH, SHOCK, HOLD = 0, 1, 2
@@ -79,15 +79,15 @@ def _tension(p, laws, rate):
 
 
 @kernel
-def elastic_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def elastic_force(p, at, f, K, C, M):
     """Tension but that of a held line, inertia and weight."""
-    add_line_inertia(p, a, f, M)
-    length, rate, geometry = line(q, v)
-    if mode == PAYING:
-        N, N_rate, _ = _tension(p, laws, rate)
+    add_line_inertia(p, at.a, f, M)
+    length, rate, geometry = line(at.q, at.v)
+    if at.phase == PAYING:
+        N, N_rate, _ = _tension(p, at.laws, rate)
         add_line_force(f, K, C, rate, geometry, N, 0.0, N_rate)
-    elif mode == TAUT:
-        L, L_rate, _ = _paid_out(p, m, laws, t)
+    elif at.phase == TAUT:
+        L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
         strain, strain_rate = strained(length, rate, L, L_rate)
         N = p.EA * (strain + p.damping * strain_rate)
         N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
@@ -95,96 +95,96 @@ def elastic_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
 
 
 @kernel
-def catch_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def catch_force(p, at, f, K, C, M):
     """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
-    if mode != HELD:
-        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+    if at.phase != HELD:
+        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
-    length, _, geometry = line(q, v)
-    Phi = _full(p, laws, t)[0] + m[1] - length
+    length, _, geometry = line(at.q, at.v)
+    Phi = _full(p, at.laws, at.t)[0] + at.m[1] - length
     u = geometry[1]
-    add_line_force(f, K, C, 0.0, geometry, q[MULTIPLIER] - penalty * Phi, penalty, 0.0)
-    f[MULTIPLIER] -= k * Phi
-    for i, b in ((0, u), (3, scale(-1.0, u))):
-        add_col(K, i, MULTIPLIER, -k, b)
-        add_row(K, MULTIPLIER, i, -k, b)
+    add_line_force(f, K, C, 0.0, geometry, at.q[MULTIPLIER] - at.penalty * Phi, at.penalty, 0.0)
+    f[MULTIPLIER] -= at.k * Phi
+    for i, b in ((0, u), (3, -u)):
+        add_col(K, i, MULTIPLIER, -at.k, b)
+        add_row(K, MULTIPLIER, i, -at.k, b)
 
 
 @kernel
-def catch_levels(p, m, mode, t, laws, q, v, a, R, g):
+def catch_levels(p, at, g):
     """Value and rates, those of the full length included."""
     g[:] = 0.0
-    if mode == HELD:
-        length, rate, geometry = line(q, v)
-        full, full_rate, full_second = _full(p, laws, t)
+    if at.phase == HELD:
+        length, rate, geometry = line(at.q, at.v)
+        full, full_rate, full_second = _full(p, at.laws, at.t)
         inverse, u, velocity = geometry
-        pulled = dot(u, sub(vec(a, 3), vec(a, 0))) + inverse * (dot(velocity, velocity) - rate * rate)
-        put_levels(g, 0, full + m[1] - length, full_rate - rate, full_second - pulled)
+        pulled = dot(u, vec(at.a, 3) - vec(at.a, 0)) + inverse * (dot(velocity, velocity) - rate * rate)
+        put_levels(g, 0, full + at.m[1] - length, full_rate - rate, full_second - pulled)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Length, natural length, strain, tension, stress, state; energies."""
-    length, rate, _ = line(q, v)
-    put_line_energy(p, q, v, e)
-    L, L_rate, _ = _paid_out(p, m, laws, t)
-    if mode == PAYING:
-        N, _, strain = _tension(p, laws, rate)
+    length, rate, _ = line(at.q, at.v)
+    put_line_energy(p, at.q, at.v, e)
+    L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
+    if at.phase == PAYING:
+        N, _, strain = _tension(p, at.laws, rate)
         L, L_rate, strain_rate = length / (1.0 + strain), rate / (1.0 + strain), 0.0
         stored = 0.5 * p.EA * strain * strain
         e[1] += stored * L
         e[2] = N * rate - stored * L_rate
     else:
         strain, strain_rate = strained(length, rate, L, L_rate)
-        if mode == HELD:
-            N, kept = q[MULTIPLIER], max(m[1], 0.0) / L
+        if at.phase == HELD:
+            N, kept = at.q[MULTIPLIER], max(at.m[1], 0.0) / L
             e[1] += 0.5 * p.EA * kept * kept * L
             e[3] = -(N + 0.5 * p.EA * kept * kept) * L_rate
         else:
-            elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
-            N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
+            elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
+            N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
             viscous = N - elastic
             e[1] += 0.5 * elastic * strain * L
             e[2] = viscous * L * strain_rate
             e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
     put_no_push(y)
-    y[6] = 2.0 if mode == PAYING else 0.0 if mode == SLACK else 1.0
+    y[6] = 2.0 if at.phase == PAYING else 0.0 if at.phase == SLACK else 1.0
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Strains, tensions over EA, rates and lengths, each where it counts."""
     g[:] = -FAR
-    length, rate, _ = line(q, v)
-    L, L_rate, full = _paid_out(p, m, laws, t)
+    length, rate, _ = line(at.q, at.v)
+    L, L_rate, full = _paid_out(p, at.m, at.laws, at.t)
     strain, strain_rate = strained(length, rate, L, L_rate)
     tautness = min(strain, strain + p.damping * strain_rate)
-    if mode == SLACK:
+    if at.phase == SLACK:
         if full and p.catch != STRETCH:
-            g[7 if p.catch == SHOCK else 8] = length - L - m[2]
+            g[7 if p.catch == SHOCK else 8] = length - L - at.m[2]
         else:
             g[0] = tautness
-    elif mode == TAUT:
+    elif at.phase == TAUT:
         g[1] = -tautness
         if not full:
-            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, laws, 0.0)[2]
-    elif mode == PAYING:
+            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[2]
+    elif at.phase == PAYING:
         g[3] = -rate
-        g[4 + p.catch] = length / (1.0 + _tension(p, laws, 0.0)[2]) - _full(p, laws, t)[0]
+        g[4 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[2]) - _full(p, at.laws, at.t)[0]
     else:
-        g[9] = -q[MULTIPLIER]
+        g[9] = -at.q[MULTIPLIER]
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """The length paid out, and what the line is longer than its full length, and was when it was held."""
-    length = line(q, v)[0]
-    full = _full(p, laws, t)[0]
-    paid = max(m[0], p.start)
-    m_out[0] = min(length / (1.0 + _tension(p, laws, 0.0)[2]), full) if mode == PAYING else paid
-    m_out[1] = m[1] if mode == HELD else length - full
-    m_out[2] = m[1] if mode == HELD else m[2]
+    length = line(at.q, at.v)[0]
+    full = _full(p, at.laws, at.t)[0]
+    paid = max(at.m[0], p.start)
+    m_out[0] = min(length / (1.0 + _tension(p, at.laws, 0.0)[2]), full) if at.phase == PAYING else paid
+    m_out[1] = at.m[1] if at.phase == HELD else length - full
+    m_out[2] = at.m[1] if at.phase == HELD else at.m[2]
 
 
 def wound_parts(values):

@@ -16,29 +16,14 @@ from typing import NamedTuple
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go
 from mecano.constraints.rolling import ROWS
-from mecano.constraints.tire_patch import NO_MATRIX, PSI, Y, by_positions, by_velocities, patch, patch_column
+from mecano.constraints.tire_patch import PSI, Y, by_positions, by_velocities, patch, patch_column
 from mecano.contract import GRIP, Event
 from mecano.elements.lateral_force import relax
 from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
 from mecano.elements.patch_wheel import patch_wheel, put_patch
 from mecano.elements.tire_wheel import AIR, CONTACT, LIFT_OFF
 from mecano.maths.surface import Block, directions, directions_variation
-from mecano.maths.vec import (
-    ZERO,
-    add,
-    add_col,
-    add_row,
-    dot,
-    madd,
-    mat,
-    mscale,
-    mul,
-    norm,
-    outer,
-    scale,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import NO_MATRIX, ZERO, Vec3, add_col, add_row, dot, mat, norm, outer, vec
 
 MULTIPLIERS = 9  # driving, lateral
 
@@ -54,24 +39,24 @@ class Hold(NamedTuple):
 
 
 @kernel
-def _add_block(A, j, Rn, at, load, hold, G, c):
+def _add_block(A, j, Rn, here, load, hold, G, c):
     """Add the derivatives by the variables of the Change ``c``."""
-    dF, de = NO_MATRIX, _turning(at, c.d)
+    dF, de = NO_MATRIX, _turning(here, c.d)
     for i in range(2):
         e = hold.along[i]
-        by = add(tmul(de[i], at.v_C), tmul(c.d.v_C, e))
-        dF = madd(dF, madd(mscale(hold.sizes[i], de[i]), outer(scale(hold.penalty, e), by)))
-        add_row(A, MULTIPLIERS + i, j, -hold.k, tmul(c.frame, by))
-    add_load_tangent(A, j, Rn, at, load, hold.F, G, dF, normal_change(at, load, c.d), c)
+        by = de[i].T @ here.v_C + c.d.v_C.T @ e
+        dF = dF + (hold.sizes[i] * de[i] + outer(hold.penalty * e, by))
+        add_row(A, MULTIPLIERS + i, j, -hold.k, c.frame.T @ by)
+    add_load_tangent(A, j, Rn, here, load, hold.F, G, dF, normal_change(here, load, c.d), c)
 
 
 @kernel
-def _add_multipliers(K, Rn, at, hold):
+def _add_multipliers(K, Rn, here, hold):
     """Columns of the two multipliers."""
     for i in range(2):
-        force, moment, own = patch_column(at, hold.along[i])
+        force, moment, own = patch_column(here, hold.along[i])
         add_col(K, 0, MULTIPLIERS + i, -hold.k, force)
-        add_col(K, 3, MULTIPLIERS + i, -hold.k, tmul(Rn, moment))
+        add_col(K, 3, MULTIPLIERS + i, -hold.k, Rn.T @ moment)
         add_col(K, Y, MULTIPLIERS + i, -hold.k, own)
 
 
@@ -83,61 +68,61 @@ def _turning(k, d):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces of ground and tyre law, constraints, and their derivatives; see the contract."""
-    if mode == AIR:
-        relax(p, q, v, f, K, C)
+    if at.phase == AIR:
+        relax(p, at.q, at.v, f, K, C)
         for row in range(MULTIPLIERS, MULTIPLIERS + 2):
-            let_go(f, K, row, k, q[row])
+            let_go(f, K, row, at.k, at.q[row])
         return
-    Rn, at = mat(R[0]), patch(p, laws, q, v, R)
-    load = load_of(p, laws, at, q, v)
-    along, across = directions(at.a, at.g)
-    Phi = (dot(along, at.v_C), dot(across, at.v_C))
-    sizes = (penalty * Phi[0] - q[MULTIPLIERS], penalty * Phi[1] - q[MULTIPLIERS + 1])
-    F = add(scale(sizes[0], along), scale(sizes[1], across))
-    hold = Hold((along, across), sizes, F, penalty, k)
-    f[MULTIPLIERS] -= k * Phi[0]
-    f[MULTIPLIERS + 1] -= k * Phi[1]
-    _add_multipliers(K, Rn, at, hold)
-    G = add_load(f, Rn, at, load, F)
-    places, motions = changes(p, at, load, G, Rn, v[Y])
+    Rn, here = mat(at.R[0]), patch(p, at.laws, at.q, at.v, at.R)
+    load = load_of(p, at.laws, here, at.q, at.v)
+    along, across = directions(here.a, here.g)
+    Phi = (dot(along, here.v_C), dot(across, here.v_C))
+    sizes = (at.penalty * Phi[0] - at.q[MULTIPLIERS], at.penalty * Phi[1] - at.q[MULTIPLIERS + 1])
+    F = sizes[0] * along + sizes[1] * across
+    hold = Hold((along, across), sizes, F, at.penalty, at.k)
+    f[MULTIPLIERS] -= at.k * Phi[0]
+    f[MULTIPLIERS + 1] -= at.k * Phi[1]
+    _add_multipliers(K, Rn, here, hold)
+    G = add_load(f, Rn, here, load, F)
+    places, motions = changes(p, here, load, G, Rn, at.v[Y])
     for i in range(3):
-        _add_block(K, 3 * i, Rn, at, load, hold, G, places[i])
-        _add_block(C, 3 * i, Rn, at, load, hold, G, motions[i])
+        _add_block(K, 3 * i, Rn, here, load, hold, G, places[i])
+        _add_block(C, 3 * i, Rn, here, load, hold, G, motions[i])
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Velocity of the patch along t and l, and its rate."""
     g[:, :] = 0.0
-    if mode == AIR:
+    if at.phase == AIR:
         return
-    at = patch(p, laws, q, v, R)
+    here = patch(p, at.laws, at.q, at.v, at.R)
     v_rate, e_rate = ZERO, (ZERO, ZERO)
-    X, T, S = by_positions(p, at, v[Y])
-    along = directions(at.a, at.g)
-    for d, rate in ((X, vec(v, 0)), (T, at.omega), (S, (v[Y], v[PSI], 0.0))):
-        de = _turning(at, d)
-        v_rate = add(v_rate, mul(d.v_C, rate))
-        e_rate = (add(e_rate[0], mul(de[0], rate)), add(e_rate[1], mul(de[1], rate)))
-    V, W, S1 = by_velocities(at)
-    for d, rate in ((V, vec(a, 0)), (W, mul(mat(R[0]), vec(a, 3))), (S1, (a[Y], a[PSI], 0.0))):
-        v_rate = add(v_rate, mul(d.v_C, rate))
+    X, T, S = by_positions(p, here, at.v[Y])
+    along = directions(here.a, here.g)
+    for d, rate in ((X, vec(at.v, 0)), (T, here.omega), (S, Vec3(at.v[Y], at.v[PSI], 0.0))):
+        de = _turning(here, d)
+        v_rate = v_rate + d.v_C @ rate
+        e_rate = (e_rate[0] + de[0] @ rate, e_rate[1] + de[1] @ rate)
+    V, W, S1 = by_velocities(here)
+    for d, rate in ((V, vec(at.a, 0)), (W, mat(at.R[0]) @ vec(at.a, 3)), (S1, Vec3(at.a[Y], at.a[PSI], 0.0))):
+        v_rate = v_rate + d.v_C @ rate
     for i in range(2):
-        g[i, 1] = dot(along[i], at.v_C)
-        g[i, 2] = dot(e_rate[i], at.v_C) + dot(along[i], v_rate)
+        g[i, 1] = dot(along[i], here.v_C)
+        g[i, 2] = dot(e_rate[i], here.v_C) + dot(along[i], v_rate)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
-    k = patch(p, laws, q, v, R)
-    load = load_of(p, laws, k, q, v)
+    k = patch(p, at.laws, at.q, at.v, at.R)
+    load = load_of(p, at.laws, k, at.q, at.v)
     along, across = directions(k.a, k.g)
-    reaction = add(scale(q[MULTIPLIERS], along), scale(q[MULTIPLIERS + 1], across))
+    reaction = at.q[MULTIPLIERS] * along + at.q[MULTIPLIERS + 1] * across
     grip = norm(reaction) / load.N if load.N > 0.0 else 0.0
-    put_patch(p, laws, mode == CONTACT, k, q, v, load.radial, reaction, grip, 0.0, load.law, y, e)
+    put_patch(p, at.laws, at.phase == CONTACT, k, at.q, at.v, load.radial, reaction, grip, 0.0, load.law, y, e)
 
 
 ADHESIVE_WHEEL = patch_wheel(

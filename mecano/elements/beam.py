@@ -29,7 +29,7 @@ from mecano.elements.beam_line import check_line, screw, stations
 from mecano.elements.cross_section import MOST_POINTS, constants, is_round
 from mecano.maths.rotation_vector import first_derivative
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vec import add, cross, dot, mat, matmul, mul, put, scale, sub, tmul, transpose
+from mecano.maths.vector import cross, dot, mat, put
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_ELEMENTS = 10_000
@@ -42,12 +42,12 @@ RECORD = record(
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Elastic forces, damping, inertia and weight; see contract.py for the arguments."""
-    R1, R2 = mat(R[0]), mat(R[1])
-    W = matmul(transpose(R1), R2)
-    add_elastic(p, q, v, W, R2, f, K, C)
-    add_inertia(p, v, a, R1, R2, f, K, C, M)
+    R1, R2 = mat(at.R[0]), mat(at.R[1])
+    W = R1.T @ R2
+    add_elastic(p, at.q, at.v, W, R2, f, K, C)
+    add_inertia(p, at.v, at.a, R1, R2, f, K, C, M)
 
 
 @kernel
@@ -55,21 +55,21 @@ def _at_ends(p, y, H, E, b, e_u, e_phi):
     """Force and the moments at both ends, in section axes of node 2 and, of the first moment, of node 1."""
     p_u, p_phi = stresses(p, e_u, e_phi)
     P, _, m_1, m_2 = end_loads(p, y, H, E, unstretched(p, p_u, b), p_phi)
-    return P, scale(-1.0, tmul(mat(p.S), m_1)), m_2
+    return P, -(mat(p.S).T @ m_1), m_2
 
 
 @kernel
 def _section_forces(p, phi, y, H, force, first, second):
     """Force and moment in the middle, force at both ends, in the section axes of the place."""
     axes = mat(p.axes)
-    half = exp(scale(0.5, phi))
-    ahead = scale(0.5, tmul(tangent(scale(0.5, phi)), mul(H, y)))  # from the first end to the middle, in its axes
-    first_force = mul(exp(phi), force)
-    moment = sub(first, cross(ahead, first_force))
-    middle_force, middle_moment = tmul(half, first_force), tmul(half, moment)
+    half = exp(0.5 * phi)
+    ahead = 0.5 * (tangent(0.5 * phi).T @ (H @ y))  # from the first end to the middle, in its axes
+    first_force = exp(phi) @ force
+    moment = first - cross(ahead, first_force)
+    middle_force, middle_moment = half.T @ first_force, half.T @ moment
     return (
-        tmul(axes, middle_force), tmul(axes, middle_moment), tmul(axes, first_force), tmul(axes, force),
-        tmul(axes, first), tmul(axes, second),
+        axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
+        axes.T @ first, axes.T @ second,
     )  # fmt: skip
 
 
@@ -77,7 +77,7 @@ def _section_forces(p, phi, y, H, force, first, second):
 def _local_strains(p, N, M):
     """Strains and curvatures of a section force and moment."""
     F_up = mat(p.F_up)
-    return add(mul(mat(p.F_uu), N), mul(F_up, M)), add(tmul(F_up, N), mul(mat(p.F_pp), M))
+    return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
 
 
 @kernel
@@ -93,14 +93,14 @@ def _stress(p, N, M):
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Section forces, strains, stress, energies."""
-    R1, R2 = mat(R[0]), mat(R[1])
-    W = matmul(transpose(R1), R2)
-    phi, d, H, c, c1, _, e_u, e_phi = strains(p, q, W, R2)
-    E, b = first_derivative(phi, d, -0.5, c, c1), mul(mat(p.B), e_u)
-    u_rate, phi_rate, _ = strain_rates(p, v, d, R2, H, E)
-    e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, scale(2.0, b))
+    R1, R2 = mat(at.R[0]), mat(at.R[1])
+    W = R1.T @ R2
+    phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2)
+    E, b = first_derivative(phi, d, -0.5, c, c1), mat(p.B) @ e_u
+    u_rate, phi_rate, _ = strain_rates(p, at.v, d, R2, H, E)
+    e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, 2.0 * b)
     p_u, p_phi = stresses(p, e_u, e_phi)
     rate_u, rate_phi = stresses(p, u_rate, phi_rate)
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
@@ -112,12 +112,12 @@ def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
         n_end, s_end, e_end = _stress(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
-    total_u, total_phi = add(e_u, scale(p.damping, u_rate)), add(e_phi, scale(p.damping, phi_rate))
+    total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
     N, first, second = _at_ends(p, d, H, E, b, total_u, total_phi)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
-    kinetic, weight = energies(p, q, v, R1, R2)
+    kinetic, weight = energies(p, at.q, at.v, R1, R2)
     y[18], y[19], y[20] = normal, shear, equivalent
     y[21], y[22] = elastic, kinetic
     e[0] = kinetic

@@ -17,27 +17,7 @@ waves of fourth order.
 import numpy as np
 
 from mecano.compiled.kernel import inlined, kernel
-from mecano.maths.vec import (
-    EYE,
-    add,
-    add_mat,
-    add_vec,
-    cross,
-    cross_columns,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    outer,
-    scale,
-    skew,
-    sub,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, add_mat, add_vec, cross, cross_columns, dot, mat, outer, skew, vec
 
 # products of line (L) and tangent (T) functions, of one node (M) and of both (N); T of the second node: other sign
 M_LL, M_LT, M_TT = 5.0 / 12.0, 3.0 / 40.0, 1.0 / 48.0
@@ -49,22 +29,22 @@ OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # of the rotary inertia
 def add_inertia(p, v, a, R1, R2, f, K, C, M):
     """Add residual and tangents of inertia and weight."""
     m = p.mass
-    u1, u2 = sub(vec(a, 0), vec(p.gravity, 0)), sub(vec(a, 6), vec(p.gravity, 0))
+    u1, u2 = vec(a, 0) - vec(p.gravity, 0), vec(a, 6) - vec(p.gravity, 0)
     tangent_1 = _lever(R1, vec(p.t1, 0), vec(v, 3), vec(a, 3))
     tangent_2 = _lever(R2, vec(p.t2, 0), vec(v, 9), vec(a, 9))
     center_1, center_2 = tangent_1, tangent_2
     if p.eccentric:
         center_1 = _lever(R1, vec(p.c1, 0), vec(v, 3), vec(a, 3))
         center_2 = _lever(R2, vec(p.c2, 0), vec(v, 9), vec(a, 9))
-        u1, u2 = add(u1, center_1[3]), add(u2, center_2[3])
+        u1, u2 = u1 + center_1[3], u2 + center_2[3]
     g1, g2 = tangent_1[3], tangent_2[3]
-    line_1 = add(add(scale(M_LL * m, u1), scale(M_LT * m, g1)), add(scale(N_LL * m, u2), scale(-N_LT * m, g2)))
-    line_2 = add(add(scale(N_LL * m, u1), scale(N_LT * m, g1)), add(scale(M_LL * m, u2), scale(-M_LT * m, g2)))
-    turn_1 = add(add(scale(M_LT * m, u1), scale(M_TT * m, g1)), add(scale(N_LT * m, u2), scale(N_TT * m, g2)))
-    turn_2 = add(add(scale(-N_LT * m, u1), scale(N_TT * m, g1)), add(scale(-M_LT * m, u2), scale(M_TT * m, g2)))
+    line_1 = M_LL * m * u1 + M_LT * m * g1 + (N_LL * m * u2 - N_LT * m * g2)
+    line_2 = N_LL * m * u1 + N_LT * m * g1 + (M_LL * m * u2 - M_LT * m * g2)
+    turn_1 = M_LT * m * u1 + M_TT * m * g1 + (N_LT * m * u2 + N_TT * m * g2)
+    turn_2 = -N_LT * m * u1 + N_TT * m * g1 + (-M_LT * m * u2 + M_TT * m * g2)
     off = p.eccentric
-    _add_force(off, vec(p.c1, 0), vec(p.t1, 0), tmul(R1, line_1), tmul(R1, turn_1), line_1, 0, f, K)
-    _add_force(off, vec(p.c2, 0), vec(p.t2, 0), tmul(R2, line_2), tmul(R2, turn_2), line_2, 6, f, K)
+    _add_force(off, vec(p.c1, 0), vec(p.t1, 0), R1.T @ line_1, R1.T @ turn_1, line_1, 0, f, K)
+    _add_force(off, vec(p.c2, 0), vec(p.t2, 0), R2.T @ line_2, R2.T @ turn_2, line_2, 6, f, K)
     LL, LT, TT = M_LL * m, M_LT * m, M_TT * m
     _add_pair(off, tangent_1, center_1, tangent_1, center_1, 0, 0, LL, LT, LT, TT, K, C, M)
     _add_pair(off, tangent_2, center_2, tangent_2, center_2, 6, 6, LL, -LT, -LT, TT, K, C, M)
@@ -78,24 +58,24 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
 def _lever(A, b, omega, alpha):
     """Derivatives of the acceleration of A b by -alpha, -omega, -Theta (3 x 3), and the acceleration itself."""
     spin = cross(omega, b)
-    g = add(cross(alpha, b), cross(omega, spin))
+    g = cross(alpha, b) + cross(omega, spin)
     n = _turning(omega, b, spin)
-    return cross_columns(A, b), matmul(A, n), cross_columns(A, g), mul(A, g)
+    return cross_columns(A, b), A @ n, cross_columns(A, g), A @ g
 
 
 @kernel
 def _turning(omega, b, spin):
     """hat(omega x b) + hat(omega) hat(b)."""
-    return madd(skew(spin), madd(outer(b, omega), mscale(-dot(omega, b), EYE)))
+    return skew(spin) + (outer(b, omega) - dot(omega, b) * EYE)
 
 
 @inlined
 def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
     """Forces on the node at slot i, and what their turning with the node adds to K."""
     add_vec(f, i, 1.0, line)
-    moment, turned = cross(t, turn_body), matmul(skew(t), skew(turn_body))
+    moment, turned = cross(t, turn_body), skew(t) @ skew(turn_body)
     if eccentric:
-        moment, turned = add(moment, cross(c, line_body)), madd(turned, matmul(skew(c), skew(line_body)))
+        moment, turned = moment + cross(c, line_body), turned + skew(c) @ skew(line_body)
     add_vec(f, i + 3, 1.0, moment)
     add_mat(K, i + 3, i + 3, 1.0, turned)
 
@@ -103,7 +83,7 @@ def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
 @inlined
 def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl, tt, K, C, M):
     """What the motion of the node at slot j asks of the node at slot i; ll ... tt: constants of lines and tangents."""
-    lever, lever_c = transpose(own[0]), transpose(own_center[0])
+    lever, lever_c = own[0].T, own_center[0].T
     for k in range(3):
         M[i + k, j + k] += ll
     add_mat(M, i + 3, j, -tl, lever)
@@ -118,48 +98,48 @@ def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl,
 def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
     """Derivatives by the rotation at slot j + 3, in which X (of the tangent) and X_c (of the mass centre) turn."""
     add_mat(out, i, j + 3, -lt, X)
-    add_mat(out, i + 3, j + 3, tt, matmul(lever, X))
+    add_mat(out, i + 3, j + 3, tt, lever @ X)
     if eccentric:
         add_mat(out, i, j + 3, -ll, X_c)
-        add_mat(out, i + 3, j + 3, tl, matmul(lever, X_c))
-        line = madd(mscale(lt, X), mscale(ll, X_c))
-        add_mat(out, i + 3, j + 3, 1.0, matmul(lever_c, line))
+        add_mat(out, i + 3, j + 3, tl, lever @ X_c)
+        line = lt * X + ll * X_c
+        add_mat(out, i + 3, j + 3, 1.0, lever_c @ line)
 
 
 @inlined
 def _add_rotary(J1, J2, J12, v, a, f, C, M):
     """Rotary inertia: 1/2 Omega_1 . J1 Omega_1 + Omega_1 . J12 Omega_2 + 1/2 Omega_2 . J2 Omega_2."""
     omega_1, omega_2, alpha_1, alpha_2 = vec(v, 3), vec(v, 9), vec(a, 3), vec(a, 9)
-    J21 = transpose(J12)
-    L_1, L_2 = add(mul(J1, omega_1), mul(J12, omega_2)), add(mul(J21, omega_1), mul(J2, omega_2))
-    add_vec(f, 3, 1.0, add(add(mul(J1, alpha_1), mul(J12, alpha_2)), cross(omega_1, L_1)))
-    add_vec(f, 9, 1.0, add(add(mul(J21, alpha_1), mul(J2, alpha_2)), cross(omega_2, L_2)))
+    J21 = J12.T
+    L_1, L_2 = J1 @ omega_1 + J12 @ omega_2, J21 @ omega_1 + J2 @ omega_2
+    add_vec(f, 3, 1.0, J1 @ alpha_1 + J12 @ alpha_2 + cross(omega_1, L_1))
+    add_vec(f, 9, 1.0, J21 @ alpha_1 + J2 @ alpha_2 + cross(omega_2, L_2))
     hat_1, hat_2 = skew(omega_1), skew(omega_2)
     add_mat(M, 3, 3, 1.0, J1)
     add_mat(M, 3, 9, 1.0, J12)
     add_mat(M, 9, 3, 1.0, J21)
     add_mat(M, 9, 9, 1.0, J2)
-    add_mat(C, 3, 3, 1.0, madd(matmul(hat_1, J1), skew(scale(-1.0, L_1))))
-    add_mat(C, 3, 9, 1.0, matmul(hat_1, J12))
-    add_mat(C, 9, 3, 1.0, matmul(hat_2, J21))
-    add_mat(C, 9, 9, 1.0, madd(matmul(hat_2, J2), skew(scale(-1.0, L_2))))
+    add_mat(C, 3, 3, 1.0, hat_1 @ J1 + skew(-L_1))
+    add_mat(C, 3, 9, 1.0, hat_1 @ J12)
+    add_mat(C, 9, 3, 1.0, hat_2 @ J21)
+    add_mat(C, 9, 9, 1.0, hat_2 @ J2 + skew(-L_2))
 
 
 @kernel
 def energies(p, q, v, R1, R2):
     """Kinetic energy and potential energy of the weight [J]."""
     m, gravity, omega_1, omega_2 = p.mass, vec(p.gravity, 0), vec(v, 3), vec(v, 9)
-    c1, c2, t1, t2 = mul(R1, vec(p.c1, 0)), mul(R2, vec(p.c2, 0)), mul(R1, vec(p.t1, 0)), mul(R2, vec(p.t2, 0))
-    w1, w2 = mul(R1, omega_1), mul(R2, omega_2)
-    v1, v2 = add(vec(v, 0), cross(w1, c1)), add(vec(v, 6), cross(w2, c2))
+    c1, c2, t1, t2 = R1 @ vec(p.c1, 0), R2 @ vec(p.c2, 0), R1 @ vec(p.t1, 0), R2 @ vec(p.t2, 0)
+    w1, w2 = R1 @ omega_1, R2 @ omega_2
+    v1, v2 = vec(v, 0) + cross(w1, c1), vec(v, 6) + cross(w2, c2)
     d1, d2 = cross(w1, t1), cross(w2, t2)
     total = 0.5 * M_LL * (dot(v1, v1) + dot(v2, v2)) + 0.5 * M_TT * (dot(d1, d1) + dot(d2, d2))
     total += M_LT * (dot(v1, d1) - dot(v2, d2)) + N_LL * dot(v1, v2) + N_TT * dot(d1, d2)
     total = m * (total + N_LT * (dot(d1, v2) - dot(v1, d2)))
-    total += 0.5 * dot(omega_1, mul(mat(p.J1), omega_1)) + 0.5 * dot(omega_2, mul(mat(p.J2), omega_2))
-    total += dot(omega_1, mul(mat(p.J12), omega_2))
-    ends = add(add(vec(q, 0), c1), add(vec(q, 6), c2))
-    line = add(scale(M_LL + N_LL, ends), scale(M_LT + N_LT, sub(t1, t2)))
+    total += 0.5 * dot(omega_1, mat(p.J1) @ omega_1) + 0.5 * dot(omega_2, mat(p.J2) @ omega_2)
+    total += dot(omega_1, mat(p.J12) @ omega_2)
+    ends = vec(q, 0) + c1 + (vec(q, 6) + c2)
+    line = (M_LL + N_LL) * ends + (M_LT + N_LT) * (t1 - t2)
     return total, -m * dot(gravity, line)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from mecano.constraints.joint_frame import PLACE, at_one_place, cross, triad
 from mecano.maths.so3 import exp, log, tangent_inverse
+from mecano.maths.vector import Vec3, mat, vec
 
 MOST_TURN = 3.0  # rad between the ends of one element
 PARALLEL = 1e-6  # sine of the angle between directions that count as parallel
@@ -22,9 +23,9 @@ def stations(d, nodes):
     A = _section_axes(axis, d["up"])
     found = []
     for s in np.linspace(0.0, 1.0, d["mesh"] + 1):
-        turned = np.array(exp(tuple(s * angle * about)))
+        turned = np.array(exp(vec(s * angle * about, 0)))
         x = x_1 + s * (x_2 - x_1) if centre is None else centre + turned @ (x_1 - centre)
-        found.append((x, turned @ A @ np.array(exp((s * d["twist"], 0.0, 0.0)))))
+        found.append((x, turned @ A @ np.array(exp(Vec3(s * d["twist"], 0.0, 0.0)))))
     return found
 
 
@@ -34,10 +35,10 @@ def screw(first, second):
     That of a straight element is (length, 0, ...) without any rounding, so that equal elements are seen to be equal.
     """
     (x_1, A_1), (x_2, A_2) = first, second
-    line, phi = np.subtract(x_2, x_1), np.array(log(tuple(map(tuple, A_1.T @ A_2))))
+    line, phi = np.subtract(x_2, x_1), np.array(log(mat(A_1.T @ A_2)))
     if np.abs(phi).max() <= ROUNDING:
         return np.array([np.linalg.norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
-    return np.concatenate([np.array(tangent_inverse(tuple(phi))) @ A_2.T @ line, phi])
+    return np.concatenate([np.array(tangent_inverse(vec(phi, 0))) @ A_2.T @ line, phi])
 
 
 def _arc(x_1, via, x_2):

@@ -35,21 +35,7 @@ from mecano.elements.brake_bound import (
 )
 from mecano.elements.tire_law import TIRE_RECORD, prepare_tire_law
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import (
-    add_mat,
-    add_vec,
-    dot,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    outer,
-    scale,
-    skew,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import add_mat, add_vec, dot, mat, outer, skew, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
 
 RECORD = record(
@@ -92,46 +78,40 @@ def _sign(rate, eps):
 @kernel
 def _rate(p, v, R):
     """Relative rate W, axis in the axes of the reference node, relative rotation."""
-    A = matmul(transpose(mat(R[0])), mat(R[1]))
-    b = mul(A, vec(p.axis, 0))
+    A = mat(R[0]).T @ mat(R[1])
+    b = A @ vec(p.axis, 0)
     return dot(vec(p.axis, 0), vec(v, SPIN)) - dot(b, vec(v, REFERENCE)), b, A
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Moments on both nodes and their derivatives."""
-    axis, Omega, Rn = vec(p.axis, 0), vec(v, REFERENCE), mat(R[1])
-    rate, b, A = _rate(p, v, R)
-    T, by, _ = _torque(p, laws, t, q, v, R)
+    axis, Omega, Rn = vec(p.axis, 0), vec(at.v, REFERENCE), mat(at.R[1])
+    rate, b, A = _rate(p, at.v, at.R)
+    T, by, _ = _torque(p, at.laws, at.t, at.q, at.v, at.R)
     g, g_rate = _sign(rate, p.rate_regularization)
     tau, tau_rate, by = T * g, T * g_rate, scaled(g, by)
     add_vec(f, SPIN, tau, axis)
     add_vec(f, REFERENCE, -tau, b)
     # b = A xi turns with both nodes: db = hat(b) dTheta_reference - A hat(xi) dTheta_wheel
-    b_r, b_w = skew(b), mscale(-1.0, matmul(A, skew(axis)))
-    for place, moment in ((SPIN, axis), (REFERENCE, scale(-1.0, b))):
-        add_mat(C, place, SPIN, 1.0, outer(moment, _sum(tau_rate, axis, tmul(Rn, by.w))))
+    b_r, b_w = skew(b), -(A @ skew(axis))
+    for place, moment in ((SPIN, axis), (REFERENCE, -b)):
+        add_mat(C, place, SPIN, 1.0, outer(moment, tau_rate * axis + Rn.T @ by.w))
         add_mat(C, place, REFERENCE, -tau_rate, outer(moment, b))
         add_mat(C, place, PLACE, 1.0, outer(moment, by.v))
         add_mat(K, place, PLACE, 1.0, outer(moment, by.x))
-        add_mat(K, place, REFERENCE, -tau_rate, outer(moment, mul(transpose(b_r), Omega)))
-        turned = _sum(-tau_rate, mul(transpose(b_w), Omega), tmul(Rn, by.t))
+        add_mat(K, place, REFERENCE, -tau_rate, outer(moment, b_r.T @ Omega))
+        turned = -tau_rate * (b_w.T @ Omega) + Rn.T @ by.t
         add_mat(K, place, SPIN, 1.0, outer(moment, turned))
     add_mat(K, REFERENCE, REFERENCE, -tau, b_r)
     add_mat(K, REFERENCE, SPIN, -tau, b_w)
 
 
 @kernel
-def _sum(s, a, b):
-    """s a + b"""
-    return (s * a[0] + b[0], s * a[1] + b[1], s * a[2] + b[2])
-
-
-@kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Torque, bound, relative rate, power, slip ratio."""
-    rate, _, _ = _rate(p, v, R)
-    T, _, bound = _torque(p, laws, t, q, v, R)
+    rate, _, _ = _rate(p, at.v, at.R)
+    T, _, bound = _torque(p, at.laws, at.t, at.q, at.v, at.R)
     tau = T * _sign(rate, p.rate_regularization)[0]
     y[0] = tau
     y[1] = bound.B

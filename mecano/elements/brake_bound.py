@@ -17,26 +17,10 @@ from mecano.constraints.ground import touch
 from mecano.elements.tire_law import radial_force, speed_over_ground
 from mecano.laws.table import evaluate_curve
 from mecano.maths.surface import directions, directions_variation, disc_variation
-from mecano.maths.vec import (
-    ZERO,
-    add,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    norm,
-    scale,
-    skew,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import NO_MATRIX, ZERO, cross, dot, mat, norm, skew, vec
 
 PLACE, SPIN = 3, 6  # local unknowns of the wheel's node in a brake
 UNBOUNDED, BY_SPEED, BY_ADHESION = 0.0, 1.0, 2.0
-NO_MATRIX = (ZERO, ZERO, ZERO)
 
 
 class Gradient(NamedTuple):
@@ -64,13 +48,13 @@ NO_GRADIENT = Gradient(ZERO, ZERO, ZERO, ZERO)
 @kernel
 def scaled(s, by):
     """s times a Gradient."""
-    return Gradient(scale(s, by.x), scale(s, by.t), scale(s, by.v), scale(s, by.w))
+    return Gradient(s * by.x, s * by.t, s * by.v, s * by.w)
 
 
 @kernel
 def summed(a, b):
     """The sum of two Gradients."""
-    return Gradient(add(a.x, b.x), add(a.t, b.t), add(a.v, b.v), add(a.w, b.w))
+    return Gradient(a.x + b.x, a.t + b.t, a.v + b.v, a.w + b.w)
 
 
 @kernel
@@ -81,7 +65,7 @@ def bound_of(p, laws, q, v, R):
             return Bound(0.0, NO_GRADIENT, 1.0, NO_GRADIENT, 0.0)
         u = norm(vec(v, PLACE))
         B, B_u, _ = evaluate_curve(laws, p.bound, u)
-        ahead = scale(B_u / u, vec(v, PLACE)) if u > 0.0 else ZERO
+        ahead = B_u / u * vec(v, PLACE) if u > 0.0 else ZERO
         return Bound(B, Gradient(ZERO, ZERO, ahead, ZERO), 1.0, NO_GRADIENT, 0.0)
     return _by_tire(p, laws, q, v, mat(R[1]))
 
@@ -89,15 +73,15 @@ def bound_of(p, laws, q, v, R):
 @kernel
 def _by_tire(p, laws, q, v, Rn):
     """The Bound of a brake that watches its wheel."""
-    axis, velocity, omega = mul(Rn, vec(p.axis, 0)), vec(v, PLACE), mul(Rn, vec(v, SPIN))
+    axis, velocity, omega = Rn @ vec(p.axis, 0), vec(v, PLACE), Rn @ vec(v, SPIN)
     g = touch(p, laws, vec(q, PLACE), axis)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
-    r, r_by = g.r, Gradient(scale(1.0 / g.q, g.n), scale(1.0 / g.q, cross(g.arm, g.n)), ZERO, ZERO)
+    r, r_by = g.r, Gradient(g.n / g.q, cross(g.arm, g.n) / g.q, ZERO, ZERO)
     if r > p.radius:
         r, r_by = p.radius, NO_GRADIENT
     u, ahead = speed_over_ground(g.n, velocity)
     rise = -dot(g.n, velocity)
-    u_by = Gradient(scale(rise, tmul(by_x.n, ahead)), scale(rise, tmul(by_t.n, ahead)), ahead, ZERO)
+    u_by = Gradient(rise * (by_x.n.T @ ahead), rise * (by_t.n.T @ ahead), ahead, ZERO)
     B, B_by = 0.0, NO_GRADIENT
     if p.bounded == BY_SPEED:
         B, B_u, _ = evaluate_curve(laws, p.bound, u)
@@ -115,13 +99,13 @@ def _by_tire(p, laws, q, v, Rn):
 @kernel
 def _pressing(p, laws, g, by_x, by_t, r_by, velocity, omega):
     """Radial force [N] of the tyre in the Contact ``g``, and its Gradient."""
-    at_rim, w = add(velocity, cross(omega, g.arm)), skew(omega)
+    at_rim, w = velocity + cross(omega, g.arm), skew(omega)
     w1 = -dot(g.n, at_rim) / g.q
     F, F_w, F_w1 = radial_force(p, laws, p.radius - g.r, w1)
-    moved_x = matmul(w, by_x.arm)
-    moved_t = madd(matmul(skew(g.arm), w), matmul(w, by_t.arm))
+    moved_x = w @ by_x.arm
+    moved_t = skew(g.arm) @ w + w @ by_t.arm
     climb = Gradient(
-        add(tmul(by_x.n, at_rim), tmul(moved_x, g.n)), add(tmul(by_t.n, at_rim), tmul(moved_t, g.n)), g.n,
+        by_x.n.T @ at_rim + moved_x.T @ g.n, by_t.n.T @ at_rim + moved_t.T @ g.n, g.n,
         cross(g.arm, g.n),
     )  # fmt: skip
     lean = Gradient(by_x.s, by_t.s, ZERO, ZERO)
@@ -134,10 +118,10 @@ def _slip_ratio(p, axis, g, by, r, r_by, velocity, spin):
     """The slip ratio and its Gradient; ``spin`` [rad/s] of the wheel about its axis."""
     t, _ = directions(axis, g)
     t_x, _ = directions_variation(axis, g, t, by[0], NO_MATRIX)
-    t_t, _ = directions_variation(axis, g, t, by[1], mscale(-1.0, skew(axis)))
+    t_t, _ = directions_variation(axis, g, t, by[1], -skew(axis))
     forward, rim = dot(t, velocity), spin * r
-    forward_by = Gradient(tmul(t_x, velocity), tmul(t_t, velocity), t, ZERO)
-    rim_by = summed(scaled(spin, r_by), Gradient(ZERO, ZERO, ZERO, scale(r, axis)))
+    forward_by = Gradient(t_x.T @ velocity, t_t.T @ velocity, t, ZERO)
+    rim_by = summed(scaled(spin, r_by), Gradient(ZERO, ZERO, ZERO, r * axis))
     size = forward * forward + p.least_speed * p.least_speed
     slip = (forward - rim) * forward / size
     by_forward = (2.0 * forward - rim - 2.0 * slip * forward) / size

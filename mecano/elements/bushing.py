@@ -26,29 +26,10 @@ from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.contract import Kind, Output, record
 from mecano.maths.so3 import log, tangent, tangent_derivative, tangent_inverse
-from mecano.maths.vec import (
-    add,
-    add_mat,
-    add_vec,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    put,
-    scale,
-    skew,
-    sub,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import NO_MATRIX, add_mat, add_vec, cross, dot, mat, put, skew, vec
 from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
 
 RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
-NONE = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 ROUNDING = 1e-9  # of the largest eigenvalue: below zero by no more than this counts as zero
 
 
@@ -63,90 +44,90 @@ def _strain(p, q, v, R):
     """d and psi, their rates, d_a = R_a^T (x_b - x_a), Q, omega."""
     A, mu, xi = mat(R[0]), mat(p.mu), mat(p.xi)
     omega_a, omega_b = vec(v, 3), vec(v, 9)
-    d_a, w = tmul(A, sub(vec(q, 6), vec(q, 0))), tmul(A, sub(vec(v, 6), vec(v, 0)))
-    Q = matmul(mu, matmul(matmul(transpose(A), mat(R[1])), transpose(xi)))
+    d_a, w = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
+    Q = mu @ (A.T @ mat(R[1]) @ xi.T)
     psi = log(Q)
-    omega = sub(mul(xi, omega_b), tmul(Q, mul(mu, omega_a)))
-    d, d_rate = sub(mul(mu, d_a), vec(p.start, 0)), mul(mu, add(w, cross(d_a, omega_a)))
-    return d, psi, d_rate, mul(tangent_inverse(psi), omega), d_a, Q, omega
+    omega = xi @ omega_b - Q.T @ (mu @ omega_a)
+    d, d_rate = mu @ d_a - vec(p.start, 0), mu @ (w + cross(d_a, omega_a))
+    return d, psi, d_rate, tangent_inverse(psi) @ omega, d_a, Q, omega
 
 
 @kernel
 def _product(S, d, psi):
     """S (d, psi) for a matrix in blocks."""
-    return add(mul(S[0][0], d), mul(S[0][1], psi)), add(mul(S[1][0], d), mul(S[1][1], psi))
+    return S[0][0] @ d + S[0][1] @ psi, S[1][0] @ d + S[1][1] @ psi
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces and moments on both nodes."""
-    A, mu, xi, S, D = mat(R[0]), mat(p.mu), mat(p.xi), _blocks(p.stiffness), _blocks(p.damping)
-    d, psi, d_rate, psi_rate, d_a, Q, omega = _strain(p, q, v, R)
+    A, mu, xi, S, D = mat(at.R[0]), mat(p.mu), mat(p.xi), _blocks(p.stiffness), _blocks(p.damping)
+    d, psi, d_rate, psi_rate, d_a, Q, omega = _strain(p, at.q, at.v, at.R)
     elastic, viscous = _product(S, d, psi), _product(D, d_rate, psi_rate)
-    n, couple = add(elastic[0], viscous[0]), add(elastic[1], viscous[1])
-    J, back = tangent_inverse(psi), transpose(tangent_inverse(psi))
-    n_a, moment_a, moment_b = tmul(mu, n), mul(J, couple), mul(back, couple)
-    add_vec(f, 0, -1.0, mul(A, n_a))
-    add_vec(f, 3, 1.0, sub(cross(n_a, d_a), tmul(mu, moment_a)))
-    add_vec(f, 6, 1.0, mul(A, n_a))
-    add_vec(f, 9, 1.0, tmul(xi, moment_b))
+    n, couple = elastic[0] + viscous[0], elastic[1] + viscous[1]
+    J, back = tangent_inverse(psi), tangent_inverse(psi).T
+    n_a, moment_a, moment_b = mu.T @ n, J @ couple, back @ couple
+    add_vec(f, 0, -1.0, A @ n_a)
+    add_vec(f, 3, 1.0, cross(n_a, d_a) - mu.T @ moment_a)
+    add_vec(f, 6, 1.0, A @ n_a)
+    add_vec(f, 9, 1.0, xi.T @ moment_b)
 
     # gradients of d, psi and of their rates, by x_a, Theta_a, x_b, Theta_b
-    E, omega_a, w = matmul(mu, transpose(A)), vec(v, 3), tmul(A, sub(vec(v, 6), vec(v, 0)))
-    swept = matmul(matmul(mu, skew(omega_a)), transpose(A))
-    turned = matmul(mu, madd(skew(w), mscale(-1.0, matmul(skew(omega_a), skew(d_a)))))
-    B_d = (mscale(-1.0, E), matmul(mu, skew(d_a)), E, NONE)
-    B_p = (NONE, mscale(-1.0, matmul(back, mu)), NONE, matmul(J, xi))
-    R_d = (swept, turned, mscale(-1.0, swept), NONE)
-    frame = matmul(skew(tmul(Q, mul(mu, omega_a))), tangent(psi))
-    W = mscale(-1.0, matmul(J, madd(tangent_derivative(psi, psi_rate), frame)))
+    E, omega_a, w = mu @ A.T, vec(at.v, 3), A.T @ (vec(at.v, 6) - vec(at.v, 0))
+    swept = mu @ skew(omega_a) @ A.T
+    turned = mu @ (skew(w) - skew(omega_a) @ skew(d_a))
+    B_d = (-E, mu @ skew(d_a), E, NO_MATRIX)
+    B_p = (NO_MATRIX, -(back @ mu), NO_MATRIX, J @ xi)
+    R_d = (swept, turned, -swept, NO_MATRIX)
+    frame = skew(Q.T @ (mu @ omega_a)) @ tangent(psi)
+    W = -(J @ (tangent_derivative(psi, psi_rate) + frame))
     for j in range(4):
-        R_p = matmul(W, B_p[j])
+        R_p = W @ B_p[j]
         by_d, by_p = _times(S, B_d[j], B_p[j]), _times(D, B_d[j], B_p[j])
         by_rate = _times(D, R_d[j], R_p)
         for i in range(4):
-            T_d, T_p = transpose(B_d[i]), transpose(B_p[i])
-            add_mat(K, 3 * i, 3 * j, 1.0, matmul(T_d, madd(by_d[0], by_rate[0])))
-            add_mat(K, 3 * i, 3 * j, 1.0, matmul(T_p, madd(by_d[1], by_rate[1])))
-            add_mat(C, 3 * i, 3 * j, 1.0, matmul(T_d, by_p[0]))
-            add_mat(C, 3 * i, 3 * j, 1.0, matmul(T_p, by_p[1]))
+            T_d, T_p = B_d[i].T, B_p[i].T
+            add_mat(K, 3 * i, 3 * j, 1.0, T_d @ (by_d[0] + by_rate[0]))
+            add_mat(K, 3 * i, 3 * j, 1.0, T_p @ (by_d[1] + by_rate[1]))
+            add_mat(C, 3 * i, 3 * j, 1.0, T_d @ by_p[0])
+            add_mat(C, 3 * i, 3 * j, 1.0, T_p @ by_p[1])
     _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p)
 
 
 @kernel
 def _times(S, X, Y):
     """S (X, Y) for matrices in blocks."""
-    upper = madd(matmul(S[0][0], X), matmul(S[0][1], Y))
-    return upper, madd(matmul(S[1][0], X), matmul(S[1][1], Y))
+    upper = S[0][0] @ X + S[0][1] @ Y
+    return upper, S[1][0] @ X + S[1][1] @ Y
 
 
 @kernel
 def _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p):
     """Derivative of the gradients of d and psi, times the forces."""
-    hat_n, minus = skew(n_a), scale(-1.0, psi)
-    turn, arm = matmul(A, hat_n), matmul(hat_n, transpose(A))
+    hat_n, minus = skew(n_a), -psi
+    turn, arm = A @ hat_n, hat_n @ A.T
     add_mat(K, 0, 3, 1.0, turn)
     add_mat(K, 6, 3, -1.0, turn)
     add_mat(K, 3, 0, -1.0, arm)
     add_mat(K, 3, 6, 1.0, arm)
-    add_mat(K, 3, 3, 1.0, matmul(hat_n, skew(d_a)))
-    on_a = matmul(transpose(mu), matmul(J, tangent_derivative(psi, moment_a)))
-    on_b = matmul(transpose(xi), matmul(back, tangent_derivative(minus, moment_b)))
+    add_mat(K, 3, 3, 1.0, hat_n @ skew(d_a))
+    on_a = mu.T @ (J @ tangent_derivative(psi, moment_a))
+    on_b = xi.T @ (back @ tangent_derivative(minus, moment_b))
     for j in (1, 3):
-        add_mat(K, 3, 3 * j, 1.0, matmul(on_a, B_p[j]))
-        add_mat(K, 9, 3 * j, 1.0, matmul(on_b, B_p[j]))
+        add_mat(K, 3, 3 * j, 1.0, on_a @ B_p[j])
+        add_mat(K, 9, 3 * j, 1.0, on_b @ B_p[j])
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Displacement, rotation, force and moment; energies."""
-    d, psi, d_rate, psi_rate, _, _, _ = _strain(p, q, v, R)
+    d, psi, d_rate, psi_rate, _, _, _ = _strain(p, at.q, at.v, at.R)
     elastic = _product(_blocks(p.stiffness), d, psi)
     viscous = _product(_blocks(p.damping), d_rate, psi_rate)
     put(y, 0, d)
     put(y, 3, psi)
-    put(y, 6, scale(-1.0, add(elastic[0], viscous[0])))
-    put(y, 9, scale(-1.0, mul(tangent_inverse(psi), add(elastic[1], viscous[1]))))
+    put(y, 6, -(elastic[0] + viscous[0]))
+    put(y, 9, -(tangent_inverse(psi) @ (elastic[1] + viscous[1])))
     e[1] = 0.5 * (dot(d, elastic[0]) + dot(psi, elastic[1]))
     e[2] = dot(d_rate, viscous[0]) + dot(psi_rate, viscous[1])
 

@@ -60,46 +60,46 @@ def _strain(p, laws, t, length, rate):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Tension, inertia and weight."""
-    add_line_inertia(p, a, f, M)
-    if mode != TAUT:
+    add_line_inertia(p, at.a, f, M)
+    if at.phase != TAUT:
         return
-    length, rate, geometry = line(q, v)
-    strain, strain_rate, L, L_rate = _strain(p, laws, t, length, rate)
+    length, rate, geometry = line(at.q, at.v)
+    strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
     N = p.EA * (strain + p.damping * strain_rate)
     N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
     add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Length, strain, tension, stress; energies."""
-    length, rate, _ = line(q, v)
-    strain, strain_rate, L, L_rate = _strain(p, laws, t, length, rate)
-    elastic = p.EA * strain if mode == TAUT or strain > 0.0 else 0.0
-    N = p.EA * (strain + p.damping * strain_rate) if mode == TAUT else 0.0
+    length, rate, _ = line(at.q, at.v)
+    strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
+    elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
+    N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
     viscous = N - elastic
     put_line(p, y, length, L, strain, strain_rate, N)
-    put_line_energy(p, q, v, e)
+    put_line_energy(p, at.q, at.v, e)
     e[1] += 0.5 * elastic * strain * L
     e[2] = viscous * L * strain_rate
     e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
 
 
 @kernel
-def observe_cable(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_cable(p, at, F, y, e):
     """The same, and whether it is taut."""
-    observe(p, m, mode, t, laws, q, v, a, R, F, y, e)
+    observe(p, at, F, y, e)
     put_no_push(y)
-    y[6] = 1.0 if mode == TAUT else 0.0
+    y[6] = 1.0 if at.phase == TAUT else 0.0
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """How taut the cable is: the lesser of the elastic strain and the whole, which the tension follows."""
-    length, rate, _ = line(q, v)
-    strain, strain_rate, _, _ = _strain(p, laws, t, length, rate)
+    length, rate, _ = line(at.q, at.v)
+    strain, strain_rate, _, _ = _strain(p, at.laws, at.t, length, rate)
     tautness = min(strain, strain + p.damping * strain_rate)
     g[0] = tautness
     g[1] = -tautness

@@ -13,30 +13,30 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, skew, tmul, transpose, vec
+from mecano.maths.vector import add_mat, add_vec, dot, mat, skew, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
 
 RECORD = record(law="i", axis=3)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Opposite moments on both nodes."""
-    size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)
-    back = matmul(transpose(mat(R[1])), mat(R[0]))
-    s_b = mul(back, s)
+    size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
+    back = mat(at.R[1]).T @ mat(at.R[0])
+    s_b = back @ s
     add_vec(f, 0, size, s)
     add_vec(f, 3, -size, s_b)
-    add_mat(K, 3, 0, size, matmul(back, skew(s)))
+    add_mat(K, 3, 0, size, back @ skew(s))
     add_mat(K, 3, 3, -size, skew(s_b))
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Moment, relative rate about the axis, power."""
-    size, s = evaluate_curve(laws, p.law, t)[0], vec(p.axis, 0)
+    size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
     y[0] = size
-    y[1] = dot(tmul(mat(R[1]), mul(mat(R[0]), s)), vec(v, 3)) - dot(s, vec(v, 0))
+    y[1] = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
     y[2] = size * y[1]
     e[3] = y[2]
 

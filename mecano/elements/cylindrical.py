@@ -40,11 +40,11 @@ HELD = ("about_2", "about_1", "along_1", "along_2")
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Rotation, sliding and reactions."""
-    put_turning(p, m, v, R, y, 0)
-    put_sliding(p, q, v, R, y, 2)
-    put_reactions(p, laws, q, v, R, y, 4)
+    put_turning(p, at.m, at.v, at.R, y, 0)
+    put_sliding(p, at.q, at.v, at.R, y, 2)
+    put_reactions(p, at.laws, at.q, at.v, at.R, y, 4)
 
 
 def prepare(d, nodes, context):

@@ -25,22 +25,22 @@ from mecano.constraints.pair import (
     pair_record,
 )  # fmt: skip
 from mecano.contract import Kind, Output, nothing
-from mecano.maths.vec import mat, mul, put, scale, tmul, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reactions."""
-    put(y, 0, scale(-1.0, vec(F, 6)))
-    put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
+    put(y, 0, -vec(F, 6))
+    put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
 
 
 @kernel
-def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_held(p, at, F, y, e):
     """Reactions, where every axis is held by a part of its own."""
-    put(y, 0, mul(mat(R[0]), tmul(mat(p.mu), pair_force(p, laws, q, v, R))))
-    put(y, 3, mul(mat(R[0]), tmul(mat(p.mu), pair_moment(p, laws, q, v, R))))
+    put(y, 0, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
+    put(y, 3, mat(at.R[0]) @ (mat(p.mu).T @ pair_moment(p, at.laws, at.q, at.v, at.R)))
 
 
 def _place(d, nodes, context):

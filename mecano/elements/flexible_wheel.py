@@ -36,7 +36,7 @@ from mecano.elements.patch_load import add_load, add_load_tangent, changes, load
 from mecano.elements.patch_wheel import SCALARS, patch_wheel, put_patch
 from mecano.elements.tire_law import patch_gripping
 from mecano.elements.tire_wheel import AIR, CONTACT
-from mecano.maths.vec import ZERO, add, dot, madd, mat, mscale, norm, outer, scale, tmul
+from mecano.maths.vector import ZERO, dot, mat, norm, outer
 
 
 class Slip(NamedTuple):
@@ -56,44 +56,44 @@ def _slip(p, laws, k, load):
     """The Slip of the Patch ``k``."""
     speed = norm(k.v_C)
     grip, b, b1, b_slip, b_u = patch_gripping(p, laws, norm(k.v_0), speed, load.speed)
-    e = scale(1.0 / speed, k.v_C) if speed > 0.0 else ZERO
-    return Slip(scale(load.N * b, k.v_C), e, grip, b, b1, b_slip, b_u)
+    e = k.v_C / speed if speed > 0.0 else ZERO
+    return Slip(load.N * b * k.v_C, e, grip, b, b1, b_slip, b_u)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces of ground and tyre law, and their derivatives; see the contract."""
-    if mode == AIR:
-        relax(p, q, v, f, K, C)
+    if at.phase == AIR:
+        relax(p, at.q, at.v, f, K, C)
         return
-    Rn, at = mat(R[0]), patch(p, laws, q, v, R)
-    load = load_of(p, laws, at, q, v)
-    slip = _slip(p, laws, at, load)
-    G = add_load(f, Rn, at, load, slip.F)
-    places, motions = changes(p, at, load, G, Rn, v[Y])
+    Rn, here = mat(at.R[0]), patch(p, at.laws, at.q, at.v, at.R)
+    load = load_of(p, at.laws, here, at.q, at.v)
+    slip = _slip(p, at.laws, here, load)
+    G = add_load(f, Rn, here, load, slip.F)
+    places, motions = changes(p, here, load, G, Rn, at.v[Y])
     for i in range(3):
-        _add_block(K, 3 * i, Rn, at, load, slip, G, places[i])
-        _add_block(C, 3 * i, Rn, at, load, slip, G, motions[i])
+        _add_block(K, 3 * i, Rn, here, load, slip, G, places[i])
+        _add_block(C, 3 * i, Rn, here, load, slip, G, motions[i])
 
 
 @kernel
 def _add_block(A, j, Rn, k, load, slip, G, c):
     """Add the derivatives by the variables of the Change ``c``."""
     dN = normal_change(k, load, c.d)
-    grown = add(scale(slip.b, dN), scale(load.N, add(scale(slip.b_u, c.speed), scale(slip.b_slip, c.d.slip))))
-    slid = madd(mscale(slip.b, c.d.v_C), outer(scale(slip.b1, slip.e), tmul(c.d.v_C, slip.e)))
-    dF = madd(outer(k.v_C, grown), mscale(load.N, slid))
+    grown = slip.b * dN + load.N * (slip.b_u * c.speed + slip.b_slip * c.d.slip)
+    slid = slip.b * c.d.v_C + outer(slip.b1 * slip.e, c.d.v_C.T @ slip.e)
+    dF = outer(k.v_C, grown) + load.N * slid
     add_load_tangent(A, j, Rn, k, load, slip.F, G, dF, dN, c)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
-    k = patch(p, laws, q, v, R)
-    load = load_of(p, laws, k, q, v)
-    slip = _slip(p, laws, k, load)
-    on_wheel, lost = scale(-1.0, slip.F), dot(slip.F, k.v_C)
-    put_patch(p, laws, mode == CONTACT, k, q, v, load.radial, on_wheel, slip.grip, lost, load.law, y, e)
+    k = patch(p, at.laws, at.q, at.v, at.R)
+    load = load_of(p, at.laws, k, at.q, at.v)
+    slip = _slip(p, at.laws, k, load)
+    on_wheel, lost = -slip.F, dot(slip.F, k.v_C)
+    put_patch(p, at.laws, at.phase == CONTACT, k, at.q, at.v, load.radial, on_wheel, slip.grip, lost, load.law, y, e)
 
 
 FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, force, observe)

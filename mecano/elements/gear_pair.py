@@ -32,7 +32,7 @@ from mecano.constraints.carried import relative_rotation, turning_rate, twist_gr
 from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
 from mecano.constraints.joint_frame import triad
 from mecano.contract import Kind, Output, Part
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
 
 PARALLEL = 1e-6  # sine of the angle up to which two axes count as parallel
@@ -47,18 +47,18 @@ def _rate(R, v, i, j, mu, xi):
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Angles, rates and the force of the teeth."""
-    y[0], y[2] = gear_angles(p, m, R)
-    y[1] = _rate(R, v, 1, 6, p.mu_1, p.xi_1)
-    y[3] = _rate(R, v, 2, 12, p.mu_2, p.xi_2)
-    y[4] = q[15]
+    y[0], y[2] = gear_angles(p, at.m, at.R)
+    y[1] = _rate(at.R, at.v, 1, 6, p.mu_1, p.xi_1)
+    y[3] = _rate(at.R, at.v, 2, 12, p.mu_2, p.xi_2)
+    y[4] = at.q[15]
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """Follow both angles over whole turns."""
-    m_out[0], m_out[1] = gear_angles(p, m, R)
+    m_out[0], m_out[1] = gear_angles(p, at.m, at.R)
 
 
 def _axes(d):

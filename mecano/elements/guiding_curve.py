@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import add, scale, vec
+from mecano.maths.vector import vec
 
 CURVE_RECORD = {
     "pieces": "i", "table": "i", "length": (), "closed": (),
@@ -29,9 +29,9 @@ def curve_at(p, laws, s):
     a, b, h = vec(p.semi_axis_1, 0), vec(p.semi_axis_2, 0), vec(p.advance, 0)
     u, rate = s / p.length, 1.0 / p.length
     cosine, sine = math.cos(u), math.sin(u)
-    around = add(scale(cosine, a), scale(sine, b))
-    along = add(add(scale(-sine, a), scale(cosine, b)), h)
-    return add(add(vec(p.center, 0), around), scale(u, h)), scale(rate, along), scale(-rate * rate, around)
+    around = cosine * a + sine * b
+    along = -sine * a + cosine * b + h
+    return vec(p.center, 0) + around + u * h, rate * along, -rate * rate * around
 
 
 @kernel
@@ -48,11 +48,11 @@ def _spline_at(p, laws, s):
             end = middle
     u, first = inside - laws[p.table + i], p.table + p.pieces + 1 + 12 * i
     c_0, c_1, c_2, c_3 = vec(laws, first), vec(laws, first + 3), vec(laws, first + 6), vec(laws, first + 9)
-    X = add(c_0, scale(u, add(c_1, scale(u, add(c_2, scale(u, c_3))))))
-    slope = add(c_1, scale(u, add(scale(2.0, c_2), scale(3.0 * u, c_3))))
+    X = c_0 + u * (c_1 + u * (c_2 + u * c_3))
+    slope = c_1 + u * (2.0 * c_2 + 3.0 * u * c_3)
     if s != inside:
-        return add(X, scale(s - inside, slope)), slope, scale(0.0, c_2)
-    return X, slope, add(scale(2.0, c_2), scale(6.0 * u, c_3))
+        return X + (s - inside) * slope, slope, 0.0 * c_2
+    return X, slope, 2.0 * c_2 + 6.0 * u * c_3
 
 
 @kernel

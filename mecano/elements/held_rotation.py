@@ -7,14 +7,14 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import two_parallel
 from mecano.contract import Kind, Output
-from mecano.maths.vec import mat, mul, put, scale, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import NODE_PAIR, Field
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reaction."""
-    put(y, 0, scale(-1.0, mul(mat(R[1]), vec(F, 3))))
+    put(y, 0, -(mat(at.R[1]) @ vec(F, 3)))
 
 
 def check(d, nodes):

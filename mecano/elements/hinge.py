@@ -50,25 +50,25 @@ from mecano.constraints.pair import (
 )  # fmt: skip
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Part, nothing
-from mecano.maths.vec import mat, mul, put, scale, tmul, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Angle and reactions."""
-    put_turning(p, m, v, R, y, 0)
-    put(y, 2, scale(-1.0, mul(mat(p.mu), tmul(mat(R[0]), vec(F, 6)))))
-    put(y, 5, (-q[13], q[12], 0.0))
+    put_turning(p, at.m, at.v, at.R, y, 0)
+    put(y, 2, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
+    put(y, 5, (-at.q[13], at.q[12], 0.0))
 
 
 @kernel
-def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_held(p, at, F, y, e):
     """Angle and reactions, where every axis is held by a part of its own."""
-    put_turning(p, m, v, R, y, 0)
-    put_reactions(p, laws, q, v, R, y, 2)
+    put_turning(p, at.m, at.v, at.R, y, 0)
+    put_reactions(p, at.laws, at.q, at.v, at.R, y, 2)
 
 
 def prepare(d, nodes, context):

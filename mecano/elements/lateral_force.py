@@ -6,7 +6,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y
 from mecano.elements.string_law import NO_PACE, OF_STRING, pace
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import add, dot, madd, mat, mul, outer, scale, vec
+from mecano.maths.vector import EYE, Mat3, Vec3, dot, mat, outer, vec
 
 
 class Lateral(NamedTuple):
@@ -43,37 +43,37 @@ def lateral_law(p, laws, q, v, rolled, N, u, turning):
     g0, g0_u, g1, g1_u = pace(p, u)
     A0, A1, b, m = mat(p.A0), mat(p.A1), p.aligning, vec(p.moment, 0)
     lays = 1.0 if p.pace == OF_STRING else 0.0
-    by_y = (A1[0][0], A1[1][0], A1[2][0])
-    still, moved = mul(A0, q), add(mul(A1, v), scale(turning, vec(p.turning, 0)))
-    moved = add(moved, scale(lays * (rolled - v[0]), by_y))
+    by_y = Vec3(A1[0][0], A1[1][0], A1[2][0])
+    still, moved = A0 @ q, A1 @ v + turning * vec(p.turning, 0)
+    moved = moved + lays * (rolled - v[0]) * by_y
     own = b[0] * q[0] + b[1] * q[1] + b[2] * v[0] + b[3] * v[1]
     along = dot(m, q)
     return Lateral(
-        add(_paced(k, g0, still), _paced(d, g1, moved)), own + k * along, _rows(k, g0, A0),
-        _rows(d, g1, madd(A1, outer(scale(-lays, by_y), (1.0, 0.0, 0.0)))),
-        add((b[0], b[1], 0.0), scale(k, m)), (b[2], b[3], 0.0),
-        add(_paced(k_N, g0, still), _paced(d_N, g1, moved)), k_N * along,
-        add(add(_paced(k_u, g0, still), _paced(d_u, g1, moved)), _of_pace(k * g0_u, still, d * g1_u, moved)),
-        k_u * along, _paced(d, g1, vec(p.turning, 0)), _paced(d, g1, scale(lays, by_y)),
+        _paced(k, g0, still) + _paced(d, g1, moved), own + k * along, _rows(k, g0, A0),
+        _rows(d, g1, A1 + outer(-lays * by_y, EYE[0])),
+        Vec3(b[0], b[1], 0.0) + k * m, Vec3(b[2], b[3], 0.0),
+        _paced(k_N, g0, still) + _paced(d_N, g1, moved), k_N * along,
+        _paced(k_u, g0, still) + _paced(d_u, g1, moved) + _of_pace(k * g0_u, still, d * g1_u, moved),
+        k_u * along, _paced(d, g1, vec(p.turning, 0)), _paced(d, g1, lays * by_y),
     )  # fmt: skip
 
 
 @kernel
 def _paced(k, g, a):
     """k diag(1, g, g) a"""
-    return (k * a[0], k * g * a[1], k * g * a[2])
+    return Vec3(k * a[0], k * g * a[1], k * g * a[2])
 
 
 @kernel
 def _rows(k, g, A):
     """k diag(1, g, g) A"""
-    return (scale(k, A[0]), scale(k * g, A[1]), scale(k * g, A[2]))
+    return Mat3(k * A[0], k * g * A[1], k * g * A[2])
 
 
 @kernel
 def _of_pace(g0, a, g1, b):
     """diag(0, g0, g0) a + diag(0, g1, g1) b"""
-    return (0.0, g0 * a[1] + g1 * b[1], g0 * a[2] + g1 * b[2])
+    return Vec3(0.0, g0 * a[1] + g1 * b[1], g0 * a[2] + g1 * b[2])
 
 
 @kernel
@@ -84,24 +84,24 @@ def law_rows(law, by_law, dN, d_speed, d_turning, d_rolled):
     omega_n and ``rolled``.
     """
     f, turn = by_law
-    rows = (
-        add(_row(f[0], law.f_N[0], dN, law.f_u[0], d_speed, law.f_n[0], d_turning), scale(law.f_rolled[0], d_rolled)),
-        add(_row(f[1], law.f_N[1], dN, law.f_u[1], d_speed, law.f_n[1], d_turning), scale(law.f_rolled[1], d_rolled)),
-        add(_row(f[2], law.f_N[2], dN, law.f_u[2], d_speed, law.f_n[2], d_turning), scale(law.f_rolled[2], d_rolled)),
+    rows = Mat3(
+        _row(f[0], law.f_N[0], dN, law.f_u[0], d_speed, law.f_n[0], d_turning) + law.f_rolled[0] * d_rolled,
+        _row(f[1], law.f_N[1], dN, law.f_u[1], d_speed, law.f_n[1], d_turning) + law.f_rolled[1] * d_rolled,
+        _row(f[2], law.f_N[2], dN, law.f_u[2], d_speed, law.f_n[2], d_turning) + law.f_rolled[2] * d_rolled,
     )
     return rows, _row(turn, law.turn_N, dN, law.turn_u, d_speed, 0.0, d_turning)
 
 
 @kernel
 def _row(a, N, dN, u, d_speed, n, d_turning):
-    return add(a, add(scale(N, dN), add(scale(u, d_speed), scale(n, d_turning))))
+    return a + (N * dN + (u * d_speed + n * d_turning))
 
 
 @kernel
 def relax(p, q, v, f, K, C):
     """Add F = M = X = 0 of the air to the rows and columns of y, psi and bow."""
     A0, A1 = mat(p.A0), mat(p.A1_air)
-    loose = add(mul(A0, vec(q, Y)), mul(A1, vec(v, Y)))
+    loose = A0 @ vec(q, Y) + A1 @ vec(v, Y)
     for r in range(3):
         f[Y + r] += loose[r]
         for c in range(3):

@@ -19,7 +19,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vec import add_mat, add_vec, dot, mat, matmul, mul, put, scale, skew, tmul, vec
+from mecano.maths.vector import add_mat, add_vec, dot, mat, put, skew, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
 
 RECORD = record(law="i", direction=3)
@@ -35,69 +35,69 @@ def _load(p, laws, t):
 @kernel
 def _report(size, inertial, direction, v, y, e):
     """Load, inertial, and its power: ``direction`` in the axes of the velocity v."""
-    put(y, 0, scale(size, inertial))
+    put(y, 0, size * inertial)
     y[3] = size * dot(direction, vec(v, 0))
     e[3] = y[3]
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """The dead force; it has no tangent."""
-    size, d = _load(p, laws, t)
+    size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, d)
 
 
 @kernel
-def observe_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_force(p, at, F, y, e):
     """Force and power."""
-    size, d = _load(p, laws, t)
-    _report(size, d, d, v, y, e)
+    size, d = _load(p, at.laws, at.t)
+    _report(size, d, d, at.v, y, e)
 
 
 @kernel
-def follower_force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def follower_force(p, at, f, K, C, M):
     """The force carried by the node."""
-    size, d = _load(p, laws, t)
-    add_vec(f, 0, -size, mul(mat(R[0]), d))
-    add_mat(K, 0, 3, size, matmul(mat(R[0]), skew(d)))
+    size, d = _load(p, at.laws, at.t)
+    add_vec(f, 0, -size, mat(at.R[0]) @ d)
+    add_mat(K, 0, 3, size, mat(at.R[0]) @ skew(d))
 
 
 @kernel
-def observe_follower_force(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_follower_force(p, at, F, y, e):
     """Force and power."""
-    size, d = _load(p, laws, t)
-    inertial = mul(mat(R[0]), d)
-    _report(size, inertial, inertial, v, y, e)
+    size, d = _load(p, at.laws, at.t)
+    inertial = mat(at.R[0]) @ d
+    _report(size, inertial, inertial, at.v, y, e)
 
 
 @kernel
-def moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def moment(p, at, f, K, C, M):
     """The dead moment."""
-    size, d = _load(p, laws, t)
-    material = tmul(mat(R[0]), d)
+    size, d = _load(p, at.laws, at.t)
+    material = mat(at.R[0]).T @ d
     add_vec(f, 0, -size, material)
     add_mat(K, 0, 0, -size, skew(material))
 
 
 @kernel
-def observe_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_moment(p, at, F, y, e):
     """Moment and power."""
-    size, d = _load(p, laws, t)
-    _report(size, d, tmul(mat(R[0]), d), v, y, e)
+    size, d = _load(p, at.laws, at.t)
+    _report(size, d, mat(at.R[0]).T @ d, at.v, y, e)
 
 
 @kernel
-def follower_moment(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def follower_moment(p, at, f, K, C, M):
     """The moment carried by the node; it has no tangent in material axes."""
-    size, d = _load(p, laws, t)
+    size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, d)
 
 
 @kernel
-def observe_follower_moment(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_follower_moment(p, at, F, y, e):
     """Moment and power."""
-    size, d = _load(p, laws, t)
-    _report(size, mul(mat(R[0]), d), d, v, y, e)
+    size, d = _load(p, at.laws, at.t)
+    _report(size, mat(at.R[0]) @ d, d, at.v, y, e)
 
 
 def prepare(d, nodes, context):

@@ -19,20 +19,20 @@ from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
 from mecano.maths.surface import directions, disc_contact
-from mecano.maths.vec import ZERO, dot, mat, mul, scale, vec
+from mecano.maths.vector import ZERO, dot, mat, vec
 
 HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
-    Rn, n = mat(R[0]), vec(p.normal, 0)
-    axis = mul(Rn, vec(p.axis, 0))
+    Rn, n = mat(at.R[0]), vec(p.normal, 0)
+    axis = Rn @ vec(p.axis, 0)
     g = disc_contact(n, ZERO, p.radius, axis)
-    frame, arm = (n, *directions(axis, g)), scale(-p.radius, n)
-    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[HEIGHT], q[DRIVING], q[LATERAL])
-    put_outputs(y, q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
+    frame, arm = (n, *directions(axis, g)), -p.radius * n
+    spin, push = dot(Rn @ vec(at.v, 3), axis), (at.q[HEIGHT], at.q[DRIVING], at.q[LATERAL])
+    put_outputs(y, at.q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
 
 
 def prepare(d, nodes, context):

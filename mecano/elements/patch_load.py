@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import (
-    NO_MATRIX,
     Variation,
     Y,
     add_patch_force,
@@ -17,24 +16,7 @@ from mecano.constraints.tire_patch import (
 )  # fmt: skip
 from mecano.elements.lateral_force import Lateral, lateral_law, law_rows
 from mecano.elements.tire_law import damped_force, elastic_force, speed_over_ground
-from mecano.maths.vec import (
-    EYE,
-    ZERO,
-    add,
-    add_mat,
-    add_vec,
-    cross,
-    dot,
-    madd,
-    matmul,
-    mscale,
-    outer,
-    scale,
-    skew,
-    sub,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, NO_MATRIX, ZERO, add_mat, add_vec, cross, dot, outer, skew, vec
 
 
 class Load(NamedTuple):
@@ -78,7 +60,7 @@ def load_of(p, laws, k, q, v):
 def add_load(f, Rn, k, load, F):
     """Add the forces of a Load and of the friction F (3,) [N] in the ground. Returns G of tire_patch.py."""
     G = add_patch_force(f, Rn, k, F, load.N, load.damping)
-    add_vec(f, 3, -load.law.turn, tmul(Rn, k.g.n))
+    add_vec(f, 3, -load.law.turn, Rn.T @ k.g.n)
     add_vec(f, Y, 1.0, load.law.f)
     return G
 
@@ -88,7 +70,7 @@ def changes(p, k, load, G, Rn, y1):
     """Three Changes by x, inertial theta and (y, psi, bow), three by their rates; ``y1`` = dy/dt."""
     n, law, none = k.g.n, load.law, (NO_MATRIX, ZERO)
     X, T, S = by_positions(p, k, y1)
-    turned = skew(sub(cross(k.rho, G), scale(law.turn, n)))
+    turned = skew(cross(k.rho, G) - law.turn * n)
     places = (
         _of_place(k, load, X, ZERO, none, NO_MATRIX, EYE),
         _of_place(k, load, T, cross(k.omega, n), none, turned, Rn),
@@ -105,8 +87,8 @@ def changes(p, k, load, G, Rn, y1):
 
 @kernel
 def _of_place(k, load, d, swing, by_law, moment, frame):
-    speed = scale(-dot(k.g.n, load.v), tmul(d.n, load.ahead))
-    return Change(d, speed, add(tmul(d.n, k.omega), swing), by_law, moment, frame)
+    speed = -dot(k.g.n, load.v) * (d.n.T @ load.ahead)
+    return Change(d, speed, d.n.T @ k.omega + swing, by_law, moment, frame)
 
 
 @kernel
@@ -118,8 +100,8 @@ def normal_change(k, load, d):
 @kernel
 def _normal(k, N, F_w, F_w1, d):
     """Derivatives (3,) of N = F/q where F has the derivatives F_w and F_w1."""
-    radial = add(scale(F_w, d.w), scale(F_w1, d.w1))
-    return add(scale(1.0 / k.g.q, radial), scale(N * k.g.s / k.g.q**2, d.s))
+    radial = F_w * d.w + F_w1 * d.w1
+    return radial / k.g.q + N * k.g.s / k.g.q**2 * d.s
 
 
 @kernel
@@ -129,7 +111,7 @@ def add_load_tangent(A, j, Rn, k, load, F, G, dF, dN, c):
     ``dF`` 3x3 are those of F, ``dN`` (3,) those of N.
     """
     rows, turn = law_rows(load.law, c.by_law, dN, c.speed, c.turning, c.d.rolled)
-    aligned = madd(outer(scale(-1.0, k.g.n), turn), mscale(-load.law.turn, c.d.n))
-    damped, moment = _normal(k, load.damping, load.F_w - load.slope, load.F_w1, c.d), madd(c.moment, aligned)
+    aligned = outer(-k.g.n, turn) - load.law.turn * c.d.n
+    damped, moment = _normal(k, load.damping, load.F_w - load.slope, load.F_w1, c.d), c.moment + aligned
     add_patch_tangent(A, j, Rn, c.frame, k, F, load.N, load.damping, G, dF, dN, damped, c.d, moment)
-    add_mat(A, Y, j, 1.0, matmul(rows, c.frame))
+    add_mat(A, Y, j, 1.0, rows @ c.frame)

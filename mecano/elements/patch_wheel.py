@@ -19,7 +19,7 @@ from mecano.elements.tire_wheel import (
 )
 from mecano.elements.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.tire_wheel import OUTPUTS as TIRE_OUTPUTS
-from mecano.maths.vec import add, dot, mat, mul, put, scale, sub, vec
+from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NUMBER, Field, mapping
 
 INITIAL = mapping(
@@ -65,13 +65,13 @@ def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, 
     ``lost`` [W] what friction dissipates; ``law`` the Lateral.
     """
     grip = Grip(radial, force, coefficient, k.v_C, lost, k.w1)
-    arm = k.rho if contact else scale(p.radius, k.g.c)
+    arm = k.rho if contact else p.radius * k.g.c
     touching = put_tire(p, laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
         y[27] = y[3] / p.A0[1, 0]
-    f = add(mul(mat(p.A0), vec(q, Y)), mul(mat(p.A1_air), vec(v, Y)))
+    f = mat(p.A0) @ vec(q, Y) + mat(p.A1_air) @ vec(v, Y)
     if contact:
         f = law.f
         put(y, 21, (f[0], f[1], law.turn))
@@ -84,10 +84,10 @@ def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, 
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Write w for the touch-down, -w for the lift-off [m]."""
-    axis = mul(mat(R[0]), vec(p.axis, 0))
-    contact = touch(p, laws, sub(vec(q, 0), scale(q[Y], axis)), axis)
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
+    contact = touch(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis)
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
 

@@ -19,21 +19,21 @@ from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
 from mecano.constraints.slide import slide
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Output
-from mecano.maths.vec import mat, put, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_axis")
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Sliding, rotation and reactions."""
     for i in range(3):
-        along, y[3 + i] = slide(q, v, mat(R[0]), vec(p.mu[i], 0))
+        along, y[3 + i] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[i], 0))
         y[i] = along - p.start[i]
-    put_turning(p, m, v, R, y, 6)
-    y[8] = q[14]
-    put(y, 9, (-q[13], q[12], 0.0))
+    put_turning(p, at.m, at.v, at.R, y, 6)
+    y[8] = at.q[14]
+    put(y, 9, (-at.q[13], at.q[12], 0.0))
 
 
 def parts(d, nodes, context):

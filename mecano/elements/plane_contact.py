@@ -13,7 +13,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, let_go, put_levels
 from mecano.contract import CONTACT, Event, Kind, Output, Row, record
-from mecano.maths.vec import dot, sub, vec
+from mecano.maths.vector import dot, vec
 from mecano.schema import GROUND, NODE, NUMBER, Field, not_negative, share
 
 RECORD = record(point=3, normal=3, radius=(), restitution=())
@@ -23,44 +23,44 @@ MULTIPLIER = 3
 
 @kernel
 def _gap(p, q):
-    return dot(vec(p.normal, 0), sub(vec(q, 0), vec(p.point, 0))) - p.radius
+    return dot(vec(p.normal, 0), vec(q, 0) - vec(p.point, 0)) - p.radius
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Force along the normal."""
-    if mode == AIR:
-        let_go(f, K, MULTIPLIER, k, q[MULTIPLIER])
+    if at.phase == AIR:
+        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
     else:
         blocks = ((0, vec(p.normal, 0)),)
-        add_constraint(f, K, MULTIPLIER, k, penalty, _gap(p, q) - m[0], q[MULTIPLIER], blocks)
+        add_constraint(f, K, MULTIPLIER, at.k, at.penalty, _gap(p, at.q) - at.m[0], at.q[MULTIPLIER], blocks)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Gap beyond the one held, and its rates."""
     n = vec(p.normal, 0)
     g[:] = 0.0
-    if mode == CLOSED:
-        put_levels(g, 0, _gap(p, q) - m[0], dot(n, vec(v, 0)), dot(n, vec(a, 0)))
+    if at.phase == CLOSED:
+        put_levels(g, 0, _gap(p, at.q) - at.m[0], dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0)))
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Gap, force, state."""
-    y[0], y[1], y[2] = _gap(p, q), q[MULTIPLIER], float(mode)
+    y[0], y[1], y[2] = _gap(p, at.q), at.q[MULTIPLIER], float(at.phase)
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Depth below the plane [m], -N [N]."""
-    g[0], g[1] = -_gap(p, q), -q[MULTIPLIER]
+    g[0], g[1] = -_gap(p, at.q), -at.q[MULTIPLIER]
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """The gap of the last step before the contact."""
-    m_out[0] = m[0] if mode == CLOSED else _gap(p, q)
+    m_out[0] = at.m[0] if at.phase == CLOSED else _gap(p, at.q)
 
 
 def prepare(d, nodes, context):

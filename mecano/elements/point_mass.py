@@ -2,25 +2,25 @@ r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
 from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
-from mecano.maths.vec import EYE, add_mat, add_vec, dot, sub, vec
+from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 from mecano.schema import NODE, NUMBER, Field, positive
 
 RECORD = record(mass=(), gravity=3)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Inertia and weight."""
-    add_vec(f, 0, p.mass, sub(vec(a, 0), vec(p.gravity, 0)))
+    add_vec(f, 0, p.mass, vec(at.a, 0) - vec(p.gravity, 0))
     add_mat(M, 0, 0, p.mass, EYE)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Kinetic and potential energy."""
-    velocity = vec(v, 0)
+    velocity = vec(at.v, 0)
     e[0] = 0.5 * p.mass * dot(velocity, velocity)
-    e[1] = -p.mass * dot(vec(p.gravity, 0), vec(q, 0))
+    e[1] = -p.mass * dot(vec(p.gravity, 0), vec(at.q, 0))
     y[0] = e[0]
 
 

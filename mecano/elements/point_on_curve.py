@@ -44,7 +44,7 @@ from mecano.elements.guiding_curve import (
     overrun,
     prepare_curve,
 )  # fmt: skip
-from mecano.maths.vec import ZERO, add, dot, mat, mul, norm, put, scale, sub, tmul, vec
+from mecano.maths.vector import ZERO, dot, mat, norm, put, vec
 from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list_of
 
 RECORD = record(axes=(3, 3), rows="i", start=(), **CURVE_RECORD)
@@ -54,45 +54,45 @@ STILL = 1e-12  # of the speed along the curve: a node that moves by less has no 
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Forces on both nodes, the moment on the first, the force along the curve."""
-    A = mat(R[0])
-    d = tmul(A, sub(vec(q, 6), vec(q, 0)))
-    X, slope, curvature = curve_at(p, laws, q[S])
+    A = mat(at.R[0])
+    d = A.T @ (vec(at.q, 6) - vec(at.q, 0))
+    X, slope, curvature = curve_at(p, at.laws, at.q[S])
     for i in range(p.rows):
         axis = vec(p.axes[i], 0)
-        b_0, b_R, b_1 = slide_gradient(q, A, axis)
+        b_0, b_R, b_1 = slide_gradient(at.q, A, axis)
         blocks = ((0, b_0), (3, b_R), (6, b_1))
-        g = add_constraint(f, K, ROW + i, k, penalty, dot(axis, d) - X[i], q[ROW + i], blocks)
-        add_slide_curvature(K, g, q, A, axis)
-        add_scalar(f, K, S, ROW + i, k, penalty, g, -slope[i], -curvature[i], blocks)
+        g = add_constraint(f, K, ROW + i, at.k, at.penalty, dot(axis, d) - X[i], at.q[ROW + i], blocks)
+        add_slide_curvature(K, g, at.q, A, axis)
+        add_scalar(f, K, S, ROW + i, at.k, at.penalty, g, -slope[i], -curvature[i], blocks)
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates along each axis."""
-    X, slope, curvature = curve_at(p, laws, q[S])
+    X, slope, curvature = curve_at(p, at.laws, at.q[S])
     for i in range(p.rows):
-        Phi, rate, second = slide_rates(q, v, a, mat(R[0]), vec(p.axes[i], 0))
-        second -= slope[i] * a[S] + curvature[i] * v[S] * v[S]
-        put_levels(g, i, Phi - X[i], rate - slope[i] * v[S], second)
+        Phi, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.axes[i], 0))
+        second -= slope[i] * at.a[S] + curvature[i] * at.v[S] * at.v[S]
+        put_levels(g, i, Phi - X[i], rate - slope[i] * at.v[S], second)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Place on the curve, force, pressure angle."""
-    _, slope, _ = curve_at(p, laws, q[S])
-    y[0], y[1], y[2] = q[S], v[S], norm(slope) * v[S]
+    _, slope, _ = curve_at(p, at.laws, at.q[S])
+    y[0], y[1], y[2] = at.q[S], at.v[S], norm(slope) * at.v[S]
     on_b = ZERO
     for i in range(p.rows):
-        on_b = add(on_b, scale(q[ROW + i], mul(mat(R[0]), vec(p.axes[i], 0))))
+        on_b = on_b + at.q[ROW + i] * (mat(at.R[0]) @ vec(p.axes[i], 0))
     put(y, 3, on_b)
-    velocity = vec(v, 6)
+    velocity = vec(at.v, 6)
     y[6] = norm(on_b)
     speed = norm(velocity)
     moves = speed > STILL * abs(y[2]) and y[6] > 0.0
     y[7] = math.acos(min(1.0, abs(dot(velocity, on_b)) / (speed * y[6]))) if moves else 0.0
-    y[8] = overrun(p, q[S])
+    y[8] = overrun(p, at.q[S])
 
 
 def prepare(d, nodes, context):

@@ -15,20 +15,20 @@ from mecano.constraints.joint_samples import two_places
 from mecano.constraints.relative_angle import RELATIVE_ANGLE
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Motion, moment and power."""
-    angle, y[1] = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
-    wanted, wanted_rate, _ = target(p, laws, t)
+    angle, y[1] = turned(mat(at.R[0]), vec(at.v, 0), mat(p.mu), mat(at.R[1]), vec(at.v, 3), mat(p.xi))
+    wanted, wanted_rate, _ = target(p, at.laws, at.t)
     y[0] = follow(wanted, angle)
-    y[2] = q[6]
-    e[3] = q[6] * wanted_rate
+    y[2] = at.q[6]
+    e[3] = at.q[6] * wanted_rate
 
 
 def prepare(d, nodes, context):

@@ -14,20 +14,20 @@ from mecano.constraints.distance import DISTANCE
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import dot, norm, sub, vec
+from mecano.maths.vector import dot, norm, vec
 from mecano.schema import CURVE, Field
 
 RECORD = record(**TARGET)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Motion, force and power."""
-    d = sub(vec(q, 3), vec(q, 0))
+    d = vec(at.q, 3) - vec(at.q, 0)
     y[0] = norm(d)
-    y[1] = dot(d, sub(vec(v, 3), vec(v, 0))) / y[0]
-    y[2] = q[6]
-    e[3] = q[6] * target(p, laws, t)[1]
+    y[1] = dot(d, vec(at.v, 3) - vec(at.v, 0)) / y[0]
+    y[2] = at.q[6]
+    e[3] = at.q[6] * target(p, at.laws, at.t)[1]
 
 
 def prepare(d, nodes, context):

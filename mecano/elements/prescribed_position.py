@@ -13,20 +13,20 @@ from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.target import TARGET, target
 from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import dot, sub, vec
+from mecano.maths.vector import dot, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
 
 RECORD = record(direction=3, origin=3, **TARGET)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Motion, force and power."""
     n = vec(p.direction, 0)
-    y[0] = dot(n, sub(vec(q, 0), vec(p.origin, 0)))
-    y[1] = dot(n, vec(v, 0))
-    y[2] = q[3]
-    e[3] = q[3] * target(p, laws, t)[1]
+    y[0] = dot(n, vec(at.q, 0) - vec(p.origin, 0))
+    y[1] = dot(n, vec(at.v, 0))
+    y[2] = at.q[3]
+    e[3] = at.q[3] * target(p, at.laws, at.t)[1]
 
 
 def prepare(d, nodes, context):

@@ -36,25 +36,25 @@ from mecano.constraints.pair import (
 from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.contract import Kind, Part, nothing
-from mecano.maths.vec import mat, mul, put, scale, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, NUMBER, Field, positive
 
 HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Sliding and reactions."""
-    put_sliding(p, q, v, R, y, 0)
-    put(y, 2, (q[12], q[13], 0.0))
-    put(y, 5, scale(-1.0, mul(mat(p.mu), vec(F, 9))))
+    put_sliding(p, at.q, at.v, at.R, y, 0)
+    put(y, 2, (at.q[12], at.q[13], 0.0))
+    put(y, 5, -(mat(p.mu) @ vec(F, 9)))
 
 
 @kernel
-def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_held(p, at, F, y, e):
     """Sliding and reactions, where every axis is held by a part of its own."""
-    put_sliding(p, q, v, R, y, 0)
-    put_reactions(p, laws, q, v, R, y, 2)
+    put_sliding(p, at.q, at.v, at.R, y, 0)
+    put_reactions(p, at.laws, at.q, at.v, at.R, y, 2)
 
 
 def prepare_held(d, nodes, context):

@@ -19,7 +19,7 @@ from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.slide import slide
 from mecano.contract import Kind, Output, Part, record
-from mecano.maths.vec import mat, vec
+from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
 
 RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
@@ -27,13 +27,13 @@ PERPENDICULAR = 1e-6  # cosine up to which axis and rack count as perpendicular
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Rolling and the force of the teeth; the sliding tells which turn it is."""
-    angle, y[1] = turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
-    along, y[3] = slide(q, v, mat(R[0]), vec(p.sigma, 0))
+    angle, y[1] = turned(mat(at.R[0]), vec(at.v, 3), mat(p.mu), mat(at.R[1]), vec(at.v, 9), mat(p.xi))
+    along, y[3] = slide(at.q, at.v, mat(at.R[0]), vec(p.sigma, 0))
     y[2] = along - p.offset
     y[0] = follow(y[2] / p.travel, angle)
-    y[4] = q[12]
+    y[4] = at.q[12]
 
 
 def prepare(d, nodes, context):

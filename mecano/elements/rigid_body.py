@@ -16,65 +16,47 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.attachment import attached_rotations, attachment
 from mecano.constraints.joint_samples import ORIENTATIONS
 from mecano.contract import Kind, Output, record
-from mecano.maths.vec import (
-    EYE,
-    add,
-    add_mat,
-    add_vec,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    put,
-    skew,
-    sub,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, add_mat, add_vec, cross, dot, mat, put, skew, vec
 from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, positive
 
 RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Inertia and weight of one body; see contract.py for the arguments."""
-    c, J, A = vec(p.c, 0), mat(p.J), mat(R[0])
-    omega, alpha = vec(v, 3), vec(a, 3)
-    u = sub(vec(a, 0), vec(p.gravity, 0))
-    u_body = tmul(A, u)
+    c, J, A = vec(p.c, 0), mat(p.J), mat(at.R[0])
+    omega, alpha = vec(at.v, 3), vec(at.a, 3)
+    u = vec(at.a, 0) - vec(p.gravity, 0)
+    u_body = A.T @ u
     spin = cross(omega, c)
-    w = add(cross(alpha, c), cross(omega, spin))
-    momentum = mul(J, omega)
+    w = cross(alpha, c) + cross(omega, spin)
+    momentum = J @ omega
 
-    add_vec(f, 0, p.mass, add(u, mul(A, w)))
-    add_vec(f, 3, 1.0, add(mul(J, alpha), cross(omega, momentum)))
+    add_vec(f, 0, p.mass, u + A @ w)
+    add_vec(f, 3, 1.0, J @ alpha + cross(omega, momentum))
     add_vec(f, 3, p.mass, cross(c, u_body))
 
     hat_c, hat_omega = skew(c), skew(omega)
     add_mat(M, 0, 0, p.mass, EYE)
-    add_mat(M, 0, 3, -p.mass, matmul(A, hat_c))
-    add_mat(M, 3, 0, p.mass, matmul(hat_c, transpose(A)))
+    add_mat(M, 0, 3, -p.mass, A @ hat_c)
+    add_mat(M, 3, 0, p.mass, hat_c @ A.T)
     add_mat(M, 3, 3, 1.0, J)
-    add_mat(C, 0, 3, -p.mass, matmul(A, madd(skew(spin), matmul(hat_omega, hat_c))))
-    add_mat(C, 3, 3, 1.0, madd(matmul(hat_omega, J), mscale(-1.0, skew(momentum))))
-    add_mat(K, 0, 3, -p.mass, matmul(A, skew(w)))
-    add_mat(K, 3, 3, p.mass, matmul(hat_c, skew(u_body)))
+    add_mat(C, 0, 3, -p.mass, A @ (skew(spin) + hat_omega @ hat_c))
+    add_mat(C, 3, 3, 1.0, hat_omega @ J - skew(momentum))
+    add_mat(K, 0, 3, -p.mass, A @ skew(w))
+    add_mat(K, 3, 3, p.mass, hat_c @ skew(u_body))
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Centre of mass, its velocity, energies."""
-    c, A, omega = vec(p.c, 0), mat(R[0]), vec(v, 3)
-    x_C = add(vec(q, 0), mul(A, c))
-    v_C = add(vec(v, 0), mul(A, cross(omega, c)))
+    c, A, omega = vec(p.c, 0), mat(at.R[0]), vec(at.v, 3)
+    x_C = vec(at.q, 0) + A @ c
+    v_C = vec(at.v, 0) + A @ cross(omega, c)
     put(y, 0, x_C)
     put(y, 3, v_C)
-    kinetic = 0.5 * p.mass * dot(v_C, v_C) + 0.5 * dot(omega, mul(mat(p.J_C), omega))
+    kinetic = 0.5 * p.mass * dot(v_C, v_C) + 0.5 * dot(omega, mat(p.J_C) @ omega)
     y[6] = kinetic
     e[0] = kinetic
     e[1] = -p.mass * dot(vec(p.gravity, 0), x_C)

@@ -12,7 +12,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
 from mecano.constraints.joint_samples import two_parallel, two_places
 from mecano.contract import Kind, Output, record
-from mecano.maths.vec import mat, mul, put, scale, vec
+from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import NODE_PAIR, Field
 
 RECORD = record(turned=())  # 1: three multipliers hold the rotation, in the axes of the master
@@ -20,13 +20,13 @@ FORCE, MOMENT = 12, 15  # in q
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reactions on the follower."""
-    put(y, 0, vec(q, FORCE))
+    put(y, 0, vec(at.q, FORCE))
     if p.turned > 0.0:
-        put(y, 3, mul(mat(R[0]), (-q[MOMENT + 1], q[MOMENT], q[MOMENT + 2])))
+        put(y, 3, mat(at.R[0]) @ Vec3(-at.q[MOMENT + 1], at.q[MOMENT], at.q[MOMENT + 2]))
     else:
-        put(y, 3, scale(-1.0, mul(mat(R[1]), vec(F, 9))))
+        put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
 
 
 def prepare(d, nodes, context):

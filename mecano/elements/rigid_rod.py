@@ -6,15 +6,15 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.distance import DISTANCE
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.contract import Kind, Output, Part
-from mecano.maths.vec import norm, sub, vec
+from mecano.maths.vector import norm, vec
 from mecano.schema import NUMBER, Field, positive
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Tension and length."""
-    y[0] = -q[6]
-    y[1] = norm(sub(vec(q, 3), vec(q, 0)))
+    y[0] = -at.q[6]
+    y[1] = norm(vec(at.q, 3) - vec(at.q, 0))
 
 
 def parts(d, nodes, context):

@@ -47,7 +47,7 @@ from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.contract import CONTACT as SHOCK
 from mecano.contract import Event, Kind, Part, record
 from mecano.maths.surface import directions
-from mecano.maths.vec import add, dot, mat, mul, scale, vec
+from mecano.maths.vector import dot, mat, vec
 from mecano.schema import BOOLEAN, Field, choice
 
 RECORD = record(axis=3, radius=(), restitution=(), in_air="i", bends=MOST_BENDS, **GROUND_RECORD)
@@ -64,36 +64,36 @@ OPTIONS = (
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
-    Rn = mat(R[0])
-    axis = mul(Rn, vec(p.axis, 0))
-    g = touch(p, laws, vec(q, 0), axis)
+    Rn = mat(at.R[0])
+    axis = Rn @ vec(p.axis, 0)
+    g = touch(p, at.laws, vec(at.q, 0), axis)
     along, across = directions(axis, g)
-    radius = p.radius if mode == AIR else g.r
-    spin, push = dot(mul(Rn, vec(v, 3)), axis), (q[RADIAL] / g.q, q[DRIVING], q[LATERAL])
-    arm, height = scale(radius, g.c), g.r * g.q
-    put_outputs(y, q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
+    radius = p.radius if at.phase == AIR else g.r
+    spin, push = dot(Rn @ vec(at.v, 3), axis), (at.q[RADIAL] / g.q, at.q[DRIVING], at.q[LATERAL])
+    arm, height = radius * g.c, g.r * g.q
+    put_outputs(y, at.q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
 
 
 @kernel
 def _place(p, laws, q, R):
     """Distance [m] of the contact along the profile."""
     x = vec(q, 0)
-    return along_profile(p, add(x, touch(p, laws, x, mul(mat(R[0]), vec(p.axis, 0))).arm))
+    return along_profile(p, x + touch(p, laws, x, mat(R[0]) @ vec(p.axis, 0)).arm)
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Depth of the rim below the ground [m], -F_r [N], and how far the contact is beyond the bends around it [m]."""
     g[:] = -1.0
-    if mode == AIR:
-        g[0] = p.radius - touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0))).r
+    if at.phase == AIR:
+        g[0] = p.radius - touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).r
         return
     if p.restitution >= 0.0:
-        g[1] = -q[RADIAL]
+        g[1] = -at.q[RADIAL]
     if p.bends[0] < math.inf:
-        place, passed = _place(p, laws, q, R), int(m[0])
+        place, passed = _place(p, at.laws, at.q, at.R), int(at.m[0])
         g[2] = place - p.bends[passed] if passed < MOST_BENDS else -1.0
         if passed > 0:
             g[2] = max(g[2], p.bends[passed - 1] - place)
@@ -101,11 +101,11 @@ def event_values(p, m, mode, t, laws, q, v, a, R, g):
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """How many bends of the profile the contact has passed."""
-    passed = int(m[0])
+    passed = int(at.m[0])
     if p.bends[0] < math.inf:
-        place, margin = _place(p, laws, q, R), COUNTED * BEHIND * p.radius
+        place, margin = _place(p, at.laws, at.q, at.R), COUNTED * BEHIND * p.radius
         while passed < MOST_BENDS and place > p.bends[passed] + margin:
             passed += 1
         while passed > 0 and place < p.bends[passed - 1] - margin:

@@ -24,7 +24,7 @@ from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
 from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
 from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
 from mecano.contract import Kind, Part, record
-from mecano.maths.vec import put
+from mecano.maths.vector import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2")
@@ -32,13 +32,13 @@ RECORD = record(travel=(), **AXES_FIELDS)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Rotation, sliding and reactions; the sliding tells which turn it is."""
-    angle, y[1] = angle_in_turn(p, v, R)
-    put_sliding(p, q, v, R, y, 2)
+    angle, y[1] = angle_in_turn(p, at.v, at.R)
+    put_sliding(p, at.q, at.v, at.R, y, 2)
     y[0] = follow(y[2] / p.travel, angle)
-    put(y, 4, (q[14], q[15], q[16]))
-    put(y, 7, (-q[13], q[12], -p.travel * q[16]))
+    put(y, 4, (at.q[14], at.q[15], at.q[16]))
+    put(y, 7, (-at.q[13], at.q[12], -p.travel * at.q[16]))
 
 
 def prepare(d, nodes, context):

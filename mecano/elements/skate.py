@@ -16,21 +16,21 @@ from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
 from mecano.contract import Kind, Output, Part
 from mecano.maths.surface import directions, disc_contact
-from mecano.maths.vec import ZERO, dot, mat, mul, put, scale, vec
+from mecano.maths.vector import ZERO, dot, mat, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, Field
 
 LATERAL = 6  # multiplier of the part, behind the own unknowns
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reaction and speed."""
-    axis = mul(mat(R[0]), vec(p.axis, 0))
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
     g = disc_contact(vec(p.normal, 0), ZERO, 0.0, axis)
     along, across = directions(axis, g)
-    y[0] = q[LATERAL]
-    put(y, 1, scale(q[LATERAL], across))
-    y[4] = dot(along, vec(v, 0))
+    y[0] = at.q[LATERAL]
+    put(y, 1, at.q[LATERAL] * across)
+    y[4] = dot(along, vec(at.v, 0))
     y[5] = lean_of(g)
 
 

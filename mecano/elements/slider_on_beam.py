@@ -25,23 +25,7 @@ from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
 from mecano.constraints.carried import carried
 from mecano.contract import Event, Kind, Output, Row, record
 from mecano.elements.smooth_line import nearest_station, smooth_line
-from mecano.maths.vec import (
-    EYE,
-    add,
-    add_col,
-    add_mat,
-    add_row,
-    cross,
-    mat,
-    matmul,
-    mul,
-    norm,
-    put,
-    scale,
-    skew,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm, put, skew, vec
 from mecano.schema import NODE, NODES, Field
 
 RECORD = record(n_nodes="i", table="i", first="i", start=(), length=())
@@ -76,14 +60,14 @@ def _tangent(p, laws, j):
 @kernel
 def _sum(H, y):
     """H_0 y_0 + ... + H_3 y_3"""
-    return add(add(scale(H[0], y[0]), scale(H[1], y[1])), add(scale(H[2], y[2]), scale(H[3], y[3])))
+    return H[0] * y[0] + H[1] * y[1] + (H[2] * y[2] + H[3] * y[3])
 
 
 @kernel
 def _of_beam(H, j, e, turn_0, turn_1):
     """Gradients of -e . X at the nodes of an element whose unknowns begin at j, as blocks of add_constraint."""
     return (
-        (j, scale(-H[0], e)), (j + 3, scale(-H[1], turn_0)), (j + 6, scale(-H[2], e)), (j + 9, scale(-H[3], turn_1)),
+        (j, -H[0] * e), (j + 3, -H[1] * turn_0), (j + 6, -H[2] * e), (j + 9, -H[3] * turn_1),
     )  # fmt: skip
 
 
@@ -100,73 +84,73 @@ def _ends(p, laws, i, q, v, a, R):
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Force on the slider, its opposite on two nodes of the beam, the force along it."""
-    i, at = _element(p, m), 3 + 6 * p.n_nodes
+    i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     j, l = 3 + 6 * i, 9 + 6 * i
-    A, B, t_0, t_1 = mat(R[i]), mat(R[i + 1]), _tangent(p, laws, i), _tangent(p, laws, i + 1)
-    H, H_1, H_2 = _shape(p, laws, i, q[at])
-    y = (vec(q, j), mul(A, t_0), vec(q, l), mul(B, t_1))
+    A, B, t_0, t_1 = mat(at.R[i]), mat(at.R[i + 1]), _tangent(p, at.laws, i), _tangent(p, at.laws, i + 1)
+    H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
+    y = (vec(at.q, j), A @ t_0, vec(at.q, l), B @ t_1)
     X, slope, curvature = _sum(H, y), _sum(H_1, y), _sum(H_2, y)
     for r in range(3):
         e = EYE[r]
-        turn_0, turn_1 = cross(t_0, tmul(A, e)), cross(t_1, tmul(B, e))
+        turn_0, turn_1 = cross(t_0, A.T @ e), cross(t_1, B.T @ e)
         blocks = ((0, e),) + _of_beam(H, j, e, turn_0, turn_1)
-        row = at + 1 + r
-        g = add_constraint(f, K, row, k, penalty, q[r] - X[r], q[row], blocks)
-        add_scalar(f, K, at, row, k, penalty, g, -slope[r], -curvature[r], blocks)
+        row = own + 1 + r
+        g = add_constraint(f, K, row, at.k, at.penalty, at.q[r] - X[r], at.q[row], blocks)
+        add_scalar(f, K, own, row, at.k, at.penalty, g, -slope[r], -curvature[r], blocks)
         for place, b in _of_beam(H_1, j, e, turn_0, turn_1):
-            add_col(K, place, at, g, b)
-            add_row(K, at, place, g, b)
-        add_mat(K, j + 3, j + 3, -g * H[1], matmul(skew(t_0), skew(tmul(A, e))))
-        add_mat(K, l + 3, l + 3, -g * H[3], matmul(skew(t_1), skew(tmul(B, e))))
+            add_col(K, place, own, g, b)
+            add_row(K, own, place, g, b)
+        add_mat(K, j + 3, j + 3, -g * H[1], skew(t_0) @ skew(A.T @ e))
+        add_mat(K, l + 3, l + 3, -g * H[3], skew(t_1) @ skew(B.T @ e))
 
 
 @kernel
-def levels(p, m, mode, t, laws, q, v, a, R, g):
+def levels(p, at, g):
     """Value and rates along the inertial axes."""
-    i, at = _element(p, m), 3 + 6 * p.n_nodes
-    H, H_1, H_2 = _shape(p, laws, i, q[at])
-    y, y_1, y_2 = _ends(p, laws, i, q, v, a, R)
-    slope, turning, rate = _sum(H_1, y), _sum(H_1, y_1), v[at]
-    X_1 = add(_sum(H, y_1), scale(rate, slope))
-    X_2 = add(_sum(H, y_2), scale(2.0 * rate, turning))
-    X_2 = add(X_2, add(scale(rate * rate, _sum(H_2, y)), scale(a[at], slope)))
+    i, own = _element(p, at.m), 3 + 6 * p.n_nodes
+    H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
+    y, y_1, y_2 = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
+    slope, turning, rate = _sum(H_1, y), _sum(H_1, y_1), at.v[own]
+    X_1 = _sum(H, y_1) + rate * slope
+    X_2 = _sum(H, y_2) + 2.0 * rate * turning
+    X_2 = X_2 + (rate * rate * _sum(H_2, y) + at.a[own] * slope)
     X = _sum(H, y)
     for r in range(3):
-        put_levels(g, r, q[r] - X[r], v[r] - X_1[r], a[r] - X_2[r])
+        put_levels(g, r, at.q[r] - X[r], at.v[r] - X_1[r], at.a[r] - X_2[r])
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Place on the beam, speed along it, force."""
-    i, at = _element(p, m), 3 + 6 * p.n_nodes
-    _, H_1, _ = _shape(p, laws, i, q[at])
-    places, _, _ = _ends(p, laws, i, q, v, a, R)
-    y[0], y[1], y[2] = q[at], v[at], norm(_sum(H_1, places)) * v[at]
-    put(y, 3, vec(q, at + 1))
-    y[6] = norm(vec(q, at + 1))
-    y[7] = max(-q[at], q[at] - p.length, 0.0)
+    i, own = _element(p, at.m), 3 + 6 * p.n_nodes
+    _, H_1, _ = _shape(p, at.laws, i, at.q[own])
+    places, _, _ = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
+    y[0], y[1], y[2] = at.q[own], at.v[own], norm(_sum(H_1, places)) * at.v[own]
+    put(y, 3, vec(at.q, own + 1))
+    y[6] = norm(vec(at.q, own + 1))
+    y[7] = max(-at.q[own], at.q[own] - p.length, 0.0)
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """How far the slider is past the nodes of its element [m], where another one follows."""
-    i, s = _element(p, m), q[3 + 6 * p.n_nodes]
-    start, end = laws[p.table + i], laws[p.table + i + 1]
+    i, s = _element(p, at.m), at.q[3 + 6 * p.n_nodes]
+    start, end = at.laws[p.table + i], at.laws[p.table + i + 1]
     past = PAST * (end - start)
     back = start - s if i > 0 else -1.0
     g[0] = max(back, s - end if i + 2 < p.n_nodes else -1.0) - past
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """The element on which the slider is, counted from the one at the start."""
-    i, s = _element(p, m), q[3 + 6 * p.n_nodes]
-    past = 0.5 * PAST * (laws[p.table + i + 1] - laws[p.table + i])
-    while i + 2 < p.n_nodes and s > laws[p.table + i + 1] + past:
+    i, s = _element(p, at.m), at.q[3 + 6 * p.n_nodes]
+    past = 0.5 * PAST * (at.laws[p.table + i + 1] - at.laws[p.table + i])
+    while i + 2 < p.n_nodes and s > at.laws[p.table + i + 1] + past:
         i += 1
-    while i > 0 and s < laws[p.table + i] - past:
+    while i > 0 and s < at.laws[p.table + i] - past:
         i -= 1
     m_out[0] = i - p.first
 

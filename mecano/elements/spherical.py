@@ -14,19 +14,19 @@ from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.contract import Kind, Output, Part, nothing
-from mecano.maths.vec import put, scale, vec
+from mecano.maths.vector import put, vec
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Reaction."""
-    put(y, 0, scale(-1.0, vec(F, 3)))
+    put(y, 0, -vec(F, 3))
 
 
 @kernel
-def observe_held(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_held(p, at, F, y, e):
     """Reaction."""
-    put(y, 0, vec(q, 6))
+    put(y, 0, vec(at.q, 6))
 
 
 def parts_held(d, nodes, context):

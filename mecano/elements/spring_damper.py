@@ -21,33 +21,33 @@ RECORD = record(law="i", natural_length=(), low=(), high=())
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Equal and opposite forces along the line."""
-    length, rate, geometry = line(q, v)
-    N, N_e, N_rate = evaluate_force(laws, p.law, length - p.natural_length, rate)
+    length, rate, geometry = line(at.q, at.v)
+    N, N_e, N_rate = evaluate_force(at.laws, p.law, length - p.natural_length, rate)
     add_line_force(f, K, C, rate, geometry, N, N_e, N_rate)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Length, extension, rate, force, stroke; energies."""
-    length, rate, _ = line(q, v)
+    length, rate, _ = line(at.q, at.v)
     extension = length - p.natural_length
-    N, _, _ = evaluate_force(laws, p.law, extension, rate)
-    elastic, _, _ = evaluate_force(laws, p.law, extension, 0.0)
+    N, _, _ = evaluate_force(at.laws, p.law, extension, rate)
+    elastic, _, _ = evaluate_force(at.laws, p.law, extension, 0.0)
     y[0] = length
     y[1] = extension
     y[2] = rate
     y[3] = N
     y[4] = -extension
-    e[1] = potential(laws, p.law, extension)
+    e[1] = potential(at.laws, p.law, extension)
     e[2] = (N - elastic) * rate
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Stops of the law."""
-    put_stop_events(g, p.low, p.high, line(q, v)[0] - p.natural_length)
+    put_stop_events(g, p.low, p.high, line(at.q, at.v)[0] - p.natural_length)
 
 
 def prepare(d, nodes, context):

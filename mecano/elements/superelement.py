@@ -46,7 +46,7 @@ from mecano.elements.superelement_frame import (
 )  # fmt: skip
 from mecano.elements.superelement_tangent import TANGENT_ROWS, add_tangents
 from mecano.maths.so3 import quaternion
-from mecano.maths.vec import add, dot, mat, mul, put, tmul, vec
+from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
 
 RECORD = record(n_nodes="i", n_modes="i", table="i", damped="i", mass=(), square=(), moment=3, gravity=3)
@@ -69,52 +69,52 @@ MODE_OUTPUTS = (
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Elastic forces, damping, weight and inertia; see contract.py for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
-    R_f, _, D_inverse = configuration(p, laws, q, R, work, turns)
-    spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
-    velocities(p, laws, v, a, R_f, spin, work, turns)
-    of_motion(p, laws, load, work)
-    moment = add(vec(p.moment, 0), first_moment(p, laws, work[U]))
-    nu = mul(D_inverse, frame_moment(p, laws, load, moment, work, turns))
+    R_f, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
+    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
+    of_motion(p, at.laws, load, work)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
     mean = mean_force(p, load, work[FORCE])
-    add_forces(p, laws, R_f, spin, mean, nu, work, turns, f)
+    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, f)
     if wanted(K):
-        add_tangents(p, laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
+        add_tangents(p, at.laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
     give_back(work)
     give_back(turns)
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
-    R_f, centre, D_inverse = configuration(p, laws, q, R, work, turns)
-    spin, load = turning(p, laws, v, R_f, D_inverse, turns), tmul(R_f, vec(p.gravity, 0))
-    velocities(p, laws, v, a, R_f, spin, work, turns)
-    of_motion(p, laws, load, work)
-    moment = add(vec(p.moment, 0), first_moment(p, laws, work[U]))
-    nu = mul(D_inverse, frame_moment(p, laws, load, moment, work, turns))
-    y[0], kinetic, dissipated = _energies(p, laws, work)
+    R_f, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
+    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
+    of_motion(p, at.laws, load, work)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
+    y[0], kinetic, dissipated = _energies(p, at.laws, work)
     y[1] = kinetic
     put(y, 2, centre)
     w = quaternion(R_f)
     for i in range(4):
         y[5 + i] = w[i]
     mean = mean_force(p, load, work[FORCE])
-    add_forces(p, laws, R_f, spin, mean, nu, work, turns, total)
+    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, total)
     for i in range(p.n_nodes):
         j = 9 + 12 * i
         put(y, j, vec(work[U], 6 * i))
         put(y, j + 3, vec(work[U], 6 * i + 3))
         put(y, j + 6, vec(total, 6 * i))
-        put(y, j + 9, mul(mat(R[i]), vec(total, 6 * i + 3)))
+        put(y, j + 9, mat(at.R[i]) @ vec(total, 6 * i + 3))
     for i in range(p.n_modes):
-        y[9 + 12 * p.n_nodes + 2 * i] = q[6 * p.n_nodes + i]
-        y[10 + 12 * p.n_nodes + 2 * i] = v[6 * p.n_nodes + i]
+        y[9 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
+        y[10 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
     e[2] = dissipated

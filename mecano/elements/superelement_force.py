@@ -31,7 +31,7 @@ from mecano.elements.superelement_frame import (
     place,
     tail,
 )  # fmt: skip
-from mecano.maths.vec import ZERO, add, add_vec, cross, mat, mul, scale, sub, tmul, vec
+from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
 
 
 @kernel
@@ -50,7 +50,7 @@ def first_moment(p, laws, u):
     """B^T u, (3,)."""
     total, start = ZERO, p.table + 12 * p.n_nodes
     for i in range(u.shape[0]):
-        total = add(total, scale(u[i], vec(laws, start + 3 * i)))
+        total = total + u[i] * vec(laws, start + 3 * i)
     return total
 
 
@@ -82,15 +82,15 @@ def of_motion(p, laws, load, work):
 @kernel
 def material_moment(turns, work, i):
     """T_i^-T p_r, the moment of the elastic forces on node i in the axes A_i."""
-    return tmul(mat(turns[i, 1]), vec(work[FORCE], 6 * i + 3))
+    return mat(turns[i, 1]).T @ vec(work[FORCE], 6 * i + 3)
 
 
 @kernel
 def rotary(spin, work, i):
     """Moment of inertia forces on node i, in the axes of the frame."""
     momentum = vec(work[MOMENTUM], 6 * i + 3)
-    turned = cross(sub(spin, vec(work[V], 6 * i + 3)), momentum)
-    return add(vec(work[INERTIA], 6 * i + 3), turned)
+    turned = cross(spin - vec(work[V], 6 * i + 3), momentum)
+    return vec(work[INERTIA], 6 * i + 3) + turned
 
 
 @kernel
@@ -98,45 +98,45 @@ def frame_moment(p, laws, load, moment, work, turns):
     """The moment mu that works along rotations of the frame; ``moment`` is S_0 + B^T u."""
     total = cross(moment, load)
     for i in range(p.n_nodes):
-        y = add(place(p, laws, i), vec(work[U], 6 * i))
-        total = add(total, cross(y, vec(work[FORCE], 6 * i)))
-        total = add(total, mul(mat(turns[i, 0]), material_moment(turns, work, i)))
-        total = add(total, cross(vec(work[MOMENTUM], 6 * i), vec(work[V], 6 * i)))
-        total = add(total, cross(vec(work[MOMENTUM], 6 * i + 3), vec(work[V], 6 * i + 3)))
-    return scale(-1.0, total)
+        y = place(p, laws, i) + vec(work[U], 6 * i)
+        total = total + cross(y, vec(work[FORCE], 6 * i))
+        total = total + mat(turns[i, 0]) @ material_moment(turns, work, i)
+        total = total + cross(vec(work[MOMENTUM], 6 * i), vec(work[V], 6 * i))
+        total = total + cross(vec(work[MOMENTUM], 6 * i + 3), vec(work[V], 6 * i + 3))
+    return -total
 
 
 @kernel
 def mean_force(p, load, force):
     """The part of the forces that the mean of the nodes takes, (3,)."""
-    total = scale(p.mass, load)
+    total = p.mass * load
     for i in range(p.n_nodes):
-        total = add(total, vec(force, 6 * i))
-    return scale(1.0 / p.n_nodes, total)
+        total = total + vec(force, 6 * i)
+    return total / p.n_nodes
 
 
 @kernel
 def node_force(p, laws, spin, mean, nu, work, i):
     """Force on node i in the axes of the frame."""
-    turned = add(vec(work[INERTIA], 6 * i), cross(spin, vec(work[MOMENTUM], 6 * i)))
-    own = sub(vec(work[FORCE], 6 * i), mean)
-    return add(add(own, turned), scale(1.0 / p.n_nodes, cross(nu, place(p, laws, i))))
+    turned = vec(work[INERTIA], 6 * i) + cross(spin, vec(work[MOMENTUM], 6 * i))
+    own = vec(work[FORCE], 6 * i) - mean
+    return own + turned + cross(nu, place(p, laws, i)) / p.n_nodes
 
 
 @kernel
 def node_moment(p, spin, nu, work, turns, i):
     """Moment on node i in the axes A_i."""
     E = mat(turns[i, 0])
-    own = add(material_moment(turns, work, i), tmul(E, rotary(spin, work, i)))
-    return add(own, scale(p.square / p.n_nodes, tmul(tail(E), nu)))
+    own = material_moment(turns, work, i) + E.T @ rotary(spin, work, i)
+    return own + p.square / p.n_nodes * (tail(E).T @ nu)
 
 
 @kernel
 def add_forces(p, laws, R_f, spin, mean, nu, work, turns, f):
     """All forces into ``f`` (n,)."""
     for i in range(p.n_nodes):
-        add_vec(f, 6 * i, 1.0, mul(R_f, node_force(p, laws, spin, mean, nu, work, i)))
+        add_vec(f, 6 * i, 1.0, R_f @ node_force(p, laws, spin, mean, nu, work, i))
         moment = node_moment(p, spin, nu, work, turns, i)
-        add_vec(f, 6 * i + 3, 1.0, mul(axes(p, laws, i), moment))
+        add_vec(f, 6 * i + 3, 1.0, axes(p, laws, i) @ moment)
     for j in range(6 * p.n_nodes, f.shape[0]):
         f[j] += work[FORCE, j] + work[INERTIA, j]

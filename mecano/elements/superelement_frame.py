@@ -20,25 +20,7 @@ from mecano.compiled.kernel import kernel
 from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
-from mecano.maths.vec import (
-    EYE,
-    ZERO,
-    add,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    outer,
-    put,
-    scale,
-    sub,
-    tmul,
-    transpose,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, vec
 
 # Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities, accelerations in the axes of the
 # frame, the rates of those velocities; forces on the coordinates, momenta, forces of inertia; then variations.
@@ -51,10 +33,10 @@ ROWS = 15
 def tail(E):
     """Tr E - E^T, the moment of a turning node about the frame."""
     t = E[0][0] + E[1][1] + E[2][2]
-    return (
-        (t - E[0][0], -E[1][0], -E[2][0]),
-        (-E[0][1], t - E[1][1], -E[2][1]),
-        (-E[0][2], -E[1][2], t - E[2][2]),
+    return Mat3(
+        Vec3(t - E[0][0], -E[1][0], -E[2][0]),
+        Vec3(-E[0][1], t - E[1][1], -E[2][1]),
+        Vec3(-E[0][2], -E[1][2], t - E[2][2]),
     )
 
 
@@ -68,7 +50,7 @@ def place(p, laws, i):
 def axes(p, laws, i):
     """Rotation from the axes of the superelement to those of node i at the start: A_i = R_i axes."""
     j = p.table + 12 * i + 3
-    return (vec(laws, j), vec(laws, j + 3), vec(laws, j + 6))
+    return Mat3(vec(laws, j), vec(laws, j + 3), vec(laws, j + 6))
 
 
 @kernel
@@ -76,19 +58,19 @@ def mean(q, n):
     """Mean of the translations of n nodes in local unknowns."""
     total = ZERO
     for i in range(n):
-        total = add(total, vec(q, 6 * i))
-    return scale(1.0 / n, total)
+        total = total + vec(q, 6 * i)
+    return total / n
 
 
 @kernel
 def frame(p, laws, q, R):
     """Rotation of the frame and the mean of the boundary nodes."""
     n = p.n_nodes
-    centre, B = mean(q, n), mscale(0.0, EYE)
+    centre, B = mean(q, n), NO_MATRIX
     for i in range(n):
-        A_i = matmul(mat(R[i]), axes(p, laws, i))
-        B = madd(B, madd(outer(sub(vec(q, 6 * i), centre), place(p, laws, i)), mscale(p.square, A_i)))
-    return nearest_rotation(mscale(1.0 / n, B)), centre
+        A_i = mat(R[i]) @ axes(p, laws, i)
+        B = B + (outer(vec(q, 6 * i) - centre, place(p, laws, i)) + p.square * A_i)
+    return nearest_rotation(B / n), centre
 
 
 @kernel
@@ -96,20 +78,20 @@ def configuration(p, laws, q, R, work, turns):
     """Frame, mean and D^-1; elastic coordinates into ``work`` (ROWS, n), E_i and T^-1(theta_i) into ``turns``."""
     n = p.n_nodes
     R_f, centre = frame(p, laws, q, R)
-    H = mscale(0.0, EYE)
+    H = NO_MATRIX
     for i in range(n):
-        y, X = tmul(R_f, sub(vec(q, 6 * i), centre)), place(p, laws, i)
-        E = matmul(transpose(R_f), matmul(mat(R[i]), axes(p, laws, i)))
+        y, X = R_f.T @ (vec(q, 6 * i) - centre), place(p, laws, i)
+        E = R_f.T @ (mat(R[i]) @ axes(p, laws, i))
         theta = log(E)
         c, _, _ = inverse_coefficients(dot(theta, theta))
-        put(work[U], 6 * i, sub(y, X))
+        put(work[U], 6 * i, y - X)
         put(work[U], 6 * i + 3, theta)
         put_matrix(turns[i, 0], E)
         put_matrix(turns[i, 1], inverse_tangent(theta, c))
-        H = madd(H, madd(outer(y, X), mscale(p.square, E)))
+        H = H + (outer(y, X) + p.square * E)
     for j in range(6 * n, work.shape[1]):
         work[U, j] = q[j]
-    return R_f, centre, inverse(stiffened(mscale(1.0 / n, H)))
+    return R_f, centre, inverse(stiffened(H / n))
 
 
 @kernel
@@ -122,13 +104,13 @@ def put_matrix(out, A):
 @kernel
 def stiffened(H):
     """D = tr H - H."""
-    return madd(mscale(H[0][0] + H[1][1] + H[2][2], EYE), mscale(-1.0, H))
+    return (H[0][0] + H[1][1] + H[2][2]) * EYE - H
 
 
 @kernel
 def own_spin(p, laws, v, i):
     """Material angular velocity (or variation) of A_i from that of node i in local unknowns."""
-    return tmul(axes(p, laws, i), vec(v, 6 * i + 3))
+    return axes(p, laws, i).T @ vec(v, 6 * i + 3)
 
 
 @kernel
@@ -136,17 +118,17 @@ def turning(p, laws, v, R_f, D_inverse, turns):
     """Angular velocity of the frame (or its variation), in its own axes, for velocities (or variations) ``v``."""
     total = ZERO
     for i in range(p.n_nodes):
-        r, phi = tmul(R_f, vec(v, 6 * i)), own_spin(p, laws, v, i)
-        total = add(total, add(cross(place(p, laws, i), r), scale(p.square, mul(tail(mat(turns[i, 0])), phi))))
-    return scale(1.0 / p.n_nodes, mul(D_inverse, total))
+        r, phi = R_f.T @ vec(v, 6 * i), own_spin(p, laws, v, i)
+        total = total + (cross(place(p, laws, i), r) + p.square * (tail(mat(turns[i, 0])) @ phi))
+    return D_inverse @ total / p.n_nodes
 
 
 @kernel
 def to_frame(p, laws, v, R_f, turns, out):
     """Velocities or accelerations of the nodes in the axes of the frame, (n,)."""
     for i in range(p.n_nodes):
-        put(out, 6 * i, tmul(R_f, vec(v, 6 * i)))
-        put(out, 6 * i + 3, mul(mat(turns[i, 0]), own_spin(p, laws, v, i)))
+        put(out, 6 * i, R_f.T @ vec(v, 6 * i))
+        put(out, 6 * i + 3, mat(turns[i, 0]) @ own_spin(p, laws, v, i))
     for j in range(6 * p.n_nodes, out.shape[0]):
         out[j] = v[j]
 
@@ -162,9 +144,9 @@ def velocities(p, laws, v, a, R_f, spin, work, turns):
         work[U_RATE, j] = v[j]
         work[V_RATE, j] = a[j]
     for i in range(2 * n):
-        put(work[V_RATE], 3 * i, sub(vec(work[A], 3 * i), cross(spin, vec(work[V], 3 * i))))
+        put(work[V_RATE], 3 * i, vec(work[A], 3 * i) - cross(spin, vec(work[V], 3 * i)))
     for i in range(n):
-        y = add(place(p, laws, i), vec(work[U], 6 * i))
-        put(work[U_RATE], 6 * i, add(sub(vec(work[V], 6 * i), centre), cross(y, spin)))
-        relative = sub(own_spin(p, laws, v, i), tmul(mat(turns[i, 0]), spin))
-        put(work[U_RATE], 6 * i + 3, mul(mat(turns[i, 1]), relative))
+        y = place(p, laws, i) + vec(work[U], 6 * i)
+        put(work[U_RATE], 6 * i, vec(work[V], 6 * i) - centre + cross(y, spin))
+        relative = own_spin(p, laws, v, i) - mat(turns[i, 0]).T @ spin
+        put(work[U_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)

@@ -29,25 +29,7 @@ from mecano.elements.superelement_frame import (
     tail,
 )  # fmt: skip
 from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
-from mecano.maths.vec import (
-    EYE,
-    ZERO,
-    add,
-    add_vec,
-    cross,
-    cross_columns,
-    dot,
-    madd,
-    mat,
-    mscale,
-    mul,
-    outer,
-    put,
-    scale,
-    sub,
-    tmul,
-    vec,
-)  # fmt: skip
+from mecano.maths.vector import NO_MATRIX, ZERO, add_vec, cross, cross_columns, dot, mat, outer, put, vec
 
 PSI, COLUMN = ROWS, ROWS + 1
 TANGENT_ROWS = ROWS + 2
@@ -62,7 +44,7 @@ def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, wo
         for level in range(3):
             work[DU:] = 0.0
             if column >= nodes:
-                rho, spin_change, D_change = ZERO, ZERO, mscale(0.0, EYE)
+                rho, spin_change, D_change = ZERO, ZERO, NO_MATRIX
                 amplitude(level, column, work)
             else:
                 rho, spin_change, D_change = unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns)
@@ -93,15 +75,15 @@ def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
     """Variation of a node's position or rotation, velocity or acceleration; the changes rho, of Omega and of D."""
     k = column // 6
     work[COLUMN, column] = 1.0
-    r, phi = tmul(R_f, vec(work[COLUMN], 6 * k)), own_spin(p, laws, work[COLUMN], k)
+    r, phi = R_f.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
     work[COLUMN, column] = 0.0
-    none = mscale(0.0, EYE)
+    none = NO_MATRIX
     if level == 2:
         put(work[DV_RATE], 6 * k, r)
-        put(work[DV_RATE], 6 * k + 3, mul(mat(turns[k, 0]), phi))
+        put(work[DV_RATE], 6 * k + 3, mat(turns[k, 0]) @ phi)
         return ZERO, ZERO, none
-    moving = add(cross(place(p, laws, k), r), scale(p.square, mul(tail(mat(turns[k, 0])), phi)))
-    turn = scale(1.0 / p.n_nodes, mul(D_inverse, moving))
+    moving = cross(place(p, laws, k), r) + p.square * (tail(mat(turns[k, 0])) @ phi)
+    turn = D_inverse @ moving / p.n_nodes
     if level == 1:
         velocity(p, laws, k, r, phi, turn, spin, work, turns)
         return ZERO, turn, none
@@ -115,13 +97,13 @@ def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
 def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
     """Variation by the velocities r and phi of node k."""
     put(work[DV], 6 * k, r)
-    put(work[DV], 6 * k + 3, mul(mat(turns[k, 0]), phi))
-    centre = scale(1.0 / p.n_nodes, r)
+    put(work[DV], 6 * k + 3, mat(turns[k, 0]) @ phi)
+    centre = r / p.n_nodes
     for i in range(p.n_nodes):
-        y = add(place(p, laws, i), vec(work[U], 6 * i))
-        put(work[DU_RATE], 6 * i, add(sub(vec(work[DV], 6 * i), centre), cross(y, spin_change)))
-        relative = tmul(mat(turns[i, 0]), sub(vec(work[DV], 6 * i + 3), spin_change))
-        put(work[DU_RATE], 6 * i + 3, mul(mat(turns[i, 1]), relative))
+        y = place(p, laws, i) + vec(work[U], 6 * i)
+        put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + cross(y, spin_change))
+        relative = mat(turns[i, 0]).T @ (vec(work[DV], 6 * i + 3) - spin_change)
+        put(work[DU_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
     velocity_rates(p, spin, spin_change, work)
 
 
@@ -129,30 +111,30 @@ def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
 def velocity_rates(p, spin, spin_change, work):
     """Subtract the variation of Omega x v from that of the rates of the velocities."""
     for i in range(2 * p.n_nodes):
-        turned = add(cross(spin_change, vec(work[V], 3 * i)), cross(spin, vec(work[DV], 3 * i)))
+        turned = cross(spin_change, vec(work[V], 3 * i)) + cross(spin, vec(work[DV], 3 * i))
         add_vec(work[DV_RATE], 3 * i, -1.0, turned)
 
 
 @kernel
 def position(p, laws, k, r, phi, rho, work, turns):
     """Variation of the coordinates, velocities and accelerations by r and phi of node k; the change of D."""
-    H, centre = mscale(0.0, EYE), scale(1.0 / p.n_nodes, r)
+    H, centre = NO_MATRIX, r / p.n_nodes
     for i in range(p.n_nodes):
         E, X = mat(turns[i, 0]), place(p, laws, i)
-        own = scale(-1.0, tmul(E, rho))
-        y = sub(cross(add(X, vec(work[U], 6 * i)), rho), centre)
+        own = -(E.T @ rho)
+        y = cross(X + vec(work[U], 6 * i), rho) - centre
         if i == k:
-            own, y = add(own, phi), add(y, r)
+            own, y = own + phi, y + r
         put(work[PSI], 6 * i, own)
         put(work[DU], 6 * i, y)
-        put(work[DU], 6 * i + 3, mul(mat(turns[i, 1]), own))
-        H = madd(H, madd(outer(y, X), mscale(p.square, cross_columns(E, own))))
-        turned = mul(E, own)
+        put(work[DU], 6 * i + 3, mat(turns[i, 1]) @ own)
+        H = H + (outer(y, X) + p.square * cross_columns(E, own))
+        turned = E @ own
         put(work[DV], 6 * i, cross(vec(work[V], 6 * i), rho))
         put(work[DV], 6 * i + 3, cross(turned, vec(work[V], 6 * i + 3)))
         put(work[DV_RATE], 6 * i, cross(vec(work[A], 6 * i), rho))
         put(work[DV_RATE], 6 * i + 3, cross(turned, vec(work[A], 6 * i + 3)))
-    return stiffened(mscale(1.0 / p.n_nodes, H))
+    return stiffened(H / p.n_nodes)
 
 
 @kernel
@@ -161,10 +143,10 @@ def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
     total = ZERO
     for i in range(p.n_nodes):
         E = mat(turns[i, 0])
-        own = tmul(E, vec(work[V], 6 * i + 3))
-        turned = mul(tail(cross_columns(E, vec(work[PSI], 6 * i))), own)
-        total = add(total, add(cross(place(p, laws, i), vec(work[DV], 6 * i)), scale(p.square, turned)))
-    return mul(D_inverse, sub(scale(1.0 / p.n_nodes, total), mul(D_change, spin)))
+        own = E.T @ vec(work[V], 6 * i + 3)
+        turned = tail(cross_columns(E, vec(work[PSI], 6 * i))) @ own
+        total = total + (cross(place(p, laws, i), vec(work[DV], 6 * i)) + p.square * turned)
+    return D_inverse @ (total / p.n_nodes - D_change @ spin)
 
 
 @kernel
@@ -173,15 +155,15 @@ def rates(p, laws, rho, spin, spin_change, work, turns):
     velocity_rates(p, spin, spin_change, work)
     centre = mean(work[DV], p.n_nodes)
     for i in range(p.n_nodes):
-        E, y = mat(turns[i, 0]), add(place(p, laws, i), vec(work[U], 6 * i))
-        turned = add(cross(vec(work[DU], 6 * i), spin), cross(y, spin_change))
-        put(work[DU_RATE], 6 * i, add(sub(vec(work[DV], 6 * i), centre), turned))
+        E, y = mat(turns[i, 0]), place(p, laws, i) + vec(work[U], 6 * i)
+        turned = cross(vec(work[DU], 6 * i), spin) + cross(y, spin_change)
+        put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + turned)
         theta = vec(work[U], 6 * i + 3)
         c, c1, _ = inverse_coefficients(dot(theta, theta))
-        relative = tmul(E, sub(vec(work[V], 6 * i + 3), spin))
-        change = sub(cross(vec(work[PSI], 6 * i), tmul(E, spin)), tmul(E, spin_change))
-        slope = mul(first_derivative(theta, relative, -0.5, c, c1), vec(work[DU], 6 * i + 3))
-        put(work[DU_RATE], 6 * i + 3, add(slope, mul(mat(turns[i, 1]), change)))
+        relative = E.T @ (vec(work[V], 6 * i + 3) - spin)
+        change = cross(vec(work[PSI], 6 * i), E.T @ spin) - E.T @ spin_change
+        slope = first_derivative(theta, relative, -0.5, c, c1) @ vec(work[DU], 6 * i + 3)
+        put(work[DU_RATE], 6 * i + 3, slope + mat(turns[i, 1]) @ change)
 
 
 @kernel
@@ -192,16 +174,16 @@ def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns
     load_change = cross(load, rho)
     products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
     moment_change = first_moment(p, laws, work[DU])
-    total = add(cross(moment_change, load), cross(moment, load_change))
+    total = cross(moment_change, load) + cross(moment, load_change)
     for i in range(n):
-        total = add(total, turning_moment(p, laws, work, turns, i))
-    nu_change = scale(-1.0, mul(D_inverse, add(total, mul(D_change, nu))))
+        total = total + turning_moment(p, laws, work, turns, i)
+    nu_change = -(D_inverse @ (total + D_change @ nu))
     mean_change = mean_force(p, load_change, work[DFORCE])
     for i in range(n):
         z, dz = frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i)
-        put(work[COLUMN], 6 * i, mul(R_f, add(dz, cross(rho, z))))
+        put(work[COLUMN], 6 * i, R_f @ (dz + cross(rho, z)))
         change = moment_of(p, spin, spin_change, nu, nu_change, work, turns, i)
-        put(work[COLUMN], 6 * i + 3, mul(axes(p, laws, i), change))
+        put(work[COLUMN], 6 * i + 3, axes(p, laws, i) @ change)
     for j in range(6 * n, work.shape[1]):
         work[COLUMN, j] = work[DFORCE, j] + work[DINERTIA, j]
 
@@ -212,19 +194,19 @@ def moment_change_of(work, turns, i):
     theta = vec(work[U], 6 * i + 3)
     c, c1, _ = inverse_coefficients(dot(theta, theta))
     slope = first_derivative(theta, vec(work[FORCE], 6 * i + 3), 0.5, c, c1)
-    return add(mul(slope, vec(work[DU], 6 * i + 3)), tmul(mat(turns[i, 1]), vec(work[DFORCE], 6 * i + 3)))
+    return slope @ vec(work[DU], 6 * i + 3) + mat(turns[i, 1]).T @ vec(work[DFORCE], 6 * i + 3)
 
 
 @kernel
 def turning_moment(p, laws, work, turns, i):
     """Change of what node i gives to the moment about the frame, with the sign of superelement_force.frame_moment."""
-    y = add(place(p, laws, i), vec(work[U], 6 * i))
-    total = add(cross(vec(work[DU], 6 * i), vec(work[FORCE], 6 * i)), cross(y, vec(work[DFORCE], 6 * i)))
+    y = place(p, laws, i) + vec(work[U], 6 * i)
+    total = cross(vec(work[DU], 6 * i), vec(work[FORCE], 6 * i)) + cross(y, vec(work[DFORCE], 6 * i))
     own = cross(vec(work[PSI], 6 * i), material_moment(turns, work, i))
-    total = add(total, mul(mat(turns[i, 0]), add(own, moment_change_of(work, turns, i))))
+    total = total + mat(turns[i, 0]) @ (own + moment_change_of(work, turns, i))
     for j in (6 * i, 6 * i + 3):
-        total = add(total, cross(vec(work[DMOMENTUM], j), vec(work[V], j)))
-        total = add(total, cross(vec(work[MOMENTUM], j), vec(work[DV], j)))
+        total = total + cross(vec(work[DMOMENTUM], j), vec(work[V], j))
+        total = total + cross(vec(work[MOMENTUM], j), vec(work[DV], j))
     return total
 
 
@@ -234,9 +216,9 @@ def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_chan
     X, share = place(p, laws, i), 1.0 / p.n_nodes
     P, dP = vec(work[MOMENTUM], 6 * i), vec(work[DMOMENTUM], 6 * i)
     inertia, change = vec(work[INERTIA], 6 * i), vec(work[DINERTIA], 6 * i)
-    z = add(sub(vec(work[FORCE], 6 * i), force_mean), add(inertia, cross(spin, P)))
-    dz = add(sub(vec(work[DFORCE], 6 * i), mean_change), add(change, add(cross(spin_change, P), cross(spin, dP))))
-    return add(z, scale(share, cross(nu, X))), add(dz, scale(share, cross(nu_change, X)))
+    z = vec(work[FORCE], 6 * i) - force_mean + (inertia + cross(spin, P))
+    dz = vec(work[DFORCE], 6 * i) - mean_change + (change + (cross(spin_change, P) + cross(spin, dP)))
+    return z + share * cross(nu, X), dz + share * cross(nu_change, X)
 
 
 @kernel
@@ -244,7 +226,7 @@ def moment_of(p, spin, spin_change, nu, nu_change, work, turns, i):
     """Change of the moment on node i, in the axes A_i."""
     E, psi, j = mat(turns[i, 0]), vec(work[PSI], 6 * i), 6 * i + 3
     P, dP, w, dw = vec(work[MOMENTUM], j), vec(work[DMOMENTUM], j), vec(work[V], j), vec(work[DV], j)
-    inertia = add(vec(work[DINERTIA], j), add(cross(sub(spin_change, dw), P), cross(sub(spin, w), dP)))
-    turned = sub(tmul(E, inertia), cross(psi, tmul(E, rotary(spin, work, i))))
-    tails = add(tmul(tail(cross_columns(E, psi)), nu), tmul(tail(E), nu_change))
-    return add(add(moment_change_of(work, turns, i), turned), scale(p.square / p.n_nodes, tails))
+    inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(spin - w, dP))
+    turned = E.T @ inertia - cross(psi, E.T @ rotary(spin, work, i))
+    tails = tail(cross_columns(E, psi)).T @ nu + tail(E).T @ nu_change
+    return moment_change_of(work, turns, i) + turned + p.square / p.n_nodes * tails

@@ -22,7 +22,7 @@ from mecano.elements.lateral_law import LATERAL_TYPE
 from mecano.laws.friction import friction_factor, sticking
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, potential
-from mecano.maths.vec import ZERO, dot, norm, scale, sub
+from mecano.maths.vector import ZERO, dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
 TIRE_LAW_FIELDS = (
@@ -125,9 +125,9 @@ def damped_force(p, F, dF, w1):
 @kernel
 def speed_over_ground(n, v):
     """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
-    along = sub(v, scale(dot(n, v), n))
+    along = v - dot(n, v) * n
     u = norm(along)
-    return u, scale(1.0 / u, along) if u > 0.0 else ZERO
+    return u, along / u if u > 0.0 else ZERO
 
 
 @kernel

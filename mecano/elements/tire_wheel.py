@@ -8,7 +8,7 @@ from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare
 from mecano.contract import Event, Output
 from mecano.elements.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
 from mecano.maths.surface import directions
-from mecano.maths.vec import dot
+from mecano.maths.vector import dot
 from mecano.schema import TIRE_LAW, Field
 
 AIR, CONTACT = 0, 1

@@ -18,10 +18,10 @@ from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Angle, rate, moment; energies."""
-    angle, rate = followed(p, m, q, v, R)
-    report(p, laws, angle, rate, y[2:], e)
+    angle, rate = followed(p, at.m, at.q, at.v, at.R)
+    report(p, at.laws, angle, rate, y[2:], e)
     y[0] = angle
     y[1] = rate
 

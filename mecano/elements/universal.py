@@ -38,7 +38,7 @@ from mecano.constraints.pin_law import PIN_LAW, pin_law_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
 from mecano.contract import Kind, Output, Part, nothing, record
-from mecano.maths.vec import mat, mul, put, scale, tmul, transpose, vec
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
@@ -53,7 +53,7 @@ def _angles(p, v, R):
     """Angle and rate of the cross about the pin of a, and of b about its own pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
     A, omega_a, omega_b = relative_rotation(mat(R[0]), mat(R[1])), vec(v, 3), vec(v, 9)
-    back = transpose(A)
+    back = A.T
     first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
     second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
     # seen from b the cross turns the other way
@@ -61,11 +61,11 @@ def _angles(p, v, R):
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Both angles and the reactions."""
-    _put_angles(p, m, v, R, y)
-    put(y, 4, scale(-1.0, vec(F, 6)))
-    y[7] = q[12]
+    _put_angles(p, at.m, at.v, at.R, y)
+    put(y, 4, -vec(F, 6))
+    y[7] = at.q[12]
 
 
 @kernel
@@ -76,29 +76,29 @@ def _put_angles(p, m, v, R, y):
 
 
 @kernel
-def observe_rubbing(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_rubbing(p, at, F, y, e):
     """Both angles and the reactions, where three multipliers hold the position."""
-    _put_angles(p, m, v, R, y)
-    put(y, 4, vec(q, 13))
-    y[7] = q[12]
+    _put_angles(p, at.m, at.v, at.R, y)
+    put(y, 4, vec(at.q, 13))
+    y[7] = at.q[12]
 
 
 @kernel
-def observe_elastic(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe_elastic(p, at, F, y, e):
     """Both angles and the reactions, where laws hold some axes."""
-    _put_angles(p, m, v, R, y)
-    put(y, 4, mul(mat(R[0]), tmul(mat(p.mu), pair_force(p, laws, q, v, R))))
-    A = relative_rotation(mat(R[0]), mat(R[1]))
-    tilt, rate = tilted(vec(p.mu[2], 0), vec(p.xi[2], 0), A, vec(v, 3), vec(v, 9))
-    y[7] = held(p, laws, q, 0, tilt, rate)
+    _put_angles(p, at.m, at.v, at.R, y)
+    put(y, 4, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    tilt, rate = tilted(vec(p.mu[2], 0), vec(p.xi[2], 0), A, vec(at.v, 3), vec(at.v, 9))
+    y[7] = held(p, at.laws, at.q, 0, tilt, rate)
 
 
 @kernel
-def commit(p, m, mode, t, laws, q, v, a, R, m_out):
+def commit(p, at, m_out):
     """Follow both angles over whole turns."""
-    first, _, second, _ = _angles(p, v, R)
-    m_out[0] = follow(m[0], first)
-    m_out[1] = follow(m[1], second)
+    first, _, second, _ = _angles(p, at.v, at.R)
+    m_out[0] = follow(at.m[0], first)
+    m_out[1] = follow(at.m[1], second)
 
 
 def prepare(d, nodes, context):

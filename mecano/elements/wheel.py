@@ -49,25 +49,7 @@ from mecano.elements.tire_wheel import (
 )  # fmt: skip
 from mecano.maths.contact_force import add_columns, add_force, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import disc_variation
-from mecano.maths.vec import (
-    EYE,
-    ZERO,
-    add,
-    cross,
-    dot,
-    madd,
-    mat,
-    matmul,
-    mscale,
-    mul,
-    norm,
-    outer,
-    scale,
-    skew,
-    sub,
-    tmul,
-    vec,
-)
+from mecano.maths.vector import EYE, ZERO, cross, dot, mat, norm, outer, skew, vec
 
 
 class Slip(NamedTuple):
@@ -96,80 +78,80 @@ def _slip(p, laws, g, u, v):
     along = dot(g.n, u)
     w1 = -along / g.q
     F, F_w, F_w1 = radial_force(p, laws, p.radius - g.r, w1)
-    v_C = sub(u, scale(along, g.n))
+    v_C = u - along * g.n
     speed = norm(v_C)
     axle_speed, ahead = speed_over_ground(g.n, v)
     grip, b, b1, b_u = gripping(p, laws, speed, axle_speed)
     N = F / g.q
-    f = scale(N, sub(scale(b, v_C), g.n))
-    e = scale(1.0 / speed, v_C) if speed > 0.0 else ZERO
+    f = N * (b * v_C - g.n)
+    e = v_C / speed if speed > 0.0 else ZERO
     return Slip(f, u, v_C, e, w1, F, F_w, F_w1, N, grip, b, b1, b_u, v, ahead)
 
 
 @kernel
 def _by_velocity(g, k):
     """df/du, 3x3, of the Slip ``k``: the contact is fixed."""
-    dN = scale(-k.F_w1 / g.q**2, g.n)
-    dv = madd(mscale(k.b, madd(EYE, outer(scale(-1.0, g.n), g.n))), outer(scale(k.b1, k.e), k.e))
-    return madd(outer(sub(scale(k.b, k.v_C), g.n), dN), mscale(k.N, dv))
+    dN = -k.F_w1 / g.q**2 * g.n
+    dv = k.b * (EYE + outer(-g.n, g.n)) + outer(k.b1 * k.e, k.e)
+    return outer(k.b * k.v_C - g.n, dN) + k.N * dv
 
 
 @kernel
 def _by_contact(g, k, dw, by):
     """df, 3x3, of the Slip ``k`` by three variables of which w has the derivatives ``dw`` (3,): u is fixed."""
-    lift = tmul(by.n, k.u)  # d(n.u)
-    dw1 = add(scale(-1.0 / g.q, lift), scale(k.w1 * g.s / g.q**2, by.s))
-    dF = add(scale(k.F_w, dw), scale(k.F_w1, dw1))
-    dN = add(scale(1.0 / g.q, dF), scale(k.N * g.s / g.q**2, by.s))
-    dv_C = madd(outer(scale(-1.0, g.n), lift), mscale(k.w1 * g.q, by.n))
-    d_speed = scale(-dot(g.n, k.v), tmul(by.n, k.ahead))
-    dv = madd(mscale(k.b, dv_C), outer(scale(k.b1, k.e), tmul(dv_C, k.e)))
-    dv = madd(dv, outer(scale(k.b_u, k.v_C), d_speed))
-    return madd(outer(sub(scale(k.b, k.v_C), g.n), dN), mscale(k.N, madd(dv, mscale(-1.0, by.n))))
+    lift = by.n.T @ k.u  # d(n.u)
+    dw1 = -lift / g.q + k.w1 * g.s / g.q**2 * by.s
+    dF = k.F_w * dw + k.F_w1 * dw1
+    dN = dF / g.q + k.N * g.s / g.q**2 * by.s
+    dv_C = outer(-g.n, lift) + k.w1 * g.q * by.n
+    d_speed = -dot(g.n, k.v) * (by.n.T @ k.ahead)
+    dv = k.b * dv_C + outer(k.b1 * k.e, dv_C.T @ k.e)
+    dv = dv + outer(k.b_u * k.v_C, d_speed)
+    return outer(k.b * k.v_C - g.n, dN) + k.N * (dv - by.n)
 
 
 @kernel
-def force(p, m, mode, t, k, penalty, laws, q, v, a, R, f, K, C, M):
+def force(p, at, f, K, C, M):
     """Add force and material moment of the ground, and their derivatives; see the contract."""
-    if mode == AIR:
+    if at.phase == AIR:
         return
-    Rn = mat(R[0])
-    axis = mul(Rn, vec(p.axis, 0))
-    g = touch(p, laws, vec(q, 0), axis)
-    omega = mul(Rn, vec(v, 3))
-    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, g.arm)), vec(v, 0))
+    Rn = mat(at.R[0])
+    axis = Rn @ vec(p.axis, 0)
+    g = touch(p, at.laws, vec(at.q, 0), axis)
+    omega = Rn @ vec(at.v, 3)
+    slip = _slip(p, at.laws, g, vec(at.v, 0) + cross(omega, g.arm), vec(at.v, 0))
     add_force(f, Rn, g.arm, slip.f)
 
     arm, w = skew(g.arm), skew(omega)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
     f_u = _by_velocity(g, slip)
     add_velocity_tangent(C, Rn, g.arm, f_u)
-    by_speed = outer(scale(slip.N * slip.b_u, slip.v_C), slip.ahead)
-    add_columns(C, 0, Rn, EYE, by_speed, matmul(arm, by_speed))
-    f_x = madd(_by_contact(g, slip, scale(-1.0 / g.q, g.n), by_x), matmul(f_u, matmul(w, by_x.arm)))
-    u_t = madd(matmul(arm, w), matmul(w, by_t.arm))
-    f_t = madd(_by_contact(g, slip, scale(-g.r / g.q, cross(g.c, g.n)), by_t), matmul(f_u, u_t))
+    by_speed = outer(slip.N * slip.b_u * slip.v_C, slip.ahead)
+    add_columns(C, 0, Rn, EYE, by_speed, arm @ by_speed)
+    f_x = _by_contact(g, slip, -g.n / g.q, by_x) + f_u @ (w @ by_x.arm)
+    u_t = arm @ w + w @ by_t.arm
+    f_t = _by_contact(g, slip, -g.r / g.q * cross(g.c, g.n), by_t) + f_u @ u_t
     add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), slip.f, (f_x, f_t))
 
 
 @kernel
-def observe(p, m, mode, t, laws, q, v, a, R, F, y, e):
+def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
-    Rn = mat(R[0])
-    axis, omega = mul(Rn, vec(p.axis, 0)), mul(Rn, vec(v, 3))
-    g = touch(p, laws, vec(q, 0), axis)
-    arm = scale(g.r if mode == CONTACT else p.radius, g.c)
-    slip = _slip(p, laws, g, add(vec(v, 0), cross(omega, arm)), vec(v, 0))
-    friction = scale(-slip.N * slip.b, slip.v_C)
+    Rn = mat(at.R[0])
+    axis, omega = Rn @ vec(p.axis, 0), Rn @ vec(at.v, 3)
+    g = touch(p, at.laws, vec(at.q, 0), axis)
+    arm = (g.r if at.phase == CONTACT else p.radius) * g.c
+    slip = _slip(p, at.laws, g, vec(at.v, 0) + cross(omega, arm), vec(at.v, 0))
+    friction = -slip.N * slip.b * slip.v_C
     lost = slip.N * slip.grip * norm(slip.v_C)
     grip = Grip(slip.F, friction, slip.grip, slip.v_C, lost, slip.w1)
-    put_tire(p, laws, mode == CONTACT, g, axis, arm, dot(omega, axis), grip, q, y, e)
+    put_tire(p, at.laws, at.phase == CONTACT, g, axis, arm, dot(omega, axis), grip, at.q, y, e)
 
 
 @kernel
-def event_values(p, m, mode, t, laws, q, v, a, R, g):
+def event_values(p, at, g):
     """Write w for the touch-down, -w for the lift-off [m]."""
-    contact = touch(p, laws, vec(q, 0), mul(mat(R[0]), vec(p.axis, 0)))
+    contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
 

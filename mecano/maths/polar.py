@@ -1,7 +1,7 @@
 """The rotation nearest to a matrix, on tuples."""
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import cross, dot, madd, mscale, scale, sub, transpose
+from mecano.maths.vector import Mat3, cross, dot
 
 MOST_ITERATIONS = 50
 ROUND_OFF = 1e-30  # of the squared change of an iterate whose entries are about 1
@@ -12,7 +12,7 @@ def inverse(A):
     """A^-1 for a 3x3 matrix."""
     a, b, c = cross(A[1], A[2]), cross(A[2], A[0]), cross(A[0], A[1])
     s = 1.0 / dot(A[0], a)
-    return transpose((scale(s, a), scale(s, b), scale(s, c)))
+    return Mat3(s * a, s * b, s * c).T
 
 
 @kernel
@@ -22,12 +22,12 @@ def nearest_rotation(B):
     Newton's iteration X <- (X + X^-T)/2, of second order (Higham 1986), from B scaled to det X about 1.
     """
     det = dot(B[0], cross(B[1], B[2]))
-    X = mscale(abs(det) ** (-1.0 / 3.0), B)
+    X = abs(det) ** (-1.0 / 3.0) * B
     for _ in range(MOST_ITERATIONS):
-        new = mscale(0.5, madd(X, transpose(inverse(X))))
+        new = 0.5 * (X + inverse(X).T)
         change = 0.0
         for i in range(3):
-            difference = sub(new[i], X[i])
+            difference = new[i] - X[i]
             change += dot(difference, difference)
         X = new
         if change < ROUND_OFF:

@@ -13,7 +13,7 @@ With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\T
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub
+from mecano.maths.vector import EYE, Mat3, Vec3, cross, dot, outer, skew
 
 SERIES = 1.0  # squared angle [rad2] below which eleven terms of the series are exact to round-off
 A1, A2, A3, A4 = 1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0, 1.0 / 1209600.0  # |B_2k|/(2k)!
@@ -46,16 +46,16 @@ def inverse_coefficients(t2):
 @kernel
 def inverse_tangent(phi, c):
     """H, 3x3."""
-    return madd(add_half(phi), mscale(c, square_hat(phi)))
+    return add_half(phi) + c * square_hat(phi)
 
 
 @kernel
 def add_half(phi):
     """I + hat(phi)/2."""
-    return (
-        (1.0, -0.5 * phi[2], 0.5 * phi[1]),
-        (0.5 * phi[2], 1.0, -0.5 * phi[0]),
-        (-0.5 * phi[1], 0.5 * phi[0], 1.0),
+    return Mat3(
+        Vec3(1.0, -0.5 * phi[2], 0.5 * phi[1]),
+        Vec3(0.5 * phi[2], 1.0, -0.5 * phi[0]),
+        Vec3(-0.5 * phi[1], 0.5 * phi[0], 1.0),
     )
 
 
@@ -64,24 +64,24 @@ def square_hat(phi):
     """hat(phi)^2 = phi phi^T - theta^2 I."""
     xx, yy, zz = phi[0] * phi[0], phi[1] * phi[1], phi[2] * phi[2]
     xy, xz, yz = phi[0] * phi[1], phi[0] * phi[2], phi[1] * phi[2]
-    return ((-yy - zz, xy, xz), (xy, -xx - zz, yz), (xz, yz, -xx - yy))
+    return Mat3(Vec3(-yy - zz, xy, xz), Vec3(xy, -xx - zz, yz), Vec3(xz, yz, -xx - yy))
 
 
 @kernel
 def first_derivative(phi, z, half, c, c1):
     """d(H z)/dphi with half = -1/2, d(H^T z)/dphi with half = 1/2; 3x3, its column j by phi_j."""
-    zz = scale(dot(phi, z), phi)
-    twice = sub(zz, scale(dot(phi, phi), z))  # phi x (phi x z)
-    along = sub(scale(c1, twice), scale(2.0 * c, z))
+    zz = dot(phi, z) * phi
+    twice = zz - dot(phi, phi) * z  # phi x (phi x z)
+    along = c1 * twice - 2.0 * c * z
     d = c * dot(phi, z)
-    u = scale(half, z)
-    cz = scale(c, z)
-    return (
-        (d + phi[0] * cz[0] + along[0] * phi[0], -u[2] + phi[0] * cz[1] + along[0] * phi[1],
+    u = half * z
+    cz = c * z
+    return Mat3(
+        Vec3(d + phi[0] * cz[0] + along[0] * phi[0], -u[2] + phi[0] * cz[1] + along[0] * phi[1],
          u[1] + phi[0] * cz[2] + along[0] * phi[2]),
-        (u[2] + phi[1] * cz[0] + along[1] * phi[0], d + phi[1] * cz[1] + along[1] * phi[1],
+        Vec3(u[2] + phi[1] * cz[0] + along[1] * phi[0], d + phi[1] * cz[1] + along[1] * phi[1],
          -u[0] + phi[1] * cz[2] + along[1] * phi[2]),
-        (-u[1] + phi[2] * cz[0] + along[2] * phi[0], u[0] + phi[2] * cz[1] + along[2] * phi[1],
+        Vec3(-u[1] + phi[2] * cz[0] + along[2] * phi[0], u[0] + phi[2] * cz[1] + along[2] * phi[1],
          d + phi[2] * cz[2] + along[2] * phi[2]),
     )  # fmt: skip
 
@@ -92,9 +92,9 @@ def second_form(phi, p, y, c, c1, c2):
     py, fy, fp = dot(p, y), dot(phi, y), dot(phi, p)
     t2 = dot(phi, phi)
     q = fy * fp - t2 * py  # p . phi x (phi x y)
-    slope = sub(add(scale(fp, y), scale(fy, p)), scale(2.0 * py, phi))
-    w = add(scale(c1, slope), scale(0.5 * c2 * q, phi))
-    u = scale(c, p)
+    slope = fp * y + fy * p - 2.0 * py * phi
+    w = c1 * slope + 0.5 * c2 * q * phi
+    u = c * p
     d = c1 * q - 2.0 * c * py
     xx = d + 2.0 * (u[0] * y[0] + w[0] * phi[0])
     yy = d + 2.0 * (u[1] * y[1] + w[1] * phi[1])
@@ -102,15 +102,15 @@ def second_form(phi, p, y, c, c1, c2):
     xy = u[0] * y[1] + u[1] * y[0] + w[0] * phi[1] + w[1] * phi[0]
     xz = u[0] * y[2] + u[2] * y[0] + w[0] * phi[2] + w[2] * phi[0]
     yz = u[1] * y[2] + u[2] * y[1] + w[1] * phi[2] + w[2] * phi[1]
-    return ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    return Mat3(Vec3(xx, xy, xz), Vec3(xy, yy, yz), Vec3(xz, yz, zz))
 
 
 @kernel
 def inverse_tangent_rate(phi, rate, c, c1):
     """dH/dt for dphi/dt = rate, 3x3."""
     F, W = skew(phi), skew(rate)
-    both = madd(matmul(F, W), matmul(W, F))
-    return madd(mscale(0.5, W), madd(mscale(c, both), mscale(c1 * dot(phi, rate), square_hat(phi))))
+    both = F @ W + W @ F
+    return 0.5 * W + (c * both + c1 * dot(phi, rate) * square_hat(phi))
 
 
 @kernel
@@ -118,8 +118,8 @@ def second_derivative(phi, rate, y, c, c1, c2):
     """d/dphi [d(H y)/dphi rate], 3x3, for fixed rate and y."""
     f, fy, ry = dot(phi, rate), dot(phi, y), dot(rate, y)
     twice = cross(phi, cross(phi, y))
-    mixed = sub(add(scale(fy, rate), scale(ry, phi)), scale(2.0 * f, y))
-    out = mscale(c * ry + c1 * f * fy, EYE)
-    out = madd(out, outer(add(scale(c, rate), scale(c1 * f, phi)), y))
-    out = madd(out, outer(add(scale(c1, mixed), sub(scale(c2 * f, twice), scale(2.0 * c1 * f, y))), phi))
-    return madd(out, outer(sub(scale(c1, twice), scale(2.0 * c, y)), rate))
+    mixed = fy * rate + ry * phi - 2.0 * f * y
+    out = (c * ry + c1 * f * fy) * EYE
+    out = out + outer(c * rate + c1 * f * phi, y)
+    out = out + outer(c1 * mixed + (c2 * f * twice - 2.0 * c1 * f * y), phi)
+    return out + outer(c1 * twice - 2.0 * c * y, rate)

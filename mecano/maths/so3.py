@@ -8,7 +8,7 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import EYE, cross, dot, madd, matmul, mscale, outer, scale, skew
+from mecano.maths.vector import EYE, Vec3, cross, dot, outer, skew
 
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
 
@@ -32,7 +32,7 @@ def exp(psi):
     """Rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
     s, c, _ = coefficients(dot(psi, psi))
     H = skew(psi)
-    return madd(EYE, madd(mscale(s, H), mscale(c, matmul(H, H))))
+    return EYE + (s * H + c * (H @ H))
 
 
 @kernel
@@ -66,7 +66,7 @@ def log(R):
     w, x, y, z = quaternion(R)
     n = math.sqrt(x * x + y * y + z * z)
     f = 2.0 * math.atan2(n, w) / n if n > 1e-150 else 2.0
-    return (f * x, f * y, f * z)
+    return Vec3(f * x, f * y, f * z)
 
 
 @kernel
@@ -74,7 +74,7 @@ def tangent(psi):
     """T(psi), 3x3: material dTheta = T dpsi; T = I - c hat(psi) + b hat(psi)^2."""
     _, c, b = coefficients(dot(psi, psi))
     H = skew(psi)
-    return madd(EYE, madd(mscale(-c, H), mscale(b, matmul(H, H))))
+    return EYE + (-c * H + b * (H @ H))
 
 
 @kernel
@@ -87,7 +87,7 @@ def tangent_inverse(psi):
         t = math.sqrt(t2)
         d = (1.0 - 0.5 * t / math.tan(0.5 * t)) / t2
     H = skew(psi)
-    return madd(EYE, madd(mscale(0.5, H), mscale(d, matmul(H, H))))
+    return EYE + (0.5 * H + d * (H @ H))
 
 
 @kernel
@@ -104,6 +104,6 @@ def tangent_derivative(psi, u):
     H, U = skew(psi), skew(u)
     pu = cross(psi, u)
     ppu = cross(psi, pu)
-    linear = madd(mscale(c, U), outer(scale(-dc, pu), psi))
-    quadratic = madd(mscale(-b, madd(skew(pu), matmul(H, U))), outer(scale(db, ppu), psi))
-    return madd(linear, quadratic)
+    linear = c * U + outer(-dc * pu, psi)
+    quadratic = -b * (skew(pu) + H @ U) + outer(db * ppu, psi)
+    return linear + quadratic

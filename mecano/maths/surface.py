@@ -23,7 +23,7 @@ import math
 from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import EYE, add, cross, dot, madd, matmul, mscale, outer, scale, skew, sub, tmul
+from mecano.maths.vector import EYE, Mat3, cross, dot, outer, skew
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
 LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): finite in a hollow that is too narrow
@@ -54,8 +54,8 @@ def profile_normal(n0, d, H1, H2):
     """Unit normal n and dn/dsigma [1/m] of the profile of slope H1 and second derivative H2 [1/m]."""
     length2 = 1.0 + H1 * H1
     length = math.sqrt(length2)
-    n = scale(1.0 / length, sub(n0, scale(H1, d)))
-    return n, scale(-H2 / (length2 * length), add(d, scale(H1, n0)))
+    n = (n0 - H1 * d) / length
+    return n, -H2 / (length2 * length) * (d + H1 * n0)
 
 
 @kernel
@@ -65,8 +65,8 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
     ``delta`` [m] is sigma less that of the centre, ``z`` [m] the height of the centre over the plane;
     H, H1, H2 are taken at sigma. Written with the normal N = n0 - H1 d, whose length is not one.
     """
-    N = sub(n0, scale(H1, d))
-    M = sub(N, scale(dot(N, a), a))
+    N = n0 - H1 * d
+    M = N - dot(N, a) * a
     Q2 = max(dot(M, M), LEAST_Q * LEAST_Q)
     height, dM, da = z - H + H1 * delta, dot(d, M), dot(d, a)
     value = -height * dM / Q2 - delta
@@ -78,11 +78,11 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
 def disc_contact(n, dn, height, a):
     """The Contact of a disc of unit axis ``a`` whose centre is ``height`` = (x - P).n [m] over the ground."""
     s = dot(n, a)
-    m = sub(n, scale(s, a))
+    m = n - s * a
     q = max(math.sqrt(dot(m, m)), LEAST_Q)
-    c = scale(-1.0 / q, m)
+    c = -m / q
     r = height / q
-    return Contact(n, dn, c, s, q, r, scale(r, c))
+    return Contact(n, dn, c, s, q, r, r * c)
 
 
 @kernel
@@ -92,22 +92,22 @@ def disc_variation(d, a, g):
     With the implicit derivative of sigma along the profile's direction ``d``; da = dtheta x a.
     """
     # dc = C_n dn + C_a da
-    C_a = madd(mscale(1.0 / g.q, madd(outer(a, g.n), mscale(g.s, EYE))), outer(scale(g.s / g.q**2, g.c), g.n))
+    C_a = (outer(a, g.n) + g.s * EYE) / g.q + outer(g.s / g.q**2 * g.c, g.n)
     bend = dot(a, g.dn)
-    turn = scale(1.0 / g.q, sub(scale(bend, add(a, scale(g.s / g.q, g.c))), g.dn))  # C_n dn/dsigma
-    r_x = scale(1.0 / g.q, g.n)
-    r_t = scale(g.r / g.q, cross(g.c, g.n))
+    turn = (bend * (a + g.s / g.q * g.c) - g.dn) / g.q  # C_n dn/dsigma
+    r_x = g.n / g.q
+    r_t = g.r / g.q * cross(g.c, g.n)
     margin = 1.0 / max(1.0 - g.r * dot(d, turn), LEAST_MARGIN)
     along = dot(d, g.c)
-    sigma_x = scale(margin, add(d, scale(along, r_x)))
-    sigma_t = scale(margin, add(scale(along, r_t), scale(g.r, cross(a, tmul(C_a, d)))))
-    swing = mscale(-g.r, _times_skew(C_a, a))
-    slide = scale(g.r, turn)
-    by_x = Block(outer(g.dn, sigma_x), scale(bend, sigma_x), madd(outer(g.c, r_x), outer(slide, sigma_x)))
+    sigma_x = margin * (d + along * r_x)
+    sigma_t = margin * (along * r_t + g.r * cross(a, C_a.T @ d))
+    swing = -g.r * _times_skew(C_a, a)
+    slide = g.r * turn
+    by_x = Block(outer(g.dn, sigma_x), bend * sigma_x, outer(g.c, r_x) + outer(slide, sigma_x))
     by_t = Block(
         outer(g.dn, sigma_t),
-        add(scale(bend, sigma_t), cross(a, g.n)),
-        madd(swing, madd(outer(g.c, r_t), outer(slide, sigma_t))),
+        bend * sigma_t + cross(a, g.n),
+        swing + (outer(g.c, r_t) + outer(slide, sigma_t)),
     )
     return by_x, by_t
 
@@ -115,19 +115,19 @@ def disc_variation(d, a, g):
 @kernel
 def directions(a, g):
     """Driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g`` of a disc of axis ``a``."""
-    t = scale(1.0 / g.q, cross(a, g.n))
+    t = cross(a, g.n) / g.q
     return t, cross(g.n, t)
 
 
 @kernel
 def directions_variation(a, g, t, by, da):
     """Derivatives (dt, dl), 3x3, of the two directions by the variables of the Block ``by``, of which a has da, 3x3."""
-    turn = madd(mscale(-1.0, matmul(skew(g.n), da)), matmul(skew(a), by.n))
-    dt = madd(mscale(1.0 / g.q, turn), outer(scale(g.s / g.q**2, t), by.s))
-    return dt, madd(mscale(-1.0, matmul(skew(t), by.n)), matmul(skew(g.n), dt))
+    turn = -(skew(g.n) @ da) + skew(a) @ by.n
+    dt = turn / g.q + outer(g.s / g.q**2 * t, by.s)
+    return dt, -(skew(t) @ by.n) + skew(g.n) @ dt
 
 
 @kernel
 def _times_skew(A, a):
     """A hat(a): row i is A_i x a."""
-    return (cross(A[0], a), cross(A[1], a), cross(A[2], a))
+    return Mat3(cross(A[0], a), cross(A[1], a), cross(A[2], a))

@@ -17,6 +17,7 @@ from mecano.compiled.kernel import kernel
 from mecano.compiled.memory import floats, integers, items
 from mecano.compiled.nowhere import NOWHERE
 from mecano.compiled.store import address
+from mecano.contract import Place
 
 
 def _fields(floats="", words=""):
@@ -110,7 +111,8 @@ def tangent(batch, system):
         C[:] = 0.0
         M[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], memory[e], mode[e], s.t, s.k, penalty, laws, q, v, a, R, f, K, C, M)  # noqa: F821
+        at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R)
+        function(p[e], at, f, K, C, M)  # noqa: F821
         if of_rates:  # noqa: F821
             for i in range(first_row, n):
                 f[i] *= s.lag
@@ -147,9 +149,8 @@ def residual(batch, system):
     for e in range(b.n):
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(  # noqa: F821
-            p[e], memory[e], mode[e], s.t, s.k, penalty, laws, q, v, a, R, f, NOWHERE, NOWHERE, NOWHERE
-        )
+        at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R)
+        function(p[e], at, f, NOWHERE, NOWHERE, NOWHERE)  # noqa: F821
         if of_rates:  # noqa: F821
             for i in range(n - b.n_multipliers, n):
                 f[i] *= s.lag
@@ -170,7 +171,7 @@ def levels(batch, system):
     g, g_out = floats(b.g, (b.n_multipliers, 3)), floats(s.levels, (s.n_levels, 3))
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, g)  # noqa: F821
+        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g)  # noqa: F821
         for i in range(b.n_multipliers):
             for j in range(3):
                 g_out[multipliers[e, i], j] = g[i, j]
@@ -195,7 +196,7 @@ def observe(batch, system):
             F[i] = force[slots[e, i]]
         y_out[e] = 0.0
         e_out[e] = 0.0
-        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, F, y_out[e], e_out[e])  # noqa: F821
+        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), F, y_out[e], e_out[e])  # noqa: F821
         for i in range(4):
             total_out[i] += e_out[e, i]
 
@@ -210,7 +211,7 @@ def event_values(batch, system):
     q, v, a, R = work(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, g_out[e])  # noqa: F821
+        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g_out[e])  # noqa: F821
         for i in range(b.n_events):
             if mode[e] != before[i]:
                 g_out[e, i] = -math.inf
@@ -226,7 +227,7 @@ def commit(batch, system):
     q, v, a, R = work(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], memory[e], mode[e], s.t, laws, q, v, a, R, m_out[e])  # noqa: F821
+        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), m_out[e])  # noqa: F821
 
 
 # What a kind gives to each loop.

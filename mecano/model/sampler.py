@@ -9,7 +9,7 @@ from mecano.compiled.entry import Indices, Matrices, Table, Vector, entry
 from mecano.compiled.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
 from mecano.maths.so3 import quaternion
-from mecano.maths.vec import mat, mul, put, vec
+from mecano.maths.vector import mat, put, vec
 
 QUATERNION = (4,)
 
@@ -167,4 +167,4 @@ def _node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, 
         for k in range(4):
             row_out[j + 3 + k] = w[k]
         put(row_out, j + 7, vec(v, x[i]))
-        put(row_out, j + 10, mul(A, vec(v, r[i])))
+        put(row_out, j + 10, A @ vec(v, r[i]))

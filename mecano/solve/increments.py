@@ -7,7 +7,7 @@ import numpy as np
 from mecano.compiled.entry import Indices, Matrices, Vector, entry
 from mecano.compiled.kernel import kernel
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vec import mat, matmul, vec
+from mecano.maths.vector import mat, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR
 from mecano.solve.turning_error import turning_error
 
@@ -29,7 +29,7 @@ def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_
         d = rotation_dof[r]
         if d < n_q:
             psi = vec(z, d)
-            put_matrix(matmul(mat(R0[r]), exp(psi)), R_out[r])
+            put_matrix(mat(R0[r]) @ exp(psi), R_out[r])
 
 
 @entry

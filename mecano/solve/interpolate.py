@@ -3,7 +3,7 @@
 from mecano.compiled.entry import Indices, Matrices, Vector, entry
 from mecano.maths.hermite import hermite
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
-from mecano.maths.vec import mat, matmul, mul, put, transpose, vec
+from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.model.numbering import ROTATION
 from mecano.solve.increments import put_matrix
 
@@ -44,12 +44,12 @@ def _between(
         d = rotation_dof[r]
         if d < n_q:
             start = mat(R0[r])
-            psi = log(matmul(transpose(start), mat(R1[r])))
-            last = mul(tangent_inverse(psi), vec(v1, d))
+            psi = log(start.T @ mat(R1[r]))
+            last = tangent_inverse(psi) @ vec(v1, d)
             p0, r0 = hermite(u, h, 0.0, psi[0], v0[d], last[0])
             p1, r1 = hermite(u, h, 0.0, psi[1], v0[d + 1], last[1])
             p2, r2 = hermite(u, h, 0.0, psi[2], v0[d + 2], last[2])
-            between = (p0, p1, p2)
-            put_matrix(matmul(start, exp(between)), R_out[r])
-            put(v_out, d, mul(tangent(between), (r0, r1, r2)))
+            between = Vec3(p0, p1, p2)
+            put_matrix(start @ exp(between), R_out[r])
+            put(v_out, d, tangent(between) @ Vec3(r0, r1, r2))
             put(z_out, d, (0.0, 0.0, 0.0))

@@ -9,7 +9,7 @@ hardest.
 
 import numpy as np
 
-from mecano.maths.vec import skew
+from mecano.maths.vector import skew
 from mecano.model.numbering import SCALAR, Classes
 from mecano.solve.analysis import RANK_TOLERANCE, groups
 
@@ -71,7 +71,7 @@ def _as_bodies(system, s, length, bodies, resting):
         origin = s.z[body[0][0] : body[0][0] + 3]
         for x, r, rotation in body:
             arm = s.z[x : x + 3] - origin
-            moves = np.hstack([np.eye(3), -np.array(skew(tuple(arm / length)))])
+            moves = np.hstack([np.eye(3), -np.array(skew(arm / length))])
             turns = np.hstack([np.zeros((3, 3)), s.R[rotation].T])
             for d, rows in ((x, moves), (r, turns)):
                 whole = np.zeros((3, T.shape[1]))

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError
-from mecano.maths.vec import skew
+from mecano.maths.vector import skew
 from mecano.model.numbering import ROTATION
 from mecano.solve.events import Watch
 from mecano.solve.failure import worst_equations

@@ -14,7 +14,7 @@ the tolerance (tests/test_adaptive.py).
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.vec import add, cross, norm, scale, sub, vec
+from mecano.maths.vector import cross, norm, vec
 
 
 @kernel
@@ -32,7 +32,7 @@ def turning_error(h, duration, rotation_dof, n_q, v, a0, a):
             gyroscopic = cross(spin, change)
             size = norm(cross(spin, gyroscopic))
             if size > 0.0:
-                jerk = add(scale(1.0 / h, sub(change, vec(a0, d))), gyroscopic)
+                jerk = (change - vec(a0, d)) / h + gyroscopic
                 rate = max(norm(jerk) / norm(change), 1.0 / duration)
                 worst = max(worst, 0.5 * size / rate)
     return h * h * h / 12.0 * worst

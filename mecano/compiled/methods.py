@@ -1,0 +1,115 @@
+"""Functions whose code depends on the types of their arguments: operators of vectors, mathematics of dual numbers.
+
+Compiled code chooses among the methods of a function when it is compiled, Python when the function is called. A number
+stands for ``float`` here, of whatever type it is.
+"""
+
+import operator
+from itertools import product
+
+OPERATORS = {
+    operator.add: ("__add__", "__radd__"),
+    operator.sub: ("__sub__", "__rsub__"),
+    operator.mul: ("__mul__", "__rmul__"),
+    operator.truediv: ("__truediv__", "__rtruediv__"),
+    operator.matmul: ("__matmul__", "__rmatmul__"),
+    operator.neg: ("__neg__",),
+    abs: ("__abs__",),
+    operator.lt: ("__lt__",),
+    operator.le: ("__le__",),
+    operator.gt: ("__gt__",),
+    operator.ge: ("__ge__",),
+}
+
+_methods = {}  # function -> {types of the arguments: code}
+_attributes = {}  # (type, name) -> function of the value
+
+
+class Generic:
+    """A function with methods; its own code is that for numbers."""
+
+    def __init__(self, function):
+        self.__wrapped__, self.__name__, self.__doc__ = function, function.__name__, function.__doc__
+        self.__module__ = function.__module__
+        _methods[self] = {}
+
+    def __call__(self, *arguments):  # noqa: D102
+        return code_for(self, tuple(map(_kind, arguments)))(*arguments)
+
+
+def method(function, *kinds):
+    """Decorate the code of a function for arguments of these types, or of each of several types given as a tuple."""
+
+    def add(code):
+        for key in product(*(kind if isinstance(kind, tuple) else (kind,) for kind in kinds)):
+            _methods.setdefault(function, {})[key] = code
+        return code
+
+    return add
+
+
+def attribute(kind, name):
+    """Decorate a function of a value: it is an attribute of the values of a type."""
+
+    def add(function):
+        _attributes[kind, name] = function
+        setattr(kind, name, property(function))
+        return function
+
+    return add
+
+
+def attribute_of(kind, name):
+    """Return the function that is this attribute of a type, or None."""
+    return _attributes.get((kind, name))
+
+
+def attribute_names():
+    """Return the names of all attributes, sorted."""
+    return sorted({name for _, name in _attributes})
+
+
+def code_for(function, kinds):
+    """Return the code of a function for arguments of these types, or None."""
+    found = _methods.get(function, {}).get(kinds)
+    return function.__wrapped__ if found is None and isinstance(function, Generic) else found
+
+
+def functions():
+    """Return all functions with methods."""
+    return list(_methods)
+
+
+def methods_in(module):
+    """Return [(name, code)] of all methods and attributes whose code stands in this module, in a fixed order."""
+    found = [
+        (f"{function.__name__} {[kind.__name__ for kind in kinds]}", code)
+        for function, codes in _methods.items()
+        for kinds, code in codes.items()
+    ]
+    found += [(f"{kind.__name__}.{name}", function) for (kind, name), function in _attributes.items()]
+    found += [(function.__name__, function.__wrapped__) for function in _methods if isinstance(function, Generic)]
+    return sorted((name, code) for name, code in found if code.__module__ == module)
+
+
+def algebraic(kind):
+    """Decorate a NamedTuple: in Python too, operators with it are those of its methods."""
+    for function, names in OPERATORS.items():
+        for reflected, name in enumerate(names):
+            setattr(kind, name, _operator(function, reflected))
+    kind.has_methods = True
+    kind.__array_ufunc__ = None  # numbers of numpy leave the operation to it
+    return kind
+
+
+def _operator(function, reflected):
+    def apply(self, *other):
+        arguments = (*other, self) if reflected else (self, *other)
+        code = code_for(function, tuple(map(_kind, arguments)))
+        return code(*arguments) if code else NotImplemented
+
+    return apply
+
+
+def _kind(value):
+    return type(value) if hasattr(value, "_fields") else tuple if isinstance(value, tuple) else float

@@ -1,0 +1,222 @@
+r"""Dual numbers :math:`a + \dot a\, \epsilon`, :math:`\epsilon^2 = 0`: a value and its derivative along a direction.
+
+What is computed with them instead of numbers has the exact derivative by the chain rule. The slope is a number, or a
+Vector of the derivatives along three directions.
+"""
+
+import math
+import operator
+from typing import NamedTuple
+
+from mecano.compiled.methods import Generic, algebraic, method
+
+NUMBER = float
+
+
+@algebraic
+class Dual(NamedTuple):
+    """A value and its slope."""
+
+    value: float
+    slope: float
+
+
+@method(operator.add, Dual, Dual)
+def _(a, b):
+    return Dual(a.value + b.value, a.slope + b.slope)
+
+
+@method(operator.add, Dual, NUMBER)
+def _(a, b):
+    return Dual(a.value + b, a.slope)
+
+
+@method(operator.add, NUMBER, Dual)
+def _(a, b):
+    return Dual(a + b.value, b.slope)
+
+
+@method(operator.sub, Dual, Dual)
+def _(a, b):
+    return Dual(a.value - b.value, a.slope - b.slope)
+
+
+@method(operator.sub, Dual, NUMBER)
+def _(a, b):
+    return Dual(a.value - b, a.slope)
+
+
+@method(operator.sub, NUMBER, Dual)
+def _(a, b):
+    return Dual(a - b.value, -b.slope)
+
+
+@method(operator.neg, Dual)
+def _(a):
+    return Dual(-a.value, -a.slope)
+
+
+@method(operator.mul, Dual, Dual)
+def _(a, b):
+    return Dual(a.value * b.value, a.slope * b.value + b.slope * a.value)
+
+
+@method(operator.mul, Dual, NUMBER)
+def _(a, b):
+    return Dual(a.value * b, a.slope * b)
+
+
+@method(operator.mul, NUMBER, Dual)
+def _(a, b):
+    return Dual(a * b.value, b.slope * a)
+
+
+@method(operator.truediv, Dual, Dual)
+def _(a, b):
+    inverse, quotient = 1.0 / b.value, a.value / b.value
+    return Dual(quotient, (a.slope - b.slope * quotient) * inverse)
+
+
+@method(operator.truediv, Dual, NUMBER)
+def _(a, b):
+    return Dual(a.value / b, a.slope * (1.0 / b))
+
+
+@method(operator.truediv, NUMBER, Dual)
+def _(a, b):
+    quotient = a / b.value
+    return Dual(quotient, b.slope * (-quotient / b.value))
+
+
+def _comparison(compare):
+    @method(compare, Dual, NUMBER)
+    def _(a, b):
+        return compare(a.value, b)
+
+    @method(compare, NUMBER, Dual)
+    def _(a, b):
+        return compare(a, b.value)
+
+    @method(compare, Dual, Dual)
+    def _(a, b):
+        return compare(a.value, b.value)
+
+
+for _compare in (operator.lt, operator.le, operator.gt, operator.ge):
+    _comparison(_compare)
+
+
+@method(abs, Dual)
+def _(a):
+    return -a if a.value < 0.0 else a
+
+
+@Generic
+def value(a):
+    """Return a number without its slope."""
+    return a
+
+
+@method(value, Dual)
+def _(a):
+    return a.value
+
+
+@Generic
+def sqrt(a):
+    """Return the square root; its slope at zero is taken as zero."""
+    return math.sqrt(a)
+
+
+@method(sqrt, Dual)
+def _(a):
+    root = math.sqrt(a.value)
+    return Dual(root, a.slope * (0.5 / root if root > 0.0 else 0.0))
+
+
+@Generic
+def sin(a):
+    """Return the sine."""
+    return math.sin(a)
+
+
+@method(sin, Dual)
+def _(a):
+    return Dual(math.sin(a.value), a.slope * math.cos(a.value))
+
+
+@Generic
+def cos(a):
+    """Return the cosine."""
+    return math.cos(a)
+
+
+@method(cos, Dual)
+def _(a):
+    return Dual(math.cos(a.value), a.slope * -math.sin(a.value))
+
+
+@Generic
+def exp(a):
+    """Return the exponential."""
+    return math.exp(a)
+
+
+@method(exp, Dual)
+def _(a):
+    y = math.exp(a.value)
+    return Dual(y, a.slope * y)
+
+
+@Generic
+def atan2(a, b):
+    """Return the angle of the point (b, a) in the plane."""
+    return math.atan2(a, b)
+
+
+@method(atan2, Dual, Dual)
+def _(a, b):
+    inverse = 1.0 / (a.value * a.value + b.value * b.value)
+    return Dual(math.atan2(a.value, b.value), a.slope * (b.value * inverse) - b.slope * (a.value * inverse))
+
+
+@method(atan2, Dual, NUMBER)
+def _(a, b):
+    return Dual(math.atan2(a.value, b), a.slope * (b / (a.value * a.value + b * b)))
+
+
+@method(atan2, NUMBER, Dual)
+def _(a, b):
+    return Dual(math.atan2(a, b.value), b.slope * (-a / (a * a + b.value * b.value)))
+
+
+@Generic
+def chain(a, y, slope):
+    """Return the value y of a function of ``a`` whose derivative is ``slope``, with the slope of ``a``."""
+    return y
+
+
+@method(chain, Dual, NUMBER, NUMBER)
+def _(a, y, slope):
+    return Dual(y, a.slope * slope)
+
+
+@Generic
+def select(condition, a, b):
+    """Return ``a`` where the condition holds, ``b`` elsewhere; both are computed."""
+    return a if condition else b
+
+
+@method(select, NUMBER, Dual, NUMBER)
+def _(condition, a, b):
+    return a if condition else Dual(b + 0.0 * a.value, a.slope * 0.0)
+
+
+@method(select, NUMBER, NUMBER, Dual)
+def _(condition, a, b):
+    return Dual(a + 0.0 * b.value, b.slope * 0.0) if condition else b
+
+
+@method(select, NUMBER, Dual, Dual)
+def _(condition, a, b):
+    return a if condition else b
