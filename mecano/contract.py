@@ -179,6 +179,7 @@ class Kind:
     """deck values -> [text]: what to try, with the values at hand, where a run fails in its equations"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
+    residual: Callable | None = None
     force: Callable | None = None
     levels: Callable | None = None
     observe: Callable | None = None
@@ -190,6 +191,11 @@ class Kind:
     sample: Callable | None = None
     """rng -> list of (values, nodes, mode): admissible samples for the generic tests, every mode among them. values:
     deck values without defaults (of a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
+
+    @property
+    def acts(self):
+        """True when it has a residual of its own, not only parts."""
+        return self.residual is not None or self.force is not None
 
     @property
     def of_rates(self):

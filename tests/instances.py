@@ -11,12 +11,24 @@ from mecano.constraints import CONSTRAINTS
 from mecano.contract import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
+from mecano.maths.dual import Dual
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
 
 ALL_KINDS = {**KINDS, **CONSTRAINTS}
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
+
+
+EYES = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 1, 0)  # EYES @ a = hat(a), which turns b into a x b
+
+
+def duals(values, slopes):
+    """An array of Duals."""
+    out = np.empty(values.shape, object)
+    for place in np.ndindex(values.shape):
+        out[place] = Dual(values[place], slopes[place])
+    return out
 
 
 @dataclass
@@ -84,10 +96,34 @@ class Instance:
 
     def force(self, t, state, k=1.0, penalty=0.0):
         """f, K, C, M at the local ``state`` (q, v, a, R)."""
+        if self.kind.residual is not None:
+            return self._dual_force(t, state, k)
         n = self.kind.n_local
         out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
         self.run("force", t, state, *out, k=k, penalty=penalty)
         return out
+
+    def _dual_force(self, t, state, k):
+        """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
+        q, v, a, R = state
+        n, f = self.kind.n_local, np.zeros(self.kind.n_local)
+        end = n - len(self.kind.multipliers) - len(self.kind.borrowed)
+        self.run("residual", t, state, f, k=k)
+        tangents = np.zeros((3, n, n))
+        for array in range(2):
+            for j in range(n if array == 0 else end):
+                seeds = np.eye(n)[j] * (array == 0), np.eye(n)[j] * (array == 1)
+                turns = [EYES @ seeds[0][c : c + 3] for c in self._columns()]
+                slopes = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
+                out = duals(np.zeros(n), np.zeros(n))
+                self.run("residual", t, (duals(q, seeds[0]), duals(v, seeds[1]), a, duals(R, slopes)), out, k=k)
+                found = np.array([(x.value, x.slope) for x in out])
+                np.testing.assert_array_equal(found[:, 0], f)
+                tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
+        return f, *tangents
+
+    def _columns(self):
+        return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
 
     def levels(self, t, state):
         """(n_multipliers, 3)"""
@@ -166,7 +202,7 @@ def expand(kind, values, nodes, mode, gravity, rng):
         instance.lenders = [instances[1 + i] for i in part.borrows]
         lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
         assert lent == [row.unit for row in part.kind.borrowed]
-    if kind.force is None:
+    if not kind.acts:
         instances[0].lenders = instances[1:]
     return instances
 

@@ -25,7 +25,7 @@ def difference(function, h):
 
 def elements(kind):
     """[(sample, instance)] of all that has a force in the samples of a kind."""
-    return [(s, i) for s in samples(kind) for i in s.instances if i.kind.force is not None]
+    return [(s, i) for s in samples(kind) for i in s.instances if i.kind.acts]
 
 
 def displaced(instance, state, column, h, array):
@@ -91,7 +91,7 @@ def test_functions_are_pure(kind):
 
             def results(i=instance, t=t, state=state, F=F):
                 found = [i.levels(t, state), *i.observe(t, state, F)]
-                if i.kind.force is not None:
+                if i.kind.acts:
                     found += i.force(t, state, K_SCALE, PENALTY)
                 for name, size in (("event_values", len(i.kind.events)), ("commit", len(i.kind.memory))):
                     if getattr(i.kind, name) is not None:
@@ -170,7 +170,7 @@ def test_power_of_the_forces_is_the_change_of_energy(kind):
         _, _, dissipated, given = energies(sample.instances, motion)
         power, size = -dissipated + given, 1.0
         for instance in sample.instances:
-            if instance.kind.force is None:
+            if not instance.kind.acts:
                 continue
             state, n = instance.local(motion), len(instance.kind.multipliers)
             f = instance.force(motion.t, state)[0]
@@ -262,7 +262,7 @@ def force_on_nodes(instances, motion, penalty=PENALTY):
     """
     force, moment, scalars, size = np.zeros_like(motion.x[:, 0]), np.zeros_like(motion.x[:, 0]), [], 0.0
     for instance in instances:
-        if instance.kind.force is None:
+        if not instance.kind.acts:
             continue
         f = instance.force(motion.t, instance.local(motion), 1.0, penalty)[0]
         for i, slot in enumerate(instance.kind.layout):
@@ -286,7 +286,7 @@ def test_declarations_are_complete(kind):
     assert bool(kind.outputs) <= (kind.observe is not None)
     assert bool(kind.memory) == (kind.commit is not None)
     assert bool(kind.events) == (kind.event_values is not None)
-    assert kind.force is not None or kind.observe is not None
+    assert kind.acts or kind.observe is not None
     for event in kind.events:
         assert event.before in kind.modes and event.after in kind.modes
 

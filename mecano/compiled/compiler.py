@@ -242,7 +242,31 @@ def _kind(argument):
     """The type by which a method is chosen, of an argument of this type of numba."""
     if isinstance(argument, types.BaseNamedTuple):
         return argument.instance_class
+    if isinstance(argument, types.Record):
+        return methods.kind_of_record(argument.fields)
     return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, types.Number) else None
+
+
+@overload(operator.setitem)
+def _store(array, index, value):
+    """Store a Dual, or a number as a Dual that does not vary, in an array of records."""
+    if not (isinstance(array, types.Array) and isinstance(array.dtype, types.Record)):
+        return None
+    if isinstance(value, types.Number):
+        return _store_number
+    return _store_dual if _kind(value) is not None and _kind(value) is _kind(array.dtype) else None
+
+
+def _store_number(array, index, value):
+    item = array[index]
+    item.value = value
+    item.slope = 0.0
+
+
+def _store_dual(array, index, value):
+    item = array[index]
+    item.value = value.value
+    item.slope = value.slope
 
 
 _known = set()  # functions with methods that numba knows

@@ -23,6 +23,7 @@ OPERATORS = {
 
 _methods = {}  # function -> {types of the arguments: code}
 _attributes = {}  # (type, name) -> function of the value
+_records = {}  # names of fields -> type that records with these fields stand for
 
 
 class Generic:
@@ -75,6 +76,11 @@ def code_for(function, kinds):
     return function.__wrapped__ if found is None and isinstance(function, Generic) else found
 
 
+def kind_of_record(names):
+    """Return the type for which a record with these fields stands in compiled code, or None."""
+    return _records.get(tuple(names))
+
+
 def functions():
     """Return all functions with methods."""
     return list(_methods)
@@ -98,6 +104,7 @@ def algebraic(kind):
         for reflected, name in enumerate(names):
             setattr(kind, name, _operator(function, reflected))
     kind.has_methods = True
+    _records[kind._fields] = kind
     kind.__array_ufunc__ = None  # numbers of numpy leave the operation to it
     return kind
 

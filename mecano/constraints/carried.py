@@ -11,6 +11,7 @@ which in inertial axes are :math:`\mu \times \xi` and :math:`-\mu \times \xi`. T
 import math
 
 from mecano.compiled.kernel import kernel
+from mecano.maths.dual import atan2, value
 from mecano.maths.vector import add_mat, cross, dot, outer, skew
 
 
@@ -53,7 +54,7 @@ def twist(A, mu, xi):
     turns mu_3 into xi_3 is taken off.
     """
     X, Y = A @ xi[0], A @ xi[1]
-    return math.atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
+    return atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
 
 
 @kernel
@@ -94,7 +95,7 @@ def turned(R_0, omega_0, mu, R_1, omega_1, xi):
 @kernel
 def wrap(angle):
     """The angle brought to (-pi, pi] by whole turns [rad]."""
-    return angle - 2.0 * math.pi * math.ceil(angle / (2.0 * math.pi) - 0.5)
+    return angle - 2.0 * math.pi * math.ceil(value(angle) / (2.0 * math.pi) - 0.5)
 
 
 @kernel

@@ -1,11 +1,10 @@
 """Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
 
-import math
-
 from mecano.compiled.kernel import kernel
 from mecano.contract import Output, Row
-from mecano.laws.friction import friction_factor
+from mecano.laws.friction import friction
 from mecano.laws.probe import curve_at
+from mecano.maths.dual import sqrt
 from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
 FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
@@ -24,7 +23,6 @@ sliding speeds :math:`u < \epsilon`, 1 beyond. A joint that sticks creeps at the
 load asks for. :math:`\mu` may depend on the speed. The sizes of forces are exact, with a corner where they vanish; the
 derivative is taken as zero there.
 """
-TINY = 1e-200  # [N]: below it a force has no direction
 AXIS_ROWS = (
     Row("moment that keeps the axes together, of mu_1", "N m", "rad"),
     Row("moment that keeps the axes together, of mu_2", "N m", "rad"),
@@ -37,22 +35,16 @@ POWER = Output("dissipated_power", "W", "power lost by friction")
 
 @kernel
 def pads(F_1, F_2, m_1, m_2, inverse_length):
-    """N [N] and its derivatives by F_1, F_2, m_1, m_2."""
+    """N [N] of both pads."""
     a_1, a_2 = 0.5 * F_1 + inverse_length * m_1, 0.5 * F_2 + inverse_length * m_2
     b_1, b_2 = 0.5 * F_1 - inverse_length * m_1, 0.5 * F_2 - inverse_length * m_2
-    a, b = math.sqrt(a_1 * a_1 + a_2 * a_2), math.sqrt(b_1 * b_1 + b_2 * b_2)
-    a_inverse = 1.0 / a if a > TINY else 0.0
-    b_inverse = 1.0 / b if b > TINY else 0.0
-    a_1, a_2, b_1, b_2 = a_1 * a_inverse, a_2 * a_inverse, b_1 * b_inverse, b_2 * b_inverse
-    by_m = (inverse_length * (a_1 - b_1), inverse_length * (a_2 - b_2))
-    return a + b, (0.5 * (a_1 + b_1), 0.5 * (a_2 + b_2), by_m[0], by_m[1])
+    return sqrt(a_1 * a_1 + a_2 * a_2) + sqrt(b_1 * b_1 + b_2 * b_2)
 
 
 @kernel
 def drag(p, laws, velocity):
-    """Friction over normal force, odd in the sliding velocity [m/s], and its derivative."""
-    grip, b, b1 = friction_factor(laws, p.coefficient, p.regularization, abs(velocity))
-    return b * velocity, b + b1
+    """Friction over normal force, odd in the sliding velocity [m/s]."""
+    return friction(laws, p.coefficient, p.regularization, abs(velocity)) * velocity
 
 
 def friction_fields(*geometry):

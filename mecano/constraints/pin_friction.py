@@ -11,8 +11,8 @@ acts against the angle of the pin.
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import add_turning
-from mecano.constraints.carried import product_gradient, relative_rotation, turning_rate
+from mecano.constraints.axis_law import add_along, rate_of
+from mecano.constraints.carried import relative_rotation
 from mecano.constraints.friction import (
     FRICTION_MOMENT,
     FRICTION_RECORD,
@@ -23,54 +23,37 @@ from mecano.constraints.friction import (
     friction_record,
     pads,
 )  # fmt: skip
-from mecano.constraints.pin_angle import pin_curvature, pin_gradient
+from mecano.constraints.pin_law import pin_along
 from mecano.contract import Kind, Row, record
-from mecano.maths.vector import add_col, add_mat, cross, dot, mat, outer, vec
+from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=(3, 3), xi=3, radius=(), **FRICTION_RECORD)
 BORROWED = 6
 
 
 @kernel
-def _normal(p, q, R_0, A):
-    """N, its derivatives by y_1, y_2, (m/l)(u, w), and u, w, y in the axes of the first node."""
-    mu, pin, F = mat(p.mu), A @ vec(p.xi, 0), R_0.T @ vec(q, BORROWED + 1)
-    u, w, couple = dot(mu[0], pin), dot(mu[1], pin), q[BORROWED]
-    N, by = pads(dot(mu[0], F), dot(mu[1], F), couple * u, couple * w, p.inverse_length)
-    return N, by, u, w, F
+def _friction(p, at, rate):
+    """M [N m] at this rate of the angle, N [N]."""
+    R_0, mu = mat(at.R[0]), mat(p.mu)
+    pin, F = relative_rotation(R_0, mat(at.R[1])) @ vec(p.xi, 0), R_0.T @ vec(at.q, BORROWED + 1)
+    couple = at.q[BORROWED]
+    m_1, m_2 = couple * dot(mu[0], pin), couple * dot(mu[1], pin)
+    N = pads(dot(mu[0], F), dot(mu[1], F), m_1, m_2, p.inverse_length)
+    return p.radius * N * drag(p, at.laws, p.radius * rate), N
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Opposite moments on both nodes."""
-    mu, xi, R_0 = mat(p.mu), vec(p.xi, 0), mat(at.R[0])
-    A = relative_rotation(R_0, mat(at.R[1]))
-    gradient, H = pin_gradient(A, mu, xi), pin_curvature(A, mu, xi)
-    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
-    c, c_v = drag(p, at.laws, p.radius * turning_rate(gradient, omega_0, omega_1))
-    N, by, u, w, F = _normal(p, at.q, R_0, A)
-    moment, slope, per_N = p.radius * N * c, p.radius**2 * N * c_v, p.radius * c
-    add_turning(f, K, C, moment, 0.0, slope, gradient, H, omega_0, omega_1)
-
-    by_u, by_w, couple = product_gradient(A, mu[0], xi), product_gradient(A, mu[1], xi), at.q[BORROWED]
-    on_1 = couple * by[2] * by_u[1] + couple * by[3] * by_w[1]
-    on_0 = couple * by[2] * by_u[0] + couple * by[3] * by_w[0]
-    on_0 = on_0 + (by[0] * cross(mu[0], F) + by[1] * cross(mu[1], F))
-    by_F = R_0 @ (by[0] * mu[0] + by[1] * mu[1])
-    for i in range(2):
-        add_mat(K, 3 * i, 0, per_N, outer(gradient[i], on_0))
-        add_mat(K, 3 * i, 3, per_N, outer(gradient[i], on_1))
-        add_col(K, 3 * i, BORROWED, at.k * per_N * (by[2] * u + by[3] * w), gradient[i])
-        add_mat(K, 3 * i, BORROWED + 1, at.k * per_N, outer(gradient[i], by_F))
+def residual(p, at, f):
+    """Add opposite moments on both nodes."""
+    along = pin_along(p, at)
+    add_along(f, _friction(p, at, rate_of(along, at.v))[0], along)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Moment, normal force, power."""
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
-    rate = turning_rate(pin_gradient(A, mat(p.mu), vec(p.xi, 0)), vec(at.v, 0), vec(at.v, 3))
-    y[1] = _normal(p, at.q, mat(at.R[0]), A)[0]
-    y[0] = p.radius * y[1] * drag(p, at.laws, p.radius * rate)[0]
+    rate = rate_of(pin_along(p, at), at.v)
+    y[0], y[1] = _friction(p, at, rate)
     y[2] = y[0] * rate
     e[2] = y[2]
 
@@ -91,6 +74,6 @@ PIN_FRICTION = Kind(
         *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     ),
     outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
-    force=force,
+    residual=residual,
     observe=observe,
 )

@@ -6,7 +6,7 @@ x1 at 6.
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import carried, product_rates
-from mecano.maths.vector import add_mat, cross, dot, skew, vec
+from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 
 @kernel
@@ -14,6 +14,19 @@ def slide(q, v, A, mu):
     """s [m], its rate [m/s]."""
     d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
+
+
+@kernel
+def slide_value(p, at):
+    """s [m] of an element whose record has the axis ``mu`` (3,)."""
+    return dot(vec(p.mu, 0), mat(at.R[0]).T @ (vec(at.q, 6) - vec(at.q, 0)))
+
+
+@kernel
+def slide_along(p, at):
+    """Gradient of s of such an element, as axis_law.py has it."""
+    b_0, b_R, b_1 = slide_gradient(at.q, mat(at.R[0]), vec(p.mu, 0))
+    return (0, b_0), (3, b_R), (6, b_1)
 
 
 @kernel
@@ -28,15 +41,6 @@ def slide_gradient(q, A, mu):
     """Gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
     normal = A @ mu
     return -normal, cross(mu, A.T @ (vec(q, 6) - vec(q, 0))), normal
-
-
-@kernel
-def slide_rate_gradient(q, v, A, mu):
-    """Gradients of the rate of s at the local indices 0, 3, 6."""
-    d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
-    spin = cross(vec(v, 3), mu)
-    turn = A @ spin
-    return -turn, cross(mu, e) + cross(spin, d), turn
 
 
 @kernel

@@ -3,31 +3,12 @@ r"""Slide law: a force from a law of the sliding of one node along an axis that 
 P > 0 pulls the second node back along the axis; the first node receives the opposite force at the place of the second.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import LAW_RECORD, add_along, axis_law_record, law_kind
-from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rate_gradient
+from mecano.constraints.axis_law import LAW_RECORD, axis_law_record, law_kind
+from mecano.constraints.slide import slide_along, slide_value
 from mecano.contract import Part, record
-from mecano.laws.table import evaluate_force
-from mecano.maths.vector import mat, vec
 from mecano.schema import LAW, NUMBER, Field
 
 RECORD = record(mu=3, **LAW_RECORD)
-
-
-@kernel
-def force(p, at, f, K, C, M):
-    """Opposite forces on both nodes, and the moment on the first."""
-    mu, A = vec(p.mu, 0), mat(at.R[0])
-    displacement, rate = slide(at.q, at.v, A, mu)
-    P, P_s, P_rate = evaluate_force(at.laws, p.law, displacement - p.natural, rate)
-    b, r = slide_gradient(at.q, A, mu), slide_rate_gradient(at.q, at.v, A, mu)
-    add_along(f, K, C, P, P_s, P_rate, ((0, b[0], r[0]), (3, b[1], r[1]), (6, b[2], r[2])))
-    add_slide_curvature(K, P, at.q, A, mu)
-
-
-@kernel
-def _slid(p, m, q, v, R):
-    return slide(q, v, mat(R[0]), vec(p.mu, 0))
 
 
 def slide_law_record(mu, law, natural, context):
@@ -49,4 +30,4 @@ def sliding_parts(d, place, context):
     return [Part(SLIDE_LAW, (0, 1), slide_law_record(place["mu"][2], d["sliding_law"], natural, context))]
 
 
-SLIDE_LAW = law_kind("slide_law", __doc__, RECORD, ("x0", "R0", "x1"), force, _slid)
+SLIDE_LAW = law_kind("slide_law", __doc__, RECORD, ("x0", "R0", "x1"), slide_value, slide_along)

@@ -17,18 +17,9 @@ vanish.
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import LAW_RECORD, add_turning, axis_law_record, law_kind
-from mecano.constraints.carried import (
-    follow,
-    relative_rotation,
-    turned,
-    turning_rate,
-    twist,
-    twist_curvature,
-    twist_gradient,
-)  # fmt: skip
+from mecano.constraints.axis_law import LAW_RECORD, axis_law_record, law_kind
+from mecano.constraints.carried import follow, relative_rotation, turned, twist, twist_gradient
 from mecano.contract import Part, record
-from mecano.laws.table import evaluate_force
 from mecano.maths.vector import mat, vec
 from mecano.schema import LAW, NUMBER, Field
 
@@ -36,15 +27,16 @@ RECORD = record(mu=(3, 3), xi=(3, 3), **LAW_RECORD)
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Opposite moments on both nodes."""
-    mu, xi = mat(p.mu), mat(p.xi)
+def _angle(p, at):
     A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
-    gradient, H = twist_gradient(A, mu[2], xi[2]), twist_curvature(A, mu[2], xi[2])
-    omega_0, omega_1 = vec(at.v, 0), vec(at.v, 3)
-    angle = follow(at.m[0], twist(A, mu, xi)) - p.natural
-    P, P_angle, P_rate = evaluate_force(at.laws, p.law, angle, turning_rate(gradient, omega_0, omega_1))
-    add_turning(f, K, C, P, P_angle, P_rate, gradient, H, omega_0, omega_1)
+    return follow(at.m[0], twist(A, mat(p.mu), mat(p.xi)))
+
+
+@kernel
+def _gradient(p, at):
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    b_0, b_1 = twist_gradient(A, vec(p.mu[2], 0), vec(p.xi[2], 0))
+    return (0, b_0), (3, b_1)
 
 
 @kernel
@@ -73,4 +65,4 @@ def turning_parts(d, place, context):
     return [Part(TWIST_LAW, (0, 1), values)]
 
 
-TWIST_LAW = law_kind("twist_law", __doc__, RECORD, ("R0", "R1"), force, followed, ("angle",))
+TWIST_LAW = law_kind("twist_law", __doc__, RECORD, ("R0", "R1"), _angle, _gradient, ("angle",))

@@ -5,7 +5,8 @@ A normal force N and a sliding velocity of size u give the friction :math:`\mu(u
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.laws.table import evaluate_curve
+from mecano.laws.table import curve, evaluate_curve
+from mecano.maths.dual import at_least, select
 
 
 @kernel
@@ -24,3 +25,10 @@ def friction_factor(laws, law, eps, u):
         return 0.0, 0.0, 0.0
     ramp, ramp_1 = sticking(eps, u)
     return mu * ramp * u, mu * ramp, u * d_mu * ramp + mu * ramp_1
+
+
+@kernel
+def friction(laws, law, eps, u):
+    """Return mu phi/u [s/m] of the sliding speed u >= 0 [m/s], finite at u = 0: the force is this times N times v."""
+    mu = at_least(curve(laws, law, u), 0.0)
+    return mu * select(u < eps, (2.0 - u / eps) / eps, 1.0 / at_least(u, eps))

@@ -11,6 +11,7 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.laws import TERMS
+from mecano.maths.dual import chain, value
 
 # Curves first: one comparison then tells a curve from a force.
 CODES = {name: code for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1)}
@@ -123,6 +124,20 @@ def evaluate_force(laws, start, s, v):
         F, F_s, F_v = F + F_i, F_s + s_i, F_v + v_i
         i += 2 + int(laws[i + 1])
     return F, F_s, F_v
+
+
+@kernel
+def curve(laws, start, s):
+    """y of the law at ``start``, with the slope of s where it has one."""
+    y, d, _ = evaluate_curve(laws, start, value(s))
+    return chain(s, y, d)
+
+
+@kernel
+def law_force(laws, start, s, v):
+    """F of the law at ``start`` [N or N m], with the slopes of the extension s and its rate v where they have some."""
+    F, F_s, F_v = evaluate_force(laws, start, value(s), value(v))
+    return chain(s, F, F_s) + chain(v, 0.0, F_v)
 
 
 @kernel

@@ -8,9 +8,13 @@ import math
 import operator
 from typing import NamedTuple
 
+import numpy as np
+
+from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import Generic, algebraic, method
 
 NUMBER = float
+DUAL = np.dtype([("value", "f8"), ("slope", "f8")])  # of arrays of Duals in compiled code
 
 
 @algebraic
@@ -108,7 +112,7 @@ for _compare in (operator.lt, operator.le, operator.gt, operator.ge):
 
 @method(abs, Dual)
 def _(a):
-    return -a if a.value < 0.0 else a
+    return Dual(abs(a.value), a.slope * (1.0 if a.value > 0.0 else -1.0 if a.value < 0.0 else 0.0))
 
 
 @Generic
@@ -220,3 +224,9 @@ def _(condition, a, b):
 @method(select, NUMBER, Dual, Dual)
 def _(condition, a, b):
     return a if condition else b
+
+
+@kernel
+def at_least(a, least):
+    """Return the larger of a number and a bound."""
+    return select(a > least, a, least)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.maths.dual import DUAL
 from mecano.model.loops import BATCH, record
 from mecano.model.numbering import SCALAR
 
@@ -39,6 +40,7 @@ class Batch:
         self.q, self.v, self.a = (np.zeros(n_work) for _ in range(3))
         self.R = np.zeros((n_rotations, 3, 3))
         self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+        self.seeded = np.zeros(3 * n + 9 * n_rotations, DUAL)
         self.F, self.g = np.zeros(self.watched_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.e = np.zeros((len(self.p), 4))
@@ -55,6 +57,7 @@ class Batch:
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
+            "n_reactions": len(self.kind.multipliers) + len(self.kind.borrowed),
             "n_watched": self.watched.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
             "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_mode": self.first_mode,
             "first_memory": self.first_memory,
@@ -72,7 +75,7 @@ def batches(instances, of, n_slots, sides):
         scalars, rows = taken[number]
         lent = [row for lender in item.borrows for row in taken[lender][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
-        watched = len(of_parts) if item.kind.force is None else 0  # an option may add a part with a multiplier
+        watched = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
         groups.setdefault((id(item.kind), watched), []).append((number, item, scalars, rows, lent, of_parts))
     found, n_modes, n_memory = [], 0, 0
     for members in groups.values():
@@ -111,7 +114,7 @@ def _batch(members, of, places, sides, first_mode, first_memory):
         own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + lent]
         place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]
         dofs.append(place + own)
-        watched.append(place + own + ([places.first_row + i for i in of_parts] if kind.force is None else []))
+        watched.append(place + own + ([places.first_row + i for i in of_parts] if not kind.acts else []))
         rots.append([of.rotation[node] for what, node in at if what == "R"])
         plain = [6 * node + 3 * (what == "R") + i for what, node in at for i in range(3)]
         slots.append(plain + [places.first_slot + i - places.first_scalar for i in own])

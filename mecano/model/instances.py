@@ -37,6 +37,6 @@ def expand(model, context):
         for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
     for item in instances:
-        if item.kind.force is not None:
+        if item.kind.acts:
             used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
     return instances, shared, used

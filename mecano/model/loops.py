@@ -18,6 +18,8 @@ from mecano.compiled.memory import floats, integers, items
 from mecano.compiled.nowhere import NOWHERE
 from mecano.compiled.store import address
 from mecano.contract import Place
+from mecano.maths.dual import DUAL
+from mecano.maths.vector import Vec3, mat, skew
 
 
 def _fields(floats="", words=""):
@@ -26,9 +28,9 @@ def _fields(floats="", words=""):
 
 # Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
 BATCH = _fields(
-    words="n n_local n_rotations n_multipliers n_watched n_forces n_outputs n_events n_memory "
+    words="n n_local n_rotations n_multipliers n_reactions n_watched n_forces n_outputs n_events n_memory "
     "p dofs rots slots columns entries multipliers watched watched_slots "
-    "q v a R f K C M F g y e event_values before first_mode first_memory"
+    "q v a R f K C M seeded F g y e event_values before first_mode first_memory"
 )
 # Addresses of the arrays of the system and of the state on which the loops work.
 SYSTEM = _fields(
@@ -89,6 +91,44 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
                 R_out[r, i, j] = R[rots[r], i, j]
 
 
+@kernel
+def seeded(b):
+    """Duals for the local unknowns, velocities and forces (n_local,), and the rotations (n_rotations, 3, 3)."""
+    n = b.n_local
+    rotations = b.seeded + 3 * n * DUAL.itemsize
+    place = (b.seeded, b.seeded + n * DUAL.itemsize, b.seeded + 2 * n * DUAL.itemsize)
+    return (
+        items(place[0], n, DUAL), items(place[1], n, DUAL), items(place[2], n, DUAL),
+        items(rotations, (b.n_rotations, 3, 3), DUAL),
+    )  # fmt: skip
+
+
+@kernel
+def rotation_of(j, columns):
+    """The rotation to which the local unknown j belongs, or -1."""
+    for r in range(columns.shape[0]):
+        if columns[r] <= j < columns[r] + 3:
+            return r
+    return -1
+
+
+@kernel
+def put_constant(R_out, R):
+    """Store a rotation that does not vary."""
+    for i in range(3):
+        for j in range(3):
+            R_out[i, j] = R[i][j]
+
+
+@kernel
+def put_turned(R_out, R, turn):
+    """Store R (1 + hat(turn) epsilon)."""
+    change = R @ skew(turn)
+    for i in range(3):
+        for j in range(3):
+            R_out[i, j].slope = change[i][j]
+
+
 def tangent(batch, system):
     """Forces, their sizes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
@@ -137,6 +177,53 @@ def tangent(batch, system):
                 data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
+def dual_tangent(batch, system):
+    """Forces, their sizes, and the tangent cK K + cC C of a kind that has a residual only, without inertia.
+
+    One pass for each local unknown j gives column j: q_j moves by cK, v_j by cC, a rotation by R hat(cK T_j).
+    """
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots, columns = (
+        integers(b.dofs, (b.n, n)),
+        integers(b.rots, (b.n, b.n_rotations)),
+        integers(b.columns, b.n_rotations),
+    )
+    slots, entries = integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
+    q, v, a, R = work(b)
+    q_1, v_1, f_1, R_1 = seeded(b)
+    T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    force_out, size_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        for i in range(n):
+            q_1[i] = q[i]
+            v_1[i] = v[i]
+        for r in range(b.n_rotations):
+            put_constant(R_1[r], mat(R[r]))
+        for j in range(n):
+            f_1[:] = 0.0
+            turned = rotation_of(j, columns)
+            if turned < 0:
+                q_1[j].slope = s.cK * (s.k if j >= n - b.n_reactions else 1.0)
+            else:
+                turn = T[rots[e, turned]]
+                c = j - columns[turned]
+                put_turned(R_1[turned], mat(R[turned]), s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
+            v_1[j].slope = s.cC
+            function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1), f_1)  # noqa: F821
+            for i in range(n):
+                data_out[entries[e, i, j]] += f_1[i].slope
+            q_1[j].slope = 0.0
+            v_1[j].slope = 0.0
+            if turned >= 0:
+                put_constant(R_1[turned], mat(R[turned]))
+        for i in range(n):
+            force_out[slots[e, i]] += f_1[i].value
+            size_out[slots[e, i]] += abs(f_1[i].value)
+
+
 def residual(batch, system):
     """Forces and their sizes."""
     b, s = batch_at(batch), system_at(system)
@@ -154,6 +241,24 @@ def residual(batch, system):
         if of_rates:  # noqa: F821
             for i in range(n - b.n_multipliers, n):
                 f[i] *= s.lag
+        for i in range(n):
+            slot = slots[e, i]
+            force_out[slot] += f[i]
+            size_out[slot] += abs(f[i])
+
+
+def plain_residual(batch, system):
+    """Forces and their sizes, of a kind that has a residual only."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
+    q, v, a, R = work(b)
+    f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    for e in range(b.n):
+        f[:] = 0.0
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
         for i in range(n):
             slot = slots[e, i]
             force_out[slot] += f[i]
@@ -232,13 +337,15 @@ def commit(batch, system):
 
 # What a kind gives to each loop.
 PURPOSES = {
-    tangent: "force", residual: "force", levels: "levels", observe: "observe", event_values: "event_values",
-    commit: "commit",
+    tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual", levels: "levels",
+    observe: "observe", event_values: "event_values", commit: "commit",
 }  # fmt: skip
 
 
 def loop_of(kind, template):
     """Address of the compiled loop ``template`` for a kind, or None when the kind has no such function."""
+    if kind.residual is not None:
+        template = {tangent: dual_tangent, residual: plain_residual}.get(template, template)
     function = getattr(kind, PURPOSES[template])
     return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)
 

@@ -116,7 +116,7 @@ def titles(system, i):
     found = dict.fromkeys(
         name
         for batch in system.batches
-        if batch.kind.force is not None
+        if batch.kind.acts
         for name, dofs in zip(batch.names, batch.dofs, strict=True)
         if i in dofs
     )
