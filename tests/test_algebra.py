@@ -10,7 +10,7 @@ from mecano.compiled import closure
 from mecano.compiled.entry import Vector, entry
 from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import code_for, method
-from mecano.maths.dual import Dual, atan2, chain, cos, exp, select, sin, sqrt, value
+from mecano.maths.dual import Dual, atan2, chain, cos, exp, select, sin, sqrt, tan, value
 from mecano.maths.vector import EYE, ZERO, Mat3, Vec3, cross, dot, mat, norm, outer, skew, vec
 
 A, B = np.random.default_rng(1).normal(size=(2, 3, 3))
@@ -70,7 +70,7 @@ def test_slopes_are_derivatives():
 @pytest.mark.parametrize("compute", [
     lambda a: a + 1.0, lambda a: 1.0 + a, lambda a: a - 1.0, lambda a: 1.0 - a, lambda a: -a, lambda a: 3.0 * a,
     lambda a: a * 3.0, lambda a: a / 3.0, lambda a: 3.0 / a, lambda a: a * a, lambda a: (a + 1.0) / a, sqrt, sin, cos,
-    exp, abs, lambda a: abs(-a), lambda a: atan2(a, 2.0), lambda a: atan2(2.0, a),
+    exp, tan, abs, lambda a: abs(-a), lambda a: atan2(a, 2.0), lambda a: atan2(2.0, a),
     lambda a: atan2(a, a * a), lambda a: a - a * a, lambda a: chain(a, value(a) ** 3, 3.0 * value(a) ** 2),
     lambda a: select(a > 0.5, a * a, 7.0), lambda a: select(a < 0.5, 7.0, a), lambda a: select(0.5 <= a, a, a * a),
 ])  # fmt: skip

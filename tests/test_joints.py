@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints.joint_frame import triad
+from mecano.contract import Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model, Node
@@ -244,7 +245,7 @@ def test_multipliers_of_a_hinge_are_moments(row, axis):
     matrices = [np.zeros((7, 7)) for _ in range(3)]
     rotations = np.array([node[1] for node in nodes])
     record = p.view(np.recarray)[0]
-    part.kind.force(record, np.zeros(0), 0, 0.0, 1.0, 0.0, np.zeros(1), q, 0 * q, 0 * q, rotations, f, *matrices)
+    part.kind.force(record, Place(0.0, 0, 1.0, 0.0, np.zeros(1), np.zeros(0), q, 0 * q, 0 * q, rotations), f, *matrices)
     expected = (5.0, -5.0)[row] * triad((1, 2, 3))[axis]
     close(R @ -f[3:6], expected)
     close(-f[0:3], -expected)

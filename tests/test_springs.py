@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from instances import Instance
 from scipy.spatial.transform import Rotation
 
-from mecano.contract import Context
+from mecano.contract import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 
@@ -35,25 +36,25 @@ class One:
         self.laws, self.memory = table.array(), np.zeros(len(self.kind.memory))
 
     def force(self, q, v, R, t=0.0):
-        n = self.kind.n_local
-        f, K, C, M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
-        self.kind.force(self.record, self.memory, 0, t, 1.0, 0.0, self.laws, q, v, np.zeros(n), R, f, K, C, M)
+        one = Instance(self.kind, self.p, (), 0, self.memory, self.laws, np.zeros((3, 0)), np.zeros(0))
+        f, K, C, _ = one.force(t, (q, v, np.zeros(len(q)), R))
         return f, K, C
 
     def observe(self, q, v, R, t=0.0):
         n, y, e = self.kind.n_local, np.zeros(9), np.zeros(4)
         a, F = np.zeros(n), np.zeros(n)
-        self.kind.observe(self.record, self.memory, 0, t, self.laws, q, v, a, R, F, y, e)
+        self.kind.observe(self.record, Place(t, 0, 1.0, 0.0, self.laws, self.memory, q, v, a, R), F, y, e)
         return y, e
 
     def events(self, q, R):
         g, zero = np.zeros(4), np.zeros(self.kind.n_local)
-        self.kind.event_values(self.record, self.memory, 0, 0.0, self.laws, q, zero, zero, R, g)
+        self.kind.event_values(self.record, Place(0.0, 0, 1.0, 0.0, self.laws, self.memory, q, zero, zero, R), g)
         return g
 
     def commit(self, R):
         zero = np.zeros(self.kind.n_local)
-        self.kind.commit(self.record, self.memory.copy(), 0, 0.0, self.laws, zero, zero, zero, R, self.memory)
+        at = Place(0.0, 0, 1.0, 0.0, self.laws, self.memory.copy(), zero, zero, zero, R)
+        self.kind.commit(self.record, at, self.memory)
 
 
 def at(*positions):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from mecano.contract import Context
+from mecano.contract import Context, Place
 from mecano.elements.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable
@@ -62,21 +62,21 @@ class Wheel:
         """f (6,), K, C, M (6, 6)."""
         f, K, C, M = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6))
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        WHEEL.force(self.p, NONE, mode, 0.0, 1.0, 1.0, self.laws, *state, f, K, C, M)
+        WHEEL.force(self.p, Place(0.0, mode, 1.0, 1.0, self.laws, NONE, *state), f, K, C, M)
         return f, K, C, M
 
     def observe(self, x, R, v, mode=CONTACT):
         """Outputs by name, energies (4,)."""
         y, e = np.zeros(N_OUTPUTS), np.zeros(4)
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        WHEEL.observe(self.p, NONE, mode, 0.0, self.laws, *state, np.zeros(6), y, e)
+        WHEEL.observe(self.p, Place(0.0, mode, 1.0, 1.0, self.laws, NONE, *state), np.zeros(6), y, e)
         return {name: y[i : i + 3] if shape else y[i] for name, (i, shape) in OFFSET.items()}, e
 
     def deformation(self, x, R):
         """Value w of the touch-down, signed [m]."""
         g = np.zeros(2)
         state = (np.r_[x, 0.0, 0.0, 0.0], np.zeros(6), np.zeros(6), R[None])
-        WHEEL.event_values(self.p, NONE, AIR, 0.0, self.laws, *state, g)
+        WHEEL.event_values(self.p, Place(0.0, AIR, 1.0, 1.0, self.laws, NONE, *state), g)
         assert g[1] == -g[0]
         return g[0]
 

@@ -35,6 +35,7 @@ ERRORS = frozenset(
     "PyBytes_FromStringAndSize Py_DecRef".split()
 )
 FATAL = b"an error in compiled code of mecano, which should have none\0"
+NUMERIC = (types.Number, types.Boolean)
 LOOP = types.void(types.int64, types.int64)
 NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
@@ -244,7 +245,7 @@ def _kind(argument):
         return argument.instance_class
     if isinstance(argument, types.Record):
         return methods.kind_of_record(argument.fields)
-    return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, types.Number) else None
+    return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, NUMERIC) else None
 
 
 @overload(operator.setitem)
@@ -269,13 +270,15 @@ def _store_dual(array, index, value):
     item.slope = value.slope
 
 
+IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
 _known = set()  # functions with methods that numba knows
 
 
 def _learn_methods():
     """Tell numba of functions with methods, and of attributes, that it does not know yet."""
     for function in [f for f in methods.functions() if f not in _known]:
-        overload(function, jit_options={"error_model": "numpy"}, strict=False)(_choosing(function))
+        for named in {function, IN_PLACE.get(function, function)}:
+            overload(named, jit_options={"error_model": "numpy"}, strict=False)(_choosing(function))
         _known.add(function)
     for name in [name for name in methods.attribute_names() if name not in _known]:
         overload_attribute(types.BaseNamedTuple, name, jit_options={"error_model": "numpy"})(_attribute(name))

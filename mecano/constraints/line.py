@@ -8,6 +8,7 @@ together gives :math:`f_1 = -f_0 = N u`. With :math:`P = I - u u^T` and :math:`w
 """
 
 from mecano.compiled.kernel import kernel
+from mecano.maths.dual import at_least
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, norm, outer, vec
 
 SHORTEST = 1e-12  # [m]: below it the line has no direction
@@ -18,7 +19,7 @@ def line(q, v):
     """Length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
     d, velocity = vec(q, 3) - vec(q, 0), vec(v, 3) - vec(v, 0)
     length = norm(d)
-    inverse = 1.0 / max(length, SHORTEST)
+    inverse = 1.0 / at_least(length, SHORTEST)
     u = inverse * d
     return length, dot(u, velocity), (inverse, u, velocity)
 

@@ -25,8 +25,8 @@ from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.contract import Kind, Output, record
-from mecano.maths.so3 import log, tangent, tangent_derivative, tangent_inverse
-from mecano.maths.vector import NO_MATRIX, add_mat, add_vec, cross, dot, mat, put, skew, vec
+from mecano.maths.so3 import log, tangent_inverse
+from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
 
 RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
@@ -41,7 +41,7 @@ def _blocks(S):
 
 @kernel
 def _strain(p, q, v, R):
-    """d and psi, their rates, d_a = R_a^T (x_b - x_a), Q, omega."""
+    """d and psi, their rates, d_a = R_a^T (x_b - x_a)."""
     A, mu, xi = mat(R[0]), mat(p.mu), mat(p.xi)
     omega_a, omega_b = vec(v, 3), vec(v, 9)
     d_a, w = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
@@ -49,7 +49,7 @@ def _strain(p, q, v, R):
     psi = log(Q)
     omega = xi @ omega_b - Q.T @ (mu @ omega_a)
     d, d_rate = mu @ d_a - vec(p.start, 0), mu @ (w + cross(d_a, omega_a))
-    return d, psi, d_rate, tangent_inverse(psi) @ omega, d_a, Q, omega
+    return d, psi, d_rate, tangent_inverse(psi) @ omega, d_a
 
 
 @kernel
@@ -59,69 +59,22 @@ def _product(S, d, psi):
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Forces and moments on both nodes."""
-    A, mu, xi, S, D = mat(at.R[0]), mat(p.mu), mat(p.xi), _blocks(p.stiffness), _blocks(p.damping)
-    d, psi, d_rate, psi_rate, d_a, Q, omega = _strain(p, at.q, at.v, at.R)
-    elastic, viscous = _product(S, d, psi), _product(D, d_rate, psi_rate)
-    n, couple = elastic[0] + viscous[0], elastic[1] + viscous[1]
-    J, back = tangent_inverse(psi), tangent_inverse(psi).T
-    n_a, moment_a, moment_b = mu.T @ n, J @ couple, back @ couple
+def residual(p, at, f):
+    """Add forces and moments on both nodes."""
+    A, mu, S, D = mat(at.R[0]), mat(p.mu), _blocks(p.stiffness), _blocks(p.damping)
+    d, psi, d_rate, psi_rate, d_a = _strain(p, at.q, at.v, at.R)
+    elastic, viscous, J = _product(S, d, psi), _product(D, d_rate, psi_rate), tangent_inverse(psi)
+    n_a, couple = mu.T @ (elastic[0] + viscous[0]), elastic[1] + viscous[1]
     add_vec(f, 0, -1.0, A @ n_a)
-    add_vec(f, 3, 1.0, cross(n_a, d_a) - mu.T @ moment_a)
+    add_vec(f, 3, 1.0, cross(n_a, d_a) - mu.T @ (J @ couple))
     add_vec(f, 6, 1.0, A @ n_a)
-    add_vec(f, 9, 1.0, xi.T @ moment_b)
-
-    # gradients of d, psi and of their rates, by x_a, Theta_a, x_b, Theta_b
-    E, omega_a, w = mu @ A.T, vec(at.v, 3), A.T @ (vec(at.v, 6) - vec(at.v, 0))
-    swept = mu @ skew(omega_a) @ A.T
-    turned = mu @ (skew(w) - skew(omega_a) @ skew(d_a))
-    B_d = (-E, mu @ skew(d_a), E, NO_MATRIX)
-    B_p = (NO_MATRIX, -(back @ mu), NO_MATRIX, J @ xi)
-    R_d = (swept, turned, -swept, NO_MATRIX)
-    frame = skew(Q.T @ (mu @ omega_a)) @ tangent(psi)
-    W = -(J @ (tangent_derivative(psi, psi_rate) + frame))
-    for j in range(4):
-        R_p = W @ B_p[j]
-        by_d, by_p = _times(S, B_d[j], B_p[j]), _times(D, B_d[j], B_p[j])
-        by_rate = _times(D, R_d[j], R_p)
-        for i in range(4):
-            T_d, T_p = B_d[i].T, B_p[i].T
-            add_mat(K, 3 * i, 3 * j, 1.0, T_d @ (by_d[0] + by_rate[0]))
-            add_mat(K, 3 * i, 3 * j, 1.0, T_p @ (by_d[1] + by_rate[1]))
-            add_mat(C, 3 * i, 3 * j, 1.0, T_d @ by_p[0])
-            add_mat(C, 3 * i, 3 * j, 1.0, T_p @ by_p[1])
-    _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p)
-
-
-@kernel
-def _times(S, X, Y):
-    """S (X, Y) for matrices in blocks."""
-    upper = S[0][0] @ X + S[0][1] @ Y
-    return upper, S[1][0] @ X + S[1][1] @ Y
-
-
-@kernel
-def _add_curvature(K, A, mu, xi, psi, J, back, d_a, n_a, moment_a, moment_b, B_p):
-    """Derivative of the gradients of d and psi, times the forces."""
-    hat_n, minus = skew(n_a), -psi
-    turn, arm = A @ hat_n, hat_n @ A.T
-    add_mat(K, 0, 3, 1.0, turn)
-    add_mat(K, 6, 3, -1.0, turn)
-    add_mat(K, 3, 0, -1.0, arm)
-    add_mat(K, 3, 6, 1.0, arm)
-    add_mat(K, 3, 3, 1.0, hat_n @ skew(d_a))
-    on_a = mu.T @ (J @ tangent_derivative(psi, moment_a))
-    on_b = xi.T @ (back @ tangent_derivative(minus, moment_b))
-    for j in (1, 3):
-        add_mat(K, 3, 3 * j, 1.0, on_a @ B_p[j])
-        add_mat(K, 9, 3 * j, 1.0, on_b @ B_p[j])
+    add_vec(f, 9, 1.0, mat(p.xi).T @ (J.T @ couple))
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Displacement, rotation, force and moment; energies."""
-    d, psi, d_rate, psi_rate, _, _, _ = _strain(p, at.q, at.v, at.R)
+    d, psi, d_rate, psi_rate, _ = _strain(p, at.q, at.v, at.R)
     elastic = _product(_blocks(p.stiffness), d, psi)
     viscous = _product(_blocks(p.damping), d_rate, psi_rate)
     put(y, 0, d)
@@ -210,7 +163,7 @@ BUSHING = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
-    force=force,
+    residual=residual,
     observe=observe,
     sample=sample,
 )

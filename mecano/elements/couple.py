@@ -5,7 +5,7 @@ With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in materia
 .. math::  f_a = M s, \qquad f_b = -M P^T s
 
 so that node b is turned about +axis and node a about -axis; the surroundings (the motor) give the power
-:math:`M\, \mu \cdot (\omega_b - \omega_a)`. The tangents are :math:`M P^T \hat s` and :math:`-M \widehat{P^T s}`.
+:math:`M\, \mu \cdot (\omega_b - \omega_a)`.
 """
 
 import numpy as np
@@ -13,22 +13,18 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vector import add_mat, add_vec, dot, mat, skew, vec
+from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
 
 RECORD = record(law="i", axis=3)
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Opposite moments on both nodes."""
+def residual(p, at, f):
+    """Add opposite moments on both nodes."""
     size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
-    back = mat(at.R[1]).T @ mat(at.R[0])
-    s_b = back @ s
     add_vec(f, 0, size, s)
-    add_vec(f, 3, -size, s_b)
-    add_mat(K, 3, 0, size, back @ skew(s))
-    add_mat(K, 3, 3, -size, skew(s_b))
+    add_vec(f, 3, -size, mat(at.R[1]).T @ (mat(at.R[0]) @ s))
 
 
 @kernel
@@ -70,7 +66,7 @@ COUPLE = Kind(
         Output("power", "W", "power given to both nodes"),
     ),
     prepare=prepare,
-    force=force,
+    residual=residual,
     observe=observe,
     sample=sample,
 )

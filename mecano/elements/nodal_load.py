@@ -8,8 +8,7 @@ and a moment M(t), in material axes,
 
 .. math::  f_\Theta = -M R^T d \quad\text{(dead)}, \qquad f_\Theta = -M d \quad\text{(follower)}
 
-The tangents of the follower force, :math:`F R \hat d`, and of the dead moment, :math:`-M \widehat{R^T d}`, are not
-symmetric: these loads have no potential.
+The tangents of the follower force and of the dead moment are not symmetric: these loads have no potential.
 """
 
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.contract import Kind, Output, record
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vector import add_mat, add_vec, dot, mat, put, skew, vec
+from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
 
 RECORD = record(law="i", direction=3)
@@ -41,8 +40,8 @@ def _report(size, inertial, direction, v, y, e):
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """The dead force; it has no tangent."""
+def force(p, at, f):
+    """Add the dead force."""
     size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, d)
 
@@ -55,11 +54,10 @@ def observe_force(p, at, F, y, e):
 
 
 @kernel
-def follower_force(p, at, f, K, C, M):
-    """The force carried by the node."""
+def follower_force(p, at, f):
+    """Add the force carried by the node."""
     size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, mat(at.R[0]) @ d)
-    add_mat(K, 0, 3, size, mat(at.R[0]) @ skew(d))
 
 
 @kernel
@@ -71,12 +69,10 @@ def observe_follower_force(p, at, F, y, e):
 
 
 @kernel
-def moment(p, at, f, K, C, M):
-    """The dead moment."""
+def moment(p, at, f):
+    """Add the dead moment."""
     size, d = _load(p, at.laws, at.t)
-    material = mat(at.R[0]).T @ d
-    add_vec(f, 0, -size, material)
-    add_mat(K, 0, 0, -size, skew(material))
+    add_vec(f, 0, -size, mat(at.R[0]).T @ d)
 
 
 @kernel
@@ -87,8 +83,8 @@ def observe_moment(p, at, F, y, e):
 
 
 @kernel
-def follower_moment(p, at, f, K, C, M):
-    """The moment carried by the node; it has no tangent in material axes."""
+def follower_moment(p, at, f):
+    """Add the moment carried by the node."""
     size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, d)
 
@@ -132,7 +128,7 @@ class _Quantity:
     name: str
     unit: str
 
-    def kind(self, name, layout, follows, force, observe):
+    def kind(self, name, layout, follows, residual, observe):
         """A kind of load of this quantity."""
         carries = " and that carries its direction" if follows else ""
         given = "direction at the start, inertial" if follows else "direction, inertial"
@@ -153,7 +149,7 @@ class _Quantity:
                 Output("power", "W", "power given to the node"),
             ),
             prepare=prepare_follower if follows else prepare,
-            force=force,
+            residual=residual,
             observe=observe,
             sample=sample,
         )

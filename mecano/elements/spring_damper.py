@@ -11,21 +11,23 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import at_one_place
-from mecano.constraints.line import add_line_force, line
+from mecano.constraints.line import line
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
 from mecano.contract import Kind, Output, record
-from mecano.laws.table import evaluate_force, potential
+from mecano.laws.table import evaluate_force, law_force, potential
+from mecano.maths.vector import add_vec
 from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
 
 RECORD = record(law="i", natural_length=(), low=(), high=())
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Equal and opposite forces along the line."""
-    length, rate, geometry = line(at.q, at.v)
-    N, N_e, N_rate = evaluate_force(at.laws, p.law, length - p.natural_length, rate)
-    add_line_force(f, K, C, rate, geometry, N, N_e, N_rate)
+def residual(p, at, f):
+    """Add equal and opposite forces along the line."""
+    length, rate, (_, u, _) = line(at.q, at.v)
+    N = law_force(at.laws, p.law, length - p.natural_length, rate)
+    add_vec(f, 0, -N, u)
+    add_vec(f, 3, N, u)
 
 
 @kernel
@@ -104,7 +106,7 @@ SPRING_DAMPER = Kind(
     events=EVENTS,
     prepare=prepare,
     check=check,
-    force=force,
+    residual=residual,
     observe=observe,
     event_values=event_values,
     sample=sample,

@@ -14,7 +14,7 @@ from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import Generic, algebraic, method
 
 NUMBER = float
-DUAL = np.dtype([("value", "f8"), ("slope", "f8")])  # of arrays of Duals in compiled code
+DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # of arrays of Duals in compiled code
 
 
 @algebraic
@@ -158,6 +158,18 @@ def cos(a):
 @method(cos, Dual)
 def _(a):
     return Dual(math.cos(a.value), a.slope * -math.sin(a.value))
+
+
+@Generic
+def tan(a):
+    """Return the tangent."""
+    return math.tan(a)
+
+
+@method(tan, Dual)
+def _(a):
+    y = math.tan(a.value)
+    return Dual(y, a.slope * (1.0 + y * y))
 
 
 @Generic

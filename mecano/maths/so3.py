@@ -5,11 +5,11 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 :math:`R = R_0 \exp(\hat\Psi)`. Closed forms with series below 1e-2 rad, both accurate to round-off.
 """
 
-import math
-
 from mecano.compiled.kernel import kernel
-from mecano.maths.vector import EYE, Vec3, cross, dot, outer, skew
+from mecano.maths.dual import at_least, atan2, select, sin, sqrt, tan
+from mecano.maths.vector import EYE, Vec3, dot, skew
 
+TINY = 1e-150  # half an angle [rad] below which it has no axis
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
 
 
@@ -21,9 +21,9 @@ def coefficients(t2):
         c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
         b = (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))) / 6.0
         return s, c, b
-    t = math.sqrt(t2)
-    half = math.sin(0.5 * t) / (0.5 * t)
-    s = math.sin(t) / t
+    t = sqrt(t2)
+    half = sin(0.5 * t) / (0.5 * t)
+    s = sin(t) / t
     return s, 0.5 * half * half, (1.0 - s) / t2
 
 
@@ -40,19 +40,19 @@ def quaternion(R):
     """Unit quaternion (w, x, y, z), w >= 0, of R; from the largest of its four squares, accurate at every angle."""
     t = R[0][0] + R[1][1] + R[2][2]
     if t > R[0][0] and t > R[1][1] and t > R[2][2]:
-        w = 0.5 * math.sqrt(1.0 + t)
+        w = 0.5 * sqrt(1.0 + t)
         s = 0.25 / w
         x, y, z = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
     elif R[0][0] >= R[1][1] and R[0][0] >= R[2][2]:
-        x = 0.5 * math.sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
+        x = 0.5 * sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
         s = 0.25 / x
         w, y, z = (R[2][1] - R[1][2]) * s, (R[1][0] + R[0][1]) * s, (R[2][0] + R[0][2]) * s
     elif R[1][1] >= R[2][2]:
-        y = 0.5 * math.sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
+        y = 0.5 * sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
         s = 0.25 / y
         w, z, x = (R[0][2] - R[2][0]) * s, (R[2][1] + R[1][2]) * s, (R[0][1] + R[1][0]) * s
     else:
-        z = 0.5 * math.sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
+        z = 0.5 * sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
         s = 0.25 / z
         w, x, y = (R[1][0] - R[0][1]) * s, (R[0][2] + R[2][0]) * s, (R[2][1] + R[1][2]) * s
     if w < 0.0:
@@ -64,8 +64,8 @@ def quaternion(R):
 def log(R):
     """Rotation vector [rad] of R, of length in [0, pi]."""
     w, x, y, z = quaternion(R)
-    n = math.sqrt(x * x + y * y + z * z)
-    f = 2.0 * math.atan2(n, w) / n if n > 1e-150 else 2.0
+    n = sqrt(x * x + y * y + z * z)
+    f = select(n > TINY, 2.0 * atan2(n, w) / at_least(n, TINY), 2.0)
     return Vec3(f * x, f * y, f * z)
 
 
@@ -84,26 +84,7 @@ def tangent_inverse(psi):
     if t2 < SERIES * SERIES:
         d = (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0
     else:
-        t = math.sqrt(t2)
-        d = (1.0 - 0.5 * t / math.tan(0.5 * t)) / t2
+        t = sqrt(t2)
+        d = (1.0 - 0.5 * t / tan(0.5 * t)) / t2
     H = skew(psi)
     return EYE + (0.5 * H + d * (H @ H))
-
-
-@kernel
-def tangent_derivative(psi, u):
-    """d/dpsi [T(psi) u], 3x3: its column j is the derivative by psi_j."""
-    t2 = dot(psi, psi)
-    s, c, b = coefficients(t2)
-    if t2 < SERIES * SERIES:
-        dc = -1.0 / 12.0 * (1.0 - t2 / 15.0 * (1.0 - t2 / 37.333333333333336))
-        db = -1.0 / 60.0 * (1.0 - t2 / 21.0 * (1.0 - t2 / 48.0))
-    else:
-        dc = (s - 2.0 * c) / t2
-        db = (c - 3.0 * b) / t2
-    H, U = skew(psi), skew(u)
-    pu = cross(psi, u)
-    ppu = cross(psi, pu)
-    linear = c * U + outer(-dc * pu, psi)
-    quadratic = -b * (skew(pu) + H @ U) + outer(db * ppu, psi)
-    return linear + quadratic

@@ -39,6 +39,7 @@ SYSTEM = _fields(
     "n_laws laws n_slots force size mass slot_dof residual scale n_data data "
     "n_sides side_starts side_members transmitted energy n_levels levels",
 )
+SIZE = DUAL.itemsize
 
 
 def record(dtype, **values):
@@ -94,13 +95,9 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
 @kernel
 def seeded(b):
     """Duals for the local unknowns, velocities and forces (n_local,), and the rotations (n_rotations, 3, 3)."""
-    n = b.n_local
-    rotations = b.seeded + 3 * n * DUAL.itemsize
-    place = (b.seeded, b.seeded + n * DUAL.itemsize, b.seeded + 2 * n * DUAL.itemsize)
-    return (
-        items(place[0], n, DUAL), items(place[1], n, DUAL), items(place[2], n, DUAL),
-        items(rotations, (b.n_rotations, 3, 3), DUAL),
-    )  # fmt: skip
+    n, place = b.n_local, b.seeded
+    q, v, f = items(place, n, DUAL), items(place + SIZE * n, n, DUAL), items(place + 2 * SIZE * n, n, DUAL)
+    return q, v, f, items(place + 3 * SIZE * n, (b.n_rotations, 3, 3), DUAL)
 
 
 @kernel
@@ -203,7 +200,8 @@ def dual_tangent(batch, system):
         for r in range(b.n_rotations):
             put_constant(R_1[r], mat(R[r]))
         for j in range(n):
-            f_1[:] = 0.0
+            for i in range(n):
+                f_1[i] = 0.0
             turned = rotation_of(j, columns)
             if turned < 0:
                 q_1[j].slope = s.cK * (s.k if j >= n - b.n_reactions else 1.0)
