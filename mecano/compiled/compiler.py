@@ -6,6 +6,7 @@ finite, and says so.
 
 import operator
 import os
+from functools import cache
 
 os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # its functions are not in the C library, where code is loaded
 
@@ -14,12 +15,15 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, cfunc, njit, types
 from numba.core import cgutils
-from numba.extending import intrinsic, overload, overload_attribute
+from numba.core.imputils import lower_builtin, lower_getattr
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
+from numba.extending import intrinsic, overload
 
-from mecano.compiled import memory, methods
+from mecano.compiled import memory, methods, symbols
 from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
 from mecano.compiled.entry import Array
 from mecano.compiled.nowhere import Nowhere, wanted
+from mecano.compiled.symbols import Condition, Symbol, is_number, value_of
 from mecano.interrupt import abandonable
 
 # What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
@@ -271,24 +275,116 @@ def _store_dual(array, index, value):
 
 
 IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
+OPERANDS = (types.BaseNamedTuple, types.Record, types.Float, types.Integer)
 _known = set()  # functions with methods that numba knows
+methods.Generic.primitive = staticmethod(symbols.primitive)
 
 
 def _learn_methods():
     """Tell numba of functions with methods, and of attributes, that it does not know yet."""
     for function in [f for f in methods.functions() if f not in _known]:
         for named in {function, IN_PLACE.get(function, function)}:
-            overload(named, jit_options={"error_model": "numpy"}, strict=False)(_choosing(function))
+            _learn(function, named)
         _known.add(function)
     for name in [name for name in methods.attribute_names() if name not in _known]:
-        overload_attribute(types.BaseNamedTuple, name, jit_options={"error_model": "numpy"})(_attribute(name))
+        _learn_attribute(name)
         _known.add(name)
 
 
-def _choosing(function):
-    """What numba asks: the code of the function for arguments of these types, or None."""
-    return lambda *kinds: methods.code_for(function, tuple(map(_kind, kinds)))
+def _learn(function, named):
+    """Tell numba the types of a function, called under the name ``named``, and how to write its instructions."""
+
+    class Template(AbstractTemplate):
+        key = named
+
+        def generic(self, arguments, _):
+            result = _result(function, arguments)
+            return result and signature(result, *arguments)
+
+    infer_global(named, types.Function(Template))
+
+    def generate(context, builder, of, arguments):
+        given = [_symbolic(context, builder, *pair) for pair in zip(of.args, arguments, strict=True)]
+        return _instructions(context, builder, of.return_type, function(*given))
+
+    if isinstance(function, methods.Generic):
+        lower_builtin(named, types.VarArg(types.Any))(generate)
+        return
+    unary = [(kind,) for kind in OPERANDS[:2]]
+    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & set(OPERANDS[:2]))]:
+        lower_builtin(named, *operands)(generate)
 
 
-def _attribute(name):
-    return lambda a: methods.attribute_of(_kind(a), name)  # of the name that the function has for it
+def _learn_attribute(name):
+    class Attribute(AttributeTemplate):
+        key = types.BaseNamedTuple
+
+        def generic_resolve(self, of, attribute):
+            code = methods.attribute_of(_kind(of), name) if attribute == name else None
+            return code and _type_of(code(_stand_in(of)))
+
+    infer_getattr(Attribute)
+
+    def generate(context, builder, of, value):
+        found = methods.attribute_of(_kind(of), name)(_symbolic(context, builder, of, value))
+        return _instructions(context, builder, _type_of(found), found)
+
+    lower_getattr(types.BaseNamedTuple, name)(generate)
+
+
+@cache
+def _result(function, arguments):
+    """Type of the value of a function for arguments of these types, or None where it has no code for them."""
+    kinds = set(map(_kind, arguments))
+    if None in kinds or (kinds == {float} and not isinstance(function, methods.Generic)):
+        return None
+    try:
+        return _type_of(function(*map(_stand_in, arguments)))
+    except TypeError:
+        return None
+
+
+def _stand_in(of):
+    """A value of a type of numba that has no instructions yet."""
+    kind = _kind(of)
+    if kind is float:
+        return Condition(None) if isinstance(of, types.Boolean) else Symbol(None)
+    parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types
+    return kind(*map(_stand_in, parts))
+
+
+def _type_of(value):
+    if isinstance(value, Condition | bool):
+        return types.boolean
+    if is_number(value):
+        return types.float64
+    parts = [_type_of(part) for part in value]
+    if len(set(parts)) == 1:
+        return types.NamedUniTuple(parts[0], len(parts), type(value))
+    return types.NamedTuple(parts, type(value))
+
+
+def _symbolic(context, builder, of, value):
+    """A value of compiled code as Symbols."""
+    kind = _kind(of)
+    if isinstance(of, types.Boolean):
+        return Condition(builder, context.cast(builder, value, of, types.boolean))
+    if kind is float:
+        return Symbol(builder, context.cast(builder, value, of, types.float64))
+    if isinstance(of, types.Record):
+        places = [
+            cgutils.get_record_member(builder, value, of.offset(name), cgutils.ir.DoubleType()) for name in of.fields
+        ]
+        return kind(*(Symbol(builder, builder.load(place)) for place in places))
+    parts = cgutils.unpack_tuple(builder, value, len(of))
+    return kind(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
+
+
+def _instructions(context, builder, of, value):
+    """The value that numba knows from one of Symbols."""
+    if isinstance(value, Condition | bool):
+        return value.value if isinstance(value, Condition) else context.get_constant(types.boolean, value)
+    if is_number(value):
+        return value_of(value)
+    parts = [_instructions(context, builder, *pair) for pair in zip(of.types, value, strict=True)]
+    return context.make_tuple(builder, of, parts)

@@ -1,7 +1,7 @@
 """Functions whose code depends on the types of their arguments: operators of vectors, mathematics of dual numbers.
 
-Compiled code chooses among the methods of a function when it is compiled, Python when the function is called. A number
-stands for ``float`` here, of whatever type it is.
+The methods of a function are chosen by the types of its arguments, when it is compiled or when Python calls it.
+``float`` stands for a number of any type. The code of a method runs once wherever it is compiled (symbols.py).
 """
 
 import operator
@@ -27,7 +27,12 @@ _records = {}  # names of fields -> type that records with these fields stand fo
 
 
 class Generic:
-    """A function with methods; its own code is that for numbers."""
+    """A function with methods; its own code is that for all other arguments.
+
+    Compiled code has the code itself in the place of a call, so the code has no branches but ``select``.
+    """
+
+    primitive = None  # of the compiler: (function, arguments) -> value of a function of symbols.py
 
     def __init__(self, function):
         self.__wrapped__, self.__name__, self.__doc__ = function, function.__name__, function.__doc__
@@ -35,7 +40,10 @@ class Generic:
         _methods[self] = {}
 
     def __call__(self, *arguments):  # noqa: D102
-        return code_for(self, tuple(map(_kind, arguments)))(*arguments)
+        code = code_for(self, tuple(map(_kind, arguments)))
+        if code is self.__wrapped__ and any(hasattr(argument, "builder") for argument in arguments):
+            return Generic.primitive(self, arguments)
+        return code(*arguments)
 
 
 def method(function, *kinds):

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import Generic, algebraic, method
 
 NUMBER = float
+TINY = 1e-150  # a root below it has no slope
 DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # of arrays of Duals in compiled code
 
 
@@ -112,7 +112,7 @@ for _compare in (operator.lt, operator.le, operator.gt, operator.ge):
 
 @method(abs, Dual)
 def _(a):
-    return Dual(abs(a.value), a.slope * (1.0 if a.value > 0.0 else -1.0 if a.value < 0.0 else 0.0))
+    return Dual(abs(a.value), a.slope * select(a.value > 0.0, 1.0, select(a.value < 0.0, -1.0, 0.0)))
 
 
 @Generic
@@ -134,8 +134,8 @@ def sqrt(a):
 
 @method(sqrt, Dual)
 def _(a):
-    root = math.sqrt(a.value)
-    return Dual(root, a.slope * (0.5 / root if root > 0.0 else 0.0))
+    root = sqrt(a.value)
+    return Dual(root, a.slope * select(root > TINY, 0.5 / at_least(root, TINY), 0.0))
 
 
 @Generic
@@ -146,7 +146,7 @@ def sin(a):
 
 @method(sin, Dual)
 def _(a):
-    return Dual(math.sin(a.value), a.slope * math.cos(a.value))
+    return Dual(sin(a.value), a.slope * cos(a.value))
 
 
 @Generic
@@ -157,7 +157,7 @@ def cos(a):
 
 @method(cos, Dual)
 def _(a):
-    return Dual(math.cos(a.value), a.slope * -math.sin(a.value))
+    return Dual(cos(a.value), a.slope * -sin(a.value))
 
 
 @Generic
@@ -168,7 +168,7 @@ def tan(a):
 
 @method(tan, Dual)
 def _(a):
-    y = math.tan(a.value)
+    y = tan(a.value)
     return Dual(y, a.slope * (1.0 + y * y))
 
 
@@ -180,7 +180,7 @@ def exp(a):
 
 @method(exp, Dual)
 def _(a):
-    y = math.exp(a.value)
+    y = exp(a.value)
     return Dual(y, a.slope * y)
 
 
@@ -193,17 +193,17 @@ def atan2(a, b):
 @method(atan2, Dual, Dual)
 def _(a, b):
     inverse = 1.0 / (a.value * a.value + b.value * b.value)
-    return Dual(math.atan2(a.value, b.value), a.slope * (b.value * inverse) - b.slope * (a.value * inverse))
+    return Dual(atan2(a.value, b.value), a.slope * (b.value * inverse) - b.slope * (a.value * inverse))
 
 
 @method(atan2, Dual, NUMBER)
 def _(a, b):
-    return Dual(math.atan2(a.value, b), a.slope * (b / (a.value * a.value + b * b)))
+    return Dual(atan2(a.value, b), a.slope * (b / (a.value * a.value + b * b)))
 
 
 @method(atan2, NUMBER, Dual)
 def _(a, b):
-    return Dual(math.atan2(a, b.value), b.slope * (-a / (a * a + b.value * b.value)))
+    return Dual(atan2(a, b.value), b.slope * (-a / (a * a + b.value * b.value)))
 
 
 @Generic
@@ -225,20 +225,20 @@ def select(condition, a, b):
 
 @method(select, NUMBER, Dual, NUMBER)
 def _(condition, a, b):
-    return a if condition else Dual(b + 0.0 * a.value, a.slope * 0.0)
+    return Dual(select(condition, a.value, b), select(condition, a.slope, 0.0))
 
 
 @method(select, NUMBER, NUMBER, Dual)
 def _(condition, a, b):
-    return Dual(a + 0.0 * b.value, b.slope * 0.0) if condition else b
+    return Dual(select(condition, a, b.value), select(condition, 0.0, b.slope))
 
 
 @method(select, NUMBER, Dual, Dual)
 def _(condition, a, b):
-    return a if condition else b
+    return Dual(select(condition, a.value, b.value), select(condition, a.slope, b.slope))
 
 
-@kernel
+@Generic
 def at_least(a, least):
     """Return the larger of a number and a bound."""
     return select(a > least, a, least)

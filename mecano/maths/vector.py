@@ -8,7 +8,7 @@ import operator
 from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
-from mecano.compiled.methods import algebraic, attribute, method
+from mecano.compiled.methods import Generic, algebraic, attribute, method
 from mecano.maths.dual import NUMBER, Dual, sqrt
 
 SCALAR = (NUMBER, Dual)
@@ -126,37 +126,37 @@ def mat(A):
     return Mat3(Vec3(A[0, 0], A[0, 1], A[0, 2]), Vec3(A[1, 0], A[1, 1], A[1, 2]), Vec3(A[2, 0], A[2, 1], A[2, 2]))
 
 
-@kernel
+@Generic
 def dot(a, b):
     """Return a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@Generic
 def cross(a, b):
     """Return a x b"""
     return Vec3(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-@kernel
+@Generic
 def norm(a):
     """Return |a|"""
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
-@kernel
+@Generic
 def outer(a, b):
     """Return a b^T"""
     return Mat3(a[0] * b, a[1] * b, a[2] * b)
 
 
-@kernel
+@Generic
 def skew(a):
     """Return hat(a), the matrix of v -> a x v"""
     return Mat3(Vec3(0.0, -a[2], a[1]), Vec3(a[2], 0.0, -a[0]), Vec3(-a[1], a[0], 0.0))
 
 
-@kernel
+@Generic
 def cross_columns(A, b):
     """Return A hat(b) for a Mat3 A: its rows crossed with b"""
     return Mat3(cross(A[0], b), cross(A[1], b), cross(A[2], b))
