@@ -19,11 +19,17 @@ the end of q, in the order of ``Part.borrows``. It adds nothing to their rows; t
 multipliers, derivatives by lambda: k times that by the reaction k*lambda in q. Forces may depend on reactions in a
 kind that borrows only, and there without multipliers or inertia of its own.
 
+``residual(p, at, f)`` of a kind without inertia adds f alone, for numbers and for Duals (maths/dual.py): its tangents
+are made from it. Branches on what varies are written with ``select``, roots of equations with ``implicit``.
+
 ``levels(p, at, g)`` writes value, rate and second rate of the constraints to
 ``g`` (n_multipliers, 3): Phi, dPhi/dt, d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v),
 writes 0, Phi, dPhi/dt. All constraints of one kind are on positions, or all on velocities (``Row.constraint_unit`` per
 second): then B = dPhi/dv stands in C, -k dPhi/dq in K, and the loops turn rows and penalty into those of a
 displacement. A constraint that is let go in some mode writes no levels there, and the rows -k_lambda: no reaction.
+
+``velocity_constraints(p, at, g)``, of a kind with a ``residual`` in the place of ``levels``, writes Phi(q, v) to ``g``
+(n_multipliers,), zero where it is let go: its rate is found by dual numbers.
 
 ``observe(p, at, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and to ``e`` (4,), which
 arrive zeroed: kinetic
@@ -182,6 +188,7 @@ class Kind:
     residual: Callable | None = None
     force: Callable | None = None
     levels: Callable | None = None
+    velocity_constraints: Callable | None = None
     observe: Callable | None = None
     event_values: Callable | None = None
     commit: Callable | None = None

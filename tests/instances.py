@@ -97,18 +97,18 @@ class Instance:
     def force(self, t, state, k=1.0, penalty=0.0):
         """f, K, C, M at the local ``state`` (q, v, a, R)."""
         if self.kind.residual is not None:
-            return self._dual_force(t, state, k)
+            return self._dual_force(t, state, k, penalty)
         n = self.kind.n_local
         out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
         self.run("force", t, state, *out, k=k, penalty=penalty)
         return out
 
-    def _dual_force(self, t, state, k):
+    def _dual_force(self, t, state, k, penalty):
         """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
         q, v, a, R = state
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
         end = n - len(self.kind.multipliers) - len(self.kind.borrowed)
-        self.run("residual", t, state, f, k=k)
+        self.run("residual", t, state, f, k=k, penalty=penalty)
         tangents = np.zeros((3, n, n))
         for array in range(2):
             for j in range(n if array == 0 else end):
@@ -116,7 +116,14 @@ class Instance:
                 turns = [EYES @ seeds[0][c : c + 3] for c in self._columns()]
                 slopes = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
                 out = duals(np.zeros(n), np.zeros(n))
-                self.run("residual", t, (duals(q, seeds[0]), duals(v, seeds[1]), a, duals(R, slopes)), out, k=k)
+                self.run(
+                    "residual",
+                    t,
+                    (duals(q, seeds[0]), duals(v, seeds[1]), a, duals(R, slopes)),
+                    out,
+                    k=k,
+                    penalty=penalty,
+                )
                 found = np.array([(x.value, x.slope) for x in out])
                 np.testing.assert_array_equal(found[:, 0], f)
                 tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
@@ -128,6 +135,12 @@ class Instance:
     def levels(self, t, state):
         """(n_multipliers, 3)"""
         g = np.zeros((len(self.kind.multipliers), 3))
+        if self.kind.velocity_constraints is not None:
+            q, v, a, R = state
+            turns = np.array([R_r @ (EYES @ v[c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
+            out = duals(g[:, 0], g[:, 0])
+            self.run("velocity_constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
+            g[:, 1:] = [(x.value, x.slope) if isinstance(x, Dual) else (x, 0.0) for x in out]
         if self.kind.levels is not None:
             self.run("levels", t, state, g)
         return g

@@ -14,8 +14,9 @@ from mecano.compiled.kernel import kernel
 from mecano.contract import Context, Output
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve
+from mecano.maths.dual import chain, implicit, sqrt, value
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
-from mecano.maths.vector import ZERO, Vec3, dot, vec
+from mecano.maths.vector import Vec3, dot, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
@@ -149,21 +150,38 @@ def touch(p, laws, x, a):
     """
     n0, d = vec(p.normal, 0), vec(p.direction, 0)
     X = x - vec(p.point, 0)
-    z = dot(n0, X)
-    if p.height == 0:
-        return disc_contact(n0, ZERO, z, a)
-    centre, delta, step = dot(d, X), 0.0, p.radius
+    z, centre = dot(n0, X), dot(d, X)
+    delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
+    # the root again, as a function of z, a and the centre
+    H, H1, H2 = _profile(laws, p.height, centre + delta)
+    residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
+    delta = implicit(delta, residual, value(slope))
+    H, H1, H2 = _profile(laws, p.height, centre + delta)
+    n, dn = profile_normal(n0, d, H1, H2)
+    return disc_contact(n, dn, (z - H + H1 * delta) / sqrt(1.0 + H1 * H1), a)
+
+
+@kernel
+def _profile(laws, height, sigma):
+    """Height [m], slope [-] and second derivative [1/m] of the profile; the last without its own slope."""
+    H, H1, H2 = evaluate_curve(laws, height, value(sigma))
+    return chain(sigma, H, H1), chain(sigma, H1, H2), H2
+
+
+@kernel
+def _foot(p, laws, n0, d, a, z, centre):
+    """How far [m] along the profile the contact is from the centre, which stands at ``centre``, ``z`` high."""
+    delta, step = 0.0, p.radius
     for i in range(_ITERATIONS + 1):
         H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
-        if abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
+        if p.height == 0 or abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
             break
-        value, slope = foot_residual(n0, d, a, z, delta, H, H1, H2)
+        residual, slope = foot_residual(n0, d, a, z, delta, H, H1, H2)
         # far from the ground the slope may vanish or change its sign: then a short step along the residual
-        step = value / max(-slope, 0.05)
+        step = residual / max(-slope, 0.05)
         step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
         delta += step
-    n, dn = profile_normal(n0, d, H1, H2)
-    return disc_contact(n, dn, (z - H + H1 * delta) / math.sqrt(1.0 + H1 * H1), a)
+    return delta
 
 
 def normal_and_level(rng):

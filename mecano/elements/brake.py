@@ -15,27 +15,17 @@ and B is taken without a corner, and never above either: (T + B - sqrt((T - B)^2
 stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 """
 
-import math
-
 import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.contract import Kind, Output, record
-from mecano.elements.brake_bound import (
-    BY_ADHESION,
-    BY_SPEED,
-    PLACE,
-    SPIN,
-    UNBOUNDED,
-    bound_of,
-    scaled,
-    summed,
-)
+from mecano.elements.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
 from mecano.elements.tire_law import TIRE_RECORD, prepare_tire_law
-from mecano.laws.table import evaluate_curve
-from mecano.maths.vector import add_mat, add_vec, dot, mat, outer, skew, vec
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, at_most, select, sqrt
+from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
 
 RECORD = record(
@@ -48,76 +38,49 @@ REFERENCE = 0  # local unknowns: rotation of the reference node; then place and 
 
 @kernel
 def _least(T, B):
-    """The smaller of two torques >= 0, smooth, and its derivative by B."""
-    if T <= 0.0 or B <= 0.0:
-        return 0.0, 0.0
-    root = math.sqrt((T - B) ** 2 + 4.0 * SMOOTH * SMOOTH * T * B)
-    return 0.5 * (T + B - root), 0.5 * (1.0 - (B - T + 2.0 * SMOOTH * SMOOTH * T) / root)
+    """The smaller of two torques >= 0, smooth."""
+    positive = at_least(T, 0.0) * at_least(B, 0.0)
+    difference = T - B
+    root = sqrt(difference * difference + 4.0 * SMOOTH * SMOOTH * positive)
+    return select(positive > 0.0, 0.5 * (T + B - root), 0.0)
 
 
 @kernel
-def _torque(p, laws, t, q, v, R):
-    """Torque [N m] at full rate, its Gradient by the motion of the wheel, and the Bound."""
-    T, _, _ = evaluate_curve(laws, p.torque, t)
-    least, by_B, bound = max(T, 0.0), 0.0, bound_of(p, laws, q, v, R)
-    if p.bounded != UNBOUNDED:
-        least, by_B = _least(least, bound.B)
-    by = summed(scaled(by_B * bound.factor, bound.B_by), scaled(least, bound.factor_by))
-    return least * bound.factor, by, bound
+def _torque(p, at):
+    """Torque [N m] at full rate, and the Bound."""
+    T, bound = at_least(curve(at.laws, p.torque, at.t), 0.0), bound_of(p, at)
+    return bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B)), bound
 
 
 @kernel
 def _sign(rate, eps):
-    """Smooth sign of the rate, and its derivative."""
-    x = abs(rate) / eps
-    if x >= 1.0:
-        return math.copysign(1.0, rate), 0.0
-    return math.copysign(x * (2.0 - x), rate), 2.0 * (1.0 - x) / eps
+    """Smooth sign of the rate."""
+    x = at_most(abs(rate) / eps, 1.0)
+    return select(rate < 0.0, -1.0, 1.0) * x * (2.0 - x)
 
 
 @kernel
-def _rate(p, v, R):
-    """Relative rate W, axis in the axes of the reference node, relative rotation."""
-    A = mat(R[0]).T @ mat(R[1])
-    b = A @ vec(p.axis, 0)
-    return dot(vec(p.axis, 0), vec(v, SPIN)) - dot(b, vec(v, REFERENCE)), b, A
+def _braking(p, at):
+    """Torque [N m], relative rate W [rad/s], axis in the axes of the reference node, the Bound."""
+    b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
+    rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
+    T, bound = _torque(p, at)
+    return T * _sign(rate, p.rate_regularization), rate, b, bound
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Moments on both nodes and their derivatives."""
-    axis, Omega, Rn = vec(p.axis, 0), vec(at.v, REFERENCE), mat(at.R[1])
-    rate, b, A = _rate(p, at.v, at.R)
-    T, by, _ = _torque(p, at.laws, at.t, at.q, at.v, at.R)
-    g, g_rate = _sign(rate, p.rate_regularization)
-    tau, tau_rate, by = T * g, T * g_rate, scaled(g, by)
-    add_vec(f, SPIN, tau, axis)
+def residual(p, at, f):
+    """Add moments on both nodes."""
+    tau, _, b, _ = _braking(p, at)
+    add_vec(f, SPIN, tau, vec(p.axis, 0))
     add_vec(f, REFERENCE, -tau, b)
-    # b = A xi turns with both nodes: db = hat(b) dTheta_reference - A hat(xi) dTheta_wheel
-    b_r, b_w = skew(b), -(A @ skew(axis))
-    for place, moment in ((SPIN, axis), (REFERENCE, -b)):
-        add_mat(C, place, SPIN, 1.0, outer(moment, tau_rate * axis + Rn.T @ by.w))
-        add_mat(C, place, REFERENCE, -tau_rate, outer(moment, b))
-        add_mat(C, place, PLACE, 1.0, outer(moment, by.v))
-        add_mat(K, place, PLACE, 1.0, outer(moment, by.x))
-        add_mat(K, place, REFERENCE, -tau_rate, outer(moment, b_r.T @ Omega))
-        turned = -tau_rate * (b_w.T @ Omega) + Rn.T @ by.t
-        add_mat(K, place, SPIN, 1.0, outer(moment, turned))
-    add_mat(K, REFERENCE, REFERENCE, -tau, b_r)
-    add_mat(K, REFERENCE, SPIN, -tau, b_w)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Torque, bound, relative rate, power, slip ratio."""
-    rate, _, _ = _rate(p, at.v, at.R)
-    T, _, bound = _torque(p, at.laws, at.t, at.q, at.v, at.R)
-    tau = T * _sign(rate, p.rate_regularization)[0]
-    y[0] = tau
-    y[1] = bound.B
-    y[2] = rate
-    y[3] = tau * rate
-    y[4] = bound.slip
+    tau, rate, _, bound = _braking(p, at)
+    y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
     e[2] = tau * rate
 
 
@@ -237,7 +200,7 @@ BRAKE = Kind(
     ),
     prepare=prepare,
     check=check,
-    force=force,
+    residual=residual,
     observe=observe,
     sample=sample,
 )

@@ -27,73 +27,36 @@ the rolling), as given.
 In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
 """
 
-from typing import NamedTuple
-
 from mecano.compiled.kernel import kernel
-from mecano.constraints.tire_patch import Y, patch
+from mecano.constraints.tire_patch import patch
 from mecano.elements.lateral_force import relax
-from mecano.elements.patch_load import add_load, add_load_tangent, changes, load_of, normal_change
+from mecano.elements.patch_load import add_load, load_of
 from mecano.elements.patch_wheel import SCALARS, patch_wheel, put_patch
-from mecano.elements.tire_law import patch_gripping
-from mecano.elements.tire_wheel import AIR, CONTACT
-from mecano.maths.vector import ZERO, dot, mat, norm, outer
-
-
-class Slip(NamedTuple):
-    """Friction of the patch and its derivatives."""
-
-    F: tuple  # [N]
-    e: tuple  # its direction, zero at rest
-    grip: float
-    b: float  # F = N b v_C [s/m]
-    b1: float  # |v_C| db/d|v_C|
-    b_slip: float  # by the slip speed |v_0| of the wheel
-    b_u: float  # by the speed of the axle
+from mecano.elements.tire_law import gripping
+from mecano.elements.tire_wheel import AIR
+from mecano.maths.vector import dot, norm
 
 
 @kernel
-def _slip(p, laws, k, load):
-    """The Slip of the Patch ``k``."""
-    speed = norm(k.v_C)
-    grip, b, b1, b_slip, b_u = patch_gripping(p, laws, norm(k.v_0), speed, load.speed)
-    e = k.v_C / speed if speed > 0.0 else ZERO
-    return Slip(load.N * b * k.v_C, e, grip, b, b1, b_slip, b_u)
-
-
-@kernel
-def force(p, at, f, K, C, M):
-    """Forces of ground and tyre law, and their derivatives; see the contract."""
+def residual(p, at, f):
+    """Add the forces of ground and tyre law; see the contract."""
     if at.phase == AIR:
-        relax(p, at.q, at.v, f, K, C)
+        relax(p, at, f)
         return
-    Rn, here = mat(at.R[0]), patch(p, at.laws, at.q, at.v, at.R)
-    load = load_of(p, at.laws, here, at.q, at.v)
-    slip = _slip(p, at.laws, here, load)
-    G = add_load(f, Rn, here, load, slip.F)
-    places, motions = changes(p, here, load, G, Rn, at.v[Y])
-    for i in range(3):
-        _add_block(K, 3 * i, Rn, here, load, slip, G, places[i])
-        _add_block(C, 3 * i, Rn, here, load, slip, G, motions[i])
-
-
-@kernel
-def _add_block(A, j, Rn, k, load, slip, G, c):
-    """Add the derivatives by the variables of the Change ``c``."""
-    dN = normal_change(k, load, c.d)
-    grown = slip.b * dN + load.N * (slip.b_u * c.speed + slip.b_slip * c.d.slip)
-    slid = slip.b * c.d.v_C + outer(slip.b1 * slip.e, c.d.v_C.T @ slip.e)
-    dF = outer(k.v_C, grown) + load.N * slid
-    add_load_tangent(A, j, Rn, k, load, slip.F, G, dF, dN, c)
+    k = patch(p, at)
+    load = load_of(p, at, k)
+    b = gripping(p, at.laws, norm(k.v_0), norm(k.v_C), load.speed)
+    add_load(f, at, k, load, load.N * b * k.v_C)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
-    k = patch(p, at.laws, at.q, at.v, at.R)
-    load = load_of(p, at.laws, k, at.q, at.v)
-    slip = _slip(p, at.laws, k, load)
-    on_wheel, lost = -slip.F, dot(slip.F, k.v_C)
-    put_patch(p, at.laws, at.phase == CONTACT, k, at.q, at.v, load.radial, on_wheel, slip.grip, lost, load.law, y, e)
+    k = patch(p, at)
+    load, speed = load_of(p, at, k), norm(k.v_C)
+    b = gripping(p, at.laws, norm(k.v_0), speed, load.speed)
+    friction = load.N * b * k.v_C
+    put_patch(p, at, k, load, -friction, b * speed, dot(friction, k.v_C), y, e)
 
 
-FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, force, observe)
+FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, residual, observe)

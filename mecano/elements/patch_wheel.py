@@ -8,6 +8,7 @@ from mecano.elements.lateral_force import lateral_energy, lateral_energy_rate
 from mecano.elements.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
 from mecano.elements.tire_law import TIRE_RECORD
 from mecano.elements.tire_wheel import (
+    CONTACT,
     EVENTS,
     MODES,
     Grip,
@@ -58,15 +59,16 @@ MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.
 
 
 @kernel
-def put_patch(p, laws, contact, k, q, v, radial, force, coefficient, lost, law, y, e):
-    """Write OUTPUTS and energies of the Patch ``k``.
+def put_patch(p, at, k, load, force, coefficient, lost, y, e):
+    """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
 
-    radial [N] F_r; ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work;
-    ``lost`` [W] what friction dissipates; ``law`` the Lateral.
+    ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work; ``lost`` [W] what
+    friction dissipates.
     """
-    grip = Grip(radial, force, coefficient, k.v_C, lost, k.w1)
+    q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
+    grip = Grip(load.radial, force, coefficient, k.v_C, lost, k.w1)
     arm = k.rho if contact else p.radius * k.g.c
-    touching = put_tire(p, laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
+    touching = put_tire(p, at.laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
@@ -150,7 +152,7 @@ def sample(rng):
     return [_sample(rng, *case) for case in cases]
 
 
-def patch_wheel(name, doc, relaxing, force, observe, events=EVENTS, **constraints):
+def patch_wheel(name, doc, relaxing, residual, observe, events=EVENTS, **constraints):
     """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
     return Kind(
         name=name,
@@ -170,7 +172,7 @@ def patch_wheel(name, doc, relaxing, force, observe, events=EVENTS, **constraint
         limits=limits,
         remedies=remedies,
         ends=ends,
-        force=force,
+        residual=residual,
         observe=observe,
         event_values=event_values,
         sample=sample,

@@ -46,11 +46,10 @@ did not, from the motion of the wheel alone: the own dy/dt would otherwise enter
 (docs/tyres.md).
 """
 
-import math
-
 import numpy as np
 
 from mecano.compiled.kernel import kernel
+from mecano.maths.dual import select, sqrt
 from mecano.schema import NUMBER, Field, mapping, positive
 
 CORNERING = (
@@ -101,11 +100,9 @@ def _tangent(sigma, a, c):
 
 @kernel
 def pace(p, u):
-    """g_0, its derivative by the speed u [m/s], g_1 and its derivative."""
-    if p.pace == OF_STRING:
-        size = math.sqrt(u * u + p.least_speed * p.least_speed)
-        return u / size, p.least_speed**2 / size**3, 1.0 / size, -u / size**3
-    if p.pace == OF_TANGENT:
-        fast, slow = u**4, p.least_speed**4
-        return 1.0, 0.0, u**3 / (fast + slow), u * u * (3.0 * slow - fast) / (fast + slow) ** 2
-    return 1.0, 0.0, 1.0, 0.0
+    """g_0 and g_1 of the speed u [m/s]."""
+    slow = p.least_speed
+    size, fast = sqrt(u * u + slow * slow), u * u * u
+    string, tangent = p.pace == OF_STRING, p.pace == OF_TANGENT
+    of_tangent = fast / (u * fast + slow * slow * slow * slow)
+    return select(string, u / size, 1.0), select(string, 1.0 / size, select(tangent, of_tangent, 1.0))

@@ -19,10 +19,11 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.elements.lateral_law import LATERAL_TYPE
-from mecano.laws.friction import friction_factor, sticking
+from mecano.laws.friction import sticking
 from mecano.laws.probe import curve_at
-from mecano.laws.table import evaluate_curve, potential
-from mecano.maths.vector import ZERO, dot, norm
+from mecano.laws.table import curve, curve_and_slope, potential
+from mecano.maths.dual import at_least, at_most
+from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
 TIRE_LAW_FIELDS = (
@@ -95,9 +96,9 @@ def _softening(law):
 
 @kernel
 def elastic_force(p, laws, w):
-    """F(w) [N] and dF/dw of the deformation w [m]; below zero its tangent at zero."""
-    F, dF, _ = evaluate_curve(laws, p.radial, max(w, 0.0))
-    return F + dF * min(w, 0.0), dF
+    """F(w) [N] of the deformation w [m]; below zero its tangent at zero."""
+    F, slope = curve_and_slope(laws, p.radial, at_least(w, 0.0))
+    return F + slope * at_most(w, 0.0)
 
 
 @kernel
@@ -108,48 +109,21 @@ def elastic_energy(p, laws, w):
 
 @kernel
 def radial_force(p, laws, w, w1):
-    """F_r [N], dF_r/dw and dF_r/dw1 of the deformation w [m] and its rate w1 [m/s]."""
-    F, dF = elastic_force(p, laws, w)
-    return damped_force(p, F, dF, w1)
-
-
-@kernel
-def damped_force(p, F, dF, w1):
-    """F_r [N], dF_r/dw and dF_r/dw1 of the elastic force F [N], its slope dF, and the rate w1 [m/s] of deformation."""
-    factor = 1.0 + p.radial_damping * w1
-    if factor <= 0.0:
-        return 0.0, 0.0, 0.0
-    return F * factor, dF * factor, F * p.radial_damping
+    """F_r [N] of the deformation w [m] and its rate w1 [m/s]."""
+    return elastic_force(p, laws, w) * at_least(1.0 + p.radial_damping * w1, 0.0)
 
 
 @kernel
 def speed_over_ground(n, v):
-    """Speed u [m/s] of the axle over the ground, and its direction (zero at rest)."""
-    along = v - dot(n, v) * n
-    u = norm(along)
-    return u, along / u if u > 0.0 else ZERO
+    """Speed u [m/s] of the axle over the ground."""
+    return norm(v - dot(n, v) * n)
 
 
 @kernel
-def gripping(p, laws, speed, u):
-    """``friction_factor`` for the speed u [m/s] of the axle, and the derivative of b by it."""
-    sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)
-    grip, b, b1 = friction_factor(laws, p.friction, p.slip_regularization, speed)
-    if sigma <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    return sigma * grip, sigma * b, sigma * b1, sigma_u * b
+def gripping(p, laws, slip, speed, u):
+    """b [s/m] of the friction N b v_C for the ``speed`` |v_C|, the speed u of the axle.
 
-
-@kernel
-def patch_gripping(p, laws, slip, speed, u):
-    """Friction of a patch without mass: mu of the speed ``slip`` of the wheel, phi of the ``speed`` of the patch.
-
-    mu phi [-], b = mu phi/|v_C| [s/m], |v_C| db/d|v_C|, its derivatives by ``slip`` and by the speed u of the axle.
+    mu is taken at the speed ``slip``: |v_C| but for a patch without mass, where it is that of the wheel.
     """
-    sigma, sigma_u, _ = evaluate_curve(laws, p.friction_by_speed, u)
-    mu, d_mu, _ = evaluate_curve(laws, p.friction, slip)
-    if sigma <= 0.0 or mu <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    ramp, ramp_1 = sticking(p.slip_regularization, speed)
-    b = mu * ramp
-    return sigma * b * speed, sigma * b, sigma * mu * ramp_1, sigma * d_mu * ramp, sigma_u * b
+    mu = at_least(curve(laws, p.friction, slip), 0.0) * at_least(curve(laws, p.friction_by_speed, u), 0.0)
+    return mu * sticking(p.slip_regularization, speed)

@@ -58,9 +58,8 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
     if touching:
         y[17] = grip.coefficient
     if contact:
-        elastic, _ = elastic_force(p, laws, w)
         e[1] = elastic_energy(p, laws, w)
-        e[2] = (grip.lost if touching else 0.0) + (F - elastic) * grip.w1
+        e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(p, laws, w)) * grip.w1
     return touching
 
 

@@ -47,105 +47,57 @@ from mecano.elements.tire_wheel import (
     put_tire,
     range_of_law,
 )  # fmt: skip
-from mecano.maths.contact_force import add_columns, add_force, add_position_tangent, add_velocity_tangent
-from mecano.maths.surface import disc_variation
-from mecano.maths.vector import EYE, ZERO, cross, dot, mat, norm, outer, skew, vec
+from mecano.maths.surface import Contact
+from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
 
 
-class Slip(NamedTuple):
-    """State of force in a contact; 3-vectors in the inertial frame."""
+class Forces(NamedTuple):
+    """Contact and forces of a wheel; 3-vectors in the inertial frame."""
 
-    f: tuple  # F_fr - N n [N]: what the wheel exerts on the ground
-    u: tuple  # velocity of the wheel at C [m/s]
+    g: Contact
+    axis: tuple
+    omega: tuple  # [rad/s]
     v_C: tuple  # slip velocity [m/s]
-    e: tuple  # its direction, zero at rest
     w1: float  # dw/dt [m/s]
     F: float  # F_r [N]
-    F_w: float  # dF_r/dw [N/m]
-    F_w1: float  # dF_r/d(dw/dt) [N s/m]
     N: float  # normal force [N]
-    grip: float  # mu phi [-]
     b: float  # mu phi/|v_C| [s/m]
-    b1: float  # |v_C| db/d|v_C| [s/m]
-    b_u: float  # db/d(speed of the axle) [s2/m2]
-    v: tuple  # velocity of the axle [m/s]
-    ahead: tuple  # its direction over the ground
 
 
 @kernel
-def _slip(p, laws, g, u, v):
-    """The Slip of a wheel of record ``p`` in the Contact ``g``, whose point at C moves with ``u``, its axle with v."""
-    along = dot(g.n, u)
-    w1 = -along / g.q
-    F, F_w, F_w1 = radial_force(p, laws, p.radius - g.r, w1)
-    v_C = u - along * g.n
-    speed = norm(v_C)
-    axle_speed, ahead = speed_over_ground(g.n, v)
-    grip, b, b1, b_u = gripping(p, laws, speed, axle_speed)
-    N = F / g.q
-    f = N * (b * v_C - g.n)
-    e = v_C / speed if speed > 0.0 else ZERO
-    return Slip(f, u, v_C, e, w1, F, F_w, F_w1, N, grip, b, b1, b_u, v, ahead)
+def _forces(p, at):
+    """Return the Forces of a wheel in contact."""
+    R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
+    axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
+    g = touch(p, at.laws, x, axis)
+    u = v + cross(omega, g.arm)
+    lift = dot(g.n, u)
+    v_C, w1 = u - lift * g.n, -lift / g.q
+    F, speed = radial_force(p, at.laws, p.radius - g.r, w1), norm(v_C)
+    return Forces(g, axis, omega, v_C, w1, F, F / g.q, gripping(p, at.laws, speed, speed, speed_over_ground(g.n, v)))
 
 
 @kernel
-def _by_velocity(g, k):
-    """df/du, 3x3, of the Slip ``k``: the contact is fixed."""
-    dN = -k.F_w1 / g.q**2 * g.n
-    dv = k.b * (EYE + outer(-g.n, g.n)) + outer(k.b1 * k.e, k.e)
-    return outer(k.b * k.v_C - g.n, dN) + k.N * dv
-
-
-@kernel
-def _by_contact(g, k, dw, by):
-    """df, 3x3, of the Slip ``k`` by three variables of which w has the derivatives ``dw`` (3,): u is fixed."""
-    lift = by.n.T @ k.u  # d(n.u)
-    dw1 = -lift / g.q + k.w1 * g.s / g.q**2 * by.s
-    dF = k.F_w * dw + k.F_w1 * dw1
-    dN = dF / g.q + k.N * g.s / g.q**2 * by.s
-    dv_C = outer(-g.n, lift) + k.w1 * g.q * by.n
-    d_speed = -dot(g.n, k.v) * (by.n.T @ k.ahead)
-    dv = k.b * dv_C + outer(k.b1 * k.e, dv_C.T @ k.e)
-    dv = dv + outer(k.b_u * k.v_C, d_speed)
-    return outer(k.b * k.v_C - g.n, dN) + k.N * (dv - by.n)
-
-
-@kernel
-def force(p, at, f, K, C, M):
-    """Add force and material moment of the ground, and their derivatives; see the contract."""
+def residual(p, at, f):
+    """Add force and material moment of the ground; see the contract."""
     if at.phase == AIR:
         return
-    Rn = mat(at.R[0])
-    axis = Rn @ vec(p.axis, 0)
-    g = touch(p, at.laws, vec(at.q, 0), axis)
-    omega = Rn @ vec(at.v, 3)
-    slip = _slip(p, at.laws, g, vec(at.v, 0) + cross(omega, g.arm), vec(at.v, 0))
-    add_force(f, Rn, g.arm, slip.f)
-
-    arm, w = skew(g.arm), skew(omega)
-    by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
-    f_u = _by_velocity(g, slip)
-    add_velocity_tangent(C, Rn, g.arm, f_u)
-    by_speed = outer(slip.N * slip.b_u * slip.v_C, slip.ahead)
-    add_columns(C, 0, Rn, EYE, by_speed, arm @ by_speed)
-    f_x = _by_contact(g, slip, -g.n / g.q, by_x) + f_u @ (w @ by_x.arm)
-    u_t = arm @ w + w @ by_t.arm
-    f_t = _by_contact(g, slip, -g.r / g.q * cross(g.c, g.n), by_t) + f_u @ u_t
-    add_position_tangent(K, Rn, g.arm, (by_x.arm, by_t.arm), slip.f, (f_x, f_t))
+    k = _forces(p, at)
+    push = k.N * (k.b * k.v_C - k.g.n)
+    add_vec(f, 0, 1.0, push)
+    add_vec(f, 3, 1.0, mat(at.R[0]).T @ cross(k.g.arm, push))
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
-    Rn = mat(at.R[0])
-    axis, omega = Rn @ vec(p.axis, 0), Rn @ vec(at.v, 3)
-    g = touch(p, at.laws, vec(at.q, 0), axis)
-    arm = (g.r if at.phase == CONTACT else p.radius) * g.c
-    slip = _slip(p, at.laws, g, vec(at.v, 0) + cross(omega, arm), vec(at.v, 0))
-    friction = -slip.N * slip.b * slip.v_C
-    lost = slip.N * slip.grip * norm(slip.v_C)
-    grip = Grip(slip.F, friction, slip.grip, slip.v_C, lost, slip.w1)
-    put_tire(p, at.laws, at.phase == CONTACT, g, axis, arm, dot(omega, axis), grip, at.q, y, e)
+    k = _forces(p, at)
+    arm = (k.g.r if at.phase == CONTACT else p.radius) * k.g.c
+    u = vec(at.v, 0) + cross(k.omega, arm)
+    v_C = u - dot(k.g.n, u) * k.g.n
+    speed = norm(v_C)
+    grip = Grip(k.F, -k.N * k.b * v_C, k.b * speed, v_C, k.N * k.b * speed * speed, k.w1)
+    put_tire(p, at.laws, at.phase == CONTACT, k.g, k.axis, arm, dot(k.omega, k.axis), grip, at.q, y, e)
 
 
 @kernel
@@ -180,7 +132,7 @@ WHEEL = Kind(
     check=check_wheel,
     limits=range_of_law,
     ends=ends,
-    force=force,
+    residual=residual,
     observe=observe,
     event_values=event_values,
     sample=sample,

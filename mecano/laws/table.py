@@ -134,6 +134,13 @@ def curve(laws, start, s):
 
 
 @kernel
+def curve_and_slope(laws, start, s):
+    """y and dy/ds of the law at ``start``, with the slope of s where it has one."""
+    y, d, h = evaluate_curve(laws, start, value(s))
+    return chain(s, y, d), chain(s, d, h)
+
+
+@kernel
 def law_force(laws, start, s, v):
     """F of the law at ``start`` [N or N m], with the slopes of the extension s and its rate v where they have some."""
     F, F_s, F_v = evaluate_force(laws, start, value(s), value(v))

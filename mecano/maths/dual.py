@@ -207,6 +207,17 @@ def _(a, b):
 
 
 @Generic
+def constant(a, like):
+    """Return a number that does not vary, of the type of ``like``."""
+    return a
+
+
+@method(constant, NUMBER, Dual)
+def _(a, like):
+    return Dual(a, 0.0)
+
+
+@Generic
 def chain(a, y, slope):
     """Return the value y of a function of ``a`` whose derivative is ``slope``, with the slope of ``a``."""
     return y
@@ -215,6 +226,21 @@ def chain(a, y, slope):
 @method(chain, Dual, NUMBER, NUMBER)
 def _(a, y, slope):
     return Dual(y, a.slope * slope)
+
+
+@Generic
+def implicit(root, residual, slope):
+    """Return a ``root`` found in numbers with its slope by the implicit function theorem.
+
+    ``residual`` is the equation at the root, with the slopes of all it depends on but the root; ``slope`` its
+    derivative by the root.
+    """
+    return root
+
+
+@method(implicit, NUMBER, Dual, NUMBER)
+def _(root, residual, slope):
+    return Dual(root, -residual.slope / slope)
 
 
 @Generic
@@ -242,3 +268,9 @@ def _(condition, a, b):
 def at_least(a, least):
     """Return the larger of a number and a bound."""
     return select(a > least, a, least)
+
+
+@Generic
+def at_most(a, most):
+    """Return the smaller of a number and a bound."""
+    return select(a < most, a, most)

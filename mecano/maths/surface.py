@@ -19,10 +19,10 @@ and the curvature of the profile enters its second variation only. The contact i
 as long as the profile's radius of curvature, where it is hollow, is larger than r.
 """
 
-import math
 from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
+from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import EYE, Mat3, cross, dot, outer, skew
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
@@ -53,7 +53,7 @@ class Block(NamedTuple):
 def profile_normal(n0, d, H1, H2):
     """Unit normal n and dn/dsigma [1/m] of the profile of slope H1 and second derivative H2 [1/m]."""
     length2 = 1.0 + H1 * H1
-    length = math.sqrt(length2)
+    length = sqrt(length2)
     n = (n0 - H1 * d) / length
     return n, -H2 / (length2 * length) * (d + H1 * n0)
 
@@ -67,7 +67,7 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
     """
     N = n0 - H1 * d
     M = N - dot(N, a) * a
-    Q2 = max(dot(M, M), LEAST_Q * LEAST_Q)
+    Q2 = at_least(dot(M, M), LEAST_Q * LEAST_Q)
     height, dM, da = z - H + H1 * delta, dot(d, M), dot(d, a)
     value = -height * dM / Q2 - delta
     slope = (height * H2 * (1.0 - da * da) - H2 * delta * dM - 2.0 * H2 * height * dM * dM / Q2) / Q2 - 1.0
@@ -79,7 +79,7 @@ def disc_contact(n, dn, height, a):
     """The Contact of a disc of unit axis ``a`` whose centre is ``height`` = (x - P).n [m] over the ground."""
     s = dot(n, a)
     m = n - s * a
-    q = max(math.sqrt(dot(m, m)), LEAST_Q)
+    q = at_least(sqrt(dot(m, m)), LEAST_Q)
     c = -m / q
     r = height / q
     return Contact(n, dn, c, s, q, r, r * c)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import Generic, algebraic, attribute, method
-from mecano.maths.dual import NUMBER, Dual, sqrt
+from mecano.maths.dual import NUMBER, Dual, sqrt, value
 
 SCALAR = (NUMBER, Dual)
 
@@ -65,6 +65,11 @@ def _(a, b):
 @method(operator.truediv, Vec3, SCALAR)
 def _(a, b):
     return (1.0 / b) * a
+
+
+@method(value, Vec3)
+def _(a):
+    return Vec3(value(a[0]), value(a[1]), value(a[2]))
 
 
 @method(operator.add, Mat3, Mat3)

@@ -18,8 +18,8 @@ from mecano.compiled.memory import floats, integers, items
 from mecano.compiled.nowhere import NOWHERE
 from mecano.compiled.store import address
 from mecano.contract import Place
-from mecano.maths.dual import DUAL
-from mecano.maths.vector import Vec3, mat, skew
+from mecano.maths.dual import DUAL, Dual
+from mecano.maths.vector import Vec3, mat, skew, vec
 
 
 def _fields(floats="", words=""):
@@ -191,6 +191,7 @@ def dual_tangent(batch, system):
     q, v, a, R = work(b)
     q_1, v_1, f_1, R_1 = seeded(b)
     T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    first_row, penalty = n - b.n_multipliers, s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
     force_out, size_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
@@ -210,16 +211,19 @@ def dual_tangent(batch, system):
                 c = j - columns[turned]
                 put_turned(R_1[turned], mat(R[turned]), s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
             v_1[j].slope = s.cC
-            function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1), f_1)  # noqa: F821
+            at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q_1, v_1, a, R_1)
+            function(p[e], at, f_1)  # noqa: F821
             for i in range(n):
-                data_out[entries[e, i, j]] += f_1[i].slope
+                lag = s.lag if of_rates and i >= first_row else 1.0  # noqa: F821
+                data_out[entries[e, i, j]] += lag * f_1[i].slope
             q_1[j].slope = 0.0
             v_1[j].slope = 0.0
             if turned >= 0:
                 put_constant(R_1[turned], mat(R[turned]))
         for i in range(n):
-            force_out[slots[e, i]] += f_1[i].value
-            size_out[slots[e, i]] += abs(f_1[i].value)
+            f = f_1[i].value * (s.lag if of_rates and i >= first_row else 1.0)  # noqa: F821
+            force_out[slots[e, i]] += f
+            size_out[slots[e, i]] += abs(f)
 
 
 def residual(batch, system):
@@ -253,10 +257,14 @@ def plain_residual(batch, system):
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    first_row, penalty = n - b.n_multipliers, s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
     for e in range(b.n):
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
+        function(p[e], Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
+        if of_rates:  # noqa: F821
+            for i in range(first_row, n):
+                f[i] *= s.lag
         for i in range(n):
             slot = slots[e, i]
             force_out[slot] += f[i]
@@ -278,6 +286,32 @@ def levels(batch, system):
         for i in range(b.n_multipliers):
             for j in range(3):
                 g_out[multipliers[e, i], j] = g[i, j]
+
+
+def dual_levels(batch, system):
+    """Values and rates of constraints on velocities: slopes along the motion."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
+    memory, mode, laws = given(b, s)
+    dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
+    columns, multipliers = integers(b.columns, b.n_rotations), integers(b.multipliers, (b.n, b.n_multipliers))
+    q, v, a, R = work(b)
+    q_1, v_1, g_1, R_1 = seeded(b)
+    g_out = floats(s.levels, (s.n_levels, 3))
+    for e in range(b.n):
+        gather(dofs[e], rots[e], s, q, v, a, R)
+        for i in range(n):
+            q_1[i] = Dual(q[i], v[i])
+            v_1[i] = Dual(v[i], a[i])
+        for r in range(b.n_rotations):
+            put_constant(R_1[r], mat(R[r]))
+            put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
+        at = Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
+        function(p[e], at, g_1)  # noqa: F821
+        for i in range(b.n_multipliers):
+            g_out[multipliers[e, i], 0] = 0.0
+            g_out[multipliers[e, i], 1] = g_1[i].value
+            g_out[multipliers[e, i], 2] = g_1[i].slope
 
 
 def observe(batch, system):
@@ -336,14 +370,17 @@ def commit(batch, system):
 # What a kind gives to each loop.
 PURPOSES = {
     tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual", levels: "levels",
-    observe: "observe", event_values: "event_values", commit: "commit",
+    dual_levels: "velocity_constraints", observe: "observe", event_values: "event_values", commit: "commit",
 }  # fmt: skip
 
 
 def loop_of(kind, template):
     """Address of the compiled loop ``template`` for a kind, or None when the kind has no such function."""
     if kind.residual is not None:
-        template = {tangent: dual_tangent, residual: plain_residual}.get(template, template)
+        duals = {tangent: dual_tangent, residual: plain_residual}
+        if kind.velocity_constraints is not None:
+            duals[levels] = dual_levels
+        template = duals.get(template, template)
     function = getattr(kind, PURPOSES[template])
     return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)
 
