@@ -46,7 +46,7 @@ NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
 def compiled(function):
     """numba's object for a function that compiled functions call: it compiles it for the types they call it with."""
-    return njit(error_model="numpy")(function)
+    return njit(error_model="numpy", no_cpython_wrapper=True)(function)
 
 
 def loop_code(function):

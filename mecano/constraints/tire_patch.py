@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
+from mecano.maths.dual import number
 from mecano.maths.surface import Contact
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
@@ -39,10 +40,6 @@ class Patch(NamedTuple):
     rho: tuple
     y: float
     psi: float
-    psi1: float
-    z: tuple  # omega x rho - a dy/dt [m/s]
-    u: tuple  # v + Q z [m/s]
-    lift: float  # n.u [m/s]
     v_C: tuple  # [m/s]
     v_0: tuple  # v_C with the patch held in the wheel [m/s]
     w1: float  # dw/dt with the patch held in the wheel [m/s]
@@ -53,7 +50,7 @@ class Patch(NamedTuple):
 @kernel
 def patch(p, at):
     """The Patch of a wheel whose record has GROUND_RECORD, axis, radius and twist."""
-    R, v, y, psi = mat(at.R[0]), at.v, at.q[Y], at.q[PSI]
+    R, v, y, psi, psi1 = mat(at.R[0]), at.v, number(at.q[Y]), number(at.q[PSI]), number(at.v[PSI])
     a, omega = R @ vec(p.axis, 0), R @ vec(v, 3)
     g = touch(p, at.laws, vec(at.q, 0) - y * a, a)
     rho, across = g.arm - y * a, cross(g.n, a)
@@ -61,10 +58,10 @@ def patch(p, at):
     u = vec(v, 0) + (z + psi * cross(g.n, z))
     lift = dot(g.n, u)
     aside = a - g.s * g.n + psi * across  # Q a in the ground
-    v_C = u - lift * g.n - p.twist * v[PSI] * y * across
-    v_0 = v_C + (v[Y] * aside + p.twist * v[PSI] * y * across)
+    v_C = u - lift * g.n - p.twist * psi1 * y * across
+    v_0 = v_C + (v[Y] * aside + p.twist * psi1 * y * across)
     w1, rolled = -(lift + v[Y] * g.s) / g.q, dot(v_0, a) / (g.q * g.q)
-    return Patch(g, a, across, omega, rho, y, psi, v[PSI], z, u, lift, v_C, v_0, w1, rolled, p.twist)
+    return Patch(g, a, across, omega, rho, y, psi, v_C, v_0, w1, rolled, p.twist)
 
 
 @kernel

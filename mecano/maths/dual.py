@@ -116,6 +116,17 @@ def _(a):
 
 
 @Generic
+def number(a):
+    """Return a number read from an array, a Dual where compiled code has a record of the array."""
+    return a
+
+
+@method(number, Dual)
+def _(a):
+    return Dual(a.value, a.slope)
+
+
+@Generic
 def value(a):
     """Return a number without its slope."""
     return a

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mecano.compiled.kernel import kernel
 from mecano.compiled.methods import Generic, algebraic, attribute, method
-from mecano.maths.dual import NUMBER, Dual, sqrt, value
+from mecano.maths.dual import NUMBER, Dual, number, sqrt, value
 
 SCALAR = (NUMBER, Dual)
 
@@ -122,7 +122,7 @@ def transpose(a):
 @kernel
 def vec(a, i):
     """Return the Vec3 a[i:i+3] of a flat array."""
-    return Vec3(a[i], a[i + 1], a[i + 2])
+    return Vec3(number(a[i]), number(a[i + 1]), number(a[i + 2]))
 
 
 @kernel
