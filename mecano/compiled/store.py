@@ -23,7 +23,8 @@ import llvmlite.binding as llvm
 
 from mecano.compiled import trust
 
-COMPILER = ("array_object", "compiler", "entry", "kernel", "memory", "nowhere")  # modules that make code of functions
+COMPILER = ("array_object", "compiler", "entry", "kernel", "memory", "methods", "nowhere", "symbols")
+"""Modules that make code of functions."""
 DAY = 86400.0  # s
 UNUSED = 90 * DAY  # after which what nobody has used is removed, when something is added
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
