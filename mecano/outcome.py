@@ -6,8 +6,9 @@ import numpy as np
 
 from mecano.contract import SECTIONS
 from mecano.elements import KINDS
+from mecano.model.watched import watched
 from mecano.prepare import some
-from mecano.recorder import FORCES, watched
+from mecano.recorder import FORCES
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
@@ -82,7 +83,7 @@ def exceeded(deck, sampler, extremes):
     high, when = extremes.high, extremes.high_time
     return [
         f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
-        for name, d, output, i, limit, text in watched(deck, sampler, "limits")
+        for name, d, output, i, limit, text in watched(deck.values, sampler, "limits")
         if high[i] > limit
     ]
 

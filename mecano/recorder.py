@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from mecano.contract import SECTIONS
-from mecano.elements import KINDS
 from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.model.watched import ended, watched
 from mecano.solve.interpolate import interpolate
 from mecano.solve.ringing import RingingWatch
 
@@ -27,7 +26,7 @@ class Recorder:
         self.look = lambda: None
         self.saved = 0  # multiples of the interval, after the start; -1 at the end
         self.row = np.zeros(len(sampler.row))  # at the beginning of the next step, behind the events there
-        self.ends = watched(self.deck, sampler, "ends")
+        self.ends = watched(values, sampler, "ends")
         forces = [c for c in sampler.columns if c.unit in FORCES]
         self.ringing = RingingWatch(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
 
@@ -88,9 +87,8 @@ class Recorder:
 
     def _refuse(self, t, row):
         """Raise ConvergenceError where an element can go no further; what was written stays."""
-        for name, d, _, i, size, text in self.ends:
-            if abs(row[i]) > size:
-                raise ConvergenceError(f"no way on from t = {t:.9g} s: {d['type']} '{name}' {text}")
+        if text := ended(self.ends, row):
+            raise ConvergenceError(f"no way on from t = {t:.9g} s: {text}")
 
     def _save(self, accepted, row):
         """Save the step, or the motion at every multiple of the interval in it: interpolated, no step is shortened."""
@@ -116,14 +114,3 @@ class Recorder:
     def _next(self):
         """The next time to be saved; the last one is the end."""
         return min(self.start + (self.saved + 1) * self.every, self.end)
-
-
-def watched(deck, sampler, what):
-    """What the kinds of the elements watch, "limits" or "ends": [(name, values, output, its column, value, text)]."""
-    columns = {column.path: column.start for column in sampler.columns}
-    return [
-        (name, d, output, columns[f"{section}/{name}/{output}"], value, text)
-        for section in SECTIONS
-        for name, d in deck.values[section].items()
-        for output, value, text in getattr(KINDS[d["type"]], what)(d)
-    ]

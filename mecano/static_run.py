@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.model.sampler import Sampler
+from mecano.model.sampler import Sampler, Still
 from mecano.prepare import model_facts, prepare, remarks
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
@@ -29,15 +29,6 @@ PATH = (
     Series("static/unstable_directions", "", "directions in which the equilibrium is unstable; -1 where unknown"),
     Series("static/neutral_directions", "", "directions without stiffness; -1 where unknown"),
 )
-
-
-class Still:
-    """What the sampler asks for: a motion, and no work done."""
-
-    dissipated = given = 0.0
-
-    def __init__(self, motion):
-        self.motion = motion
 
 
 class Recorder:

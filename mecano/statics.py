@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.model.sampler import Sampler, Still
+from mecano.model.watched import ended, watched
 from mecano.prepare import AUTOMATIC, given
 from mecano.solve.arc_length import ArcLength, Target
 from mecano.solve.continuation import Follower, Point, Steps
@@ -101,10 +103,17 @@ def rest(prepared, state):
 
 
 def _followed(prepared, statics, path, start, observers, state=None):
-    follower = Follower(statics, tuple(observers))
+    follower = Follower(statics, tuple(observers), _ended(prepared))
     first = follower.start(_settled(prepared) if state is None else state, start)
     point, reason = path.follow(follower, first)
     return Result(point, reason, tuple(_remarks(prepared, follower, point)), statics.loading)
+
+
+def _ended(prepared):
+    """What tells of an element that can go no further in a state, or that none can come to that."""
+    sampler = Sampler(prepared.system)
+    ends = watched(prepared.deck.values, sampler, "ends")
+    return (lambda state: ended(ends, sampler.take(Still(state)))) if ends else lambda state: ""
 
 
 def _remarks(prepared, follower, point):

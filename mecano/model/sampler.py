@@ -57,6 +57,15 @@ def row_size(system):
     return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
 
 
+class Still:
+    """What the sampler asks for: a motion, and no work done."""
+
+    dissipated = given = 0.0
+
+    def __init__(self, motion):
+        self.motion = motion
+
+
 class Sampler:
     """Builds the row; ``columns`` describe it."""
 

@@ -7,6 +7,7 @@ Every way goes from ``Point`` to ``Point``:
 * ``ArcLength`` (arc_length.py): the load factor is an unknown, and limit points are passed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from mecano.errors import ConvergenceError, NonFiniteError
@@ -41,6 +42,7 @@ class Follower:
 
     statics: object
     observers: tuple = ()
+    ended: Callable = lambda state: ""  # text on an element that can go no further in a state, its outputs up to date
     judge: Judge = field(init=False)
     losses: list = field(default_factory=list)  # texts: where stability was lost on the way
     departures: list = field(default_factory=list)  # texts: unstable equilibria that were left on the way
@@ -68,7 +70,16 @@ class Follower:
         self._watch(point, critical)
         for observer in self.observers:
             observer(point)
+        self.refuse(s, p)
         return point
+
+    def refuse(self, s, p):
+        """Raise ConvergenceError where an element can go no further in the equilibrium ``s`` at the parameter p."""
+        self.statics.system.observe(s)
+        if text := self.ended(s):
+            raise ConvergenceError(
+                f"no way on from {self.statics.loading.name} {p:.6g}{self.statics.loading.unit}: {text}"
+            )
 
     def _watch(self, point, critical):
         """Note where the path lost stability; in steps of the parameter, by interpolation of the least stiffness."""

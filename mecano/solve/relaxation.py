@@ -89,6 +89,7 @@ class Relaxation:
         if not found.ok:
             raise follower.failure(self.end, found, s, self.end, self.hint)
         work.happenings += found.happenings
+        follower.refuse(found_s, self.end)
         return found_s, found, follower.stability(found_s, self.end)
 
     def _creep(self, follower, s, work, downhill):
