@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from instances import Instance
 from scipy.optimize import minimize_scalar
 
 from mecano.contract import Context, Place
@@ -9,6 +10,7 @@ from mecano.elements.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable
 from mecano.maths import so3, surface
+from mecano.maths.vector import Vec3
 
 RADIUS = 0.4
 RADIAL = (("polynomial", {"coefficients": [0.0, 1e5, 1e6, -1e6, 1e6]}),)
@@ -56,14 +58,12 @@ class Wheel:
         record = np.zeros(1, WHEEL.dtype).view(np.recarray)
         for name, value in prepared.items():
             record[name][0] = value
-        self.p, self.laws = record[0], table.array()
+        self.record, self.p, self.laws = record, record[0], table.array()
 
     def force(self, x, R, v, mode=CONTACT):
         """f (6,), K, C, M (6, 6)."""
-        f, K, C, M = np.zeros(6), np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6))
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        WHEEL.force(self.p, Place(0.0, mode, 1.0, 1.0, self.laws, NONE, *state), f, K, C, M)
-        return f, K, C, M
+        return Instance(WHEEL, self.record, (0,), mode, NONE, self.laws, np.zeros((3, 0)), NONE).force(0.0, state)
 
     def observe(self, x, R, v, mode=CONTACT):
         """Outputs by name, energies (4,)."""
@@ -248,7 +248,7 @@ def test_contact_is_the_nearest_point_of_the_ground_in_the_plane_of_the_wheel(na
 
 def test_the_slope_of_newtons_iteration_is_exact():
     rng = np.random.default_rng(10)
-    n0, d, a, h = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), tuple(turn(rng.normal(size=3))[1]), 1e-6
+    n0, d, a, h = Vec3(0.0, 0.0, 1.0), Vec3(1.0, 0.0, 0.0), Vec3(*turn(rng.normal(size=3))[1]), 1e-6
 
     def residual(delta):
         H, H1, H2 = curve_at(SINE, 0.7 + delta)
