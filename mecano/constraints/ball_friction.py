@@ -10,7 +10,7 @@ on a along w, on b against it: the ball bears at one point, next to which it sli
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import relative_rotation
-from mecano.constraints.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
+from mecano.constraints.uses.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
 from mecano.contract import Kind, Output, Row, record
 from mecano.laws.friction import friction
 from mecano.maths.vector import add_vec, dot, mat, norm, vec

@@ -1,4 +1,4 @@
-r"""Vectors carried by nodes: their rates, the product of two of them, the angle of two triads.
+r"""Vectors carried by nodes: their rates, the product of two of them.
 
 For m carried by node 0 and s by node 1 (material components), with :math:`A = R_0^T R_1`, the product
 :math:`(R_0 m) \cdot (R_1 s)` has, in material variations, the gradients
@@ -11,8 +11,8 @@ which in inertial axes are :math:`\mu \times \xi` and :math:`-\mu \times \xi`. T
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.maths.dual import atan2, value
-from mecano.maths.vector import add_mat, cross, dot, outer, skew
+from mecano.maths.dual import value
+from mecano.maths.vector import add_mat, cross, dot, skew
 
 
 @kernel
@@ -46,50 +46,9 @@ def product_curvature(A, m, s):
 
 
 @kernel
-def twist(A, mu, xi):
-    """Angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
-
-    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). It does not depend on which mu_1 is chosen, and
-    where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
-    turns mu_3 into xi_3 is taken off.
-    """
-    X, Y = A @ xi[0], A @ xi[1]
-    return atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
-
-
-@kernel
-def twist_gradient(A, mu_3, xi_3):
-    """Gradients (-G_0, G_1) of the angle; G_0 and G_1 are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
-    xi, mu = A @ xi_3, A.T @ mu_3
-    size = 1.0 / (1.0 + dot(mu_3, xi))
-    return -size * (mu_3 + xi), size * (mu + xi_3)
-
-
-@kernel
-def twist_curvature(A, mu_3, xi_3):
-    """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
-    xi, mu = A @ xi_3, A.T @ mu_3
-    size = 1.0 / (1.0 + dot(mu_3, xi))
-    b_0, b_1 = -size * (mu_3 + xi), size * (mu + xi_3)
-    by_0, by_1 = -size * cross(mu_3, xi), -size * cross(xi_3, mu)
-    H_00 = -size * skew(xi) + outer(b_0, by_0)
-    H_01 = size * (A @ skew(xi_3)) + outer(b_0, by_1)
-    H_10 = -size * (A.T @ skew(mu_3)) + outer(b_1, by_0)
-    H_11 = size * skew(mu) + outer(b_1, by_1)
-    return (H_00, H_01), (H_10, H_11)
-
-
-@kernel
 def turning_rate(gradient, omega_0, omega_1):
     """Rate of a quantity of the relative rotation, from its gradients and the material angular velocities."""
     return dot(gradient[0], omega_0) + dot(gradient[1], omega_1)
-
-
-@kernel
-def turned(R_0, omega_0, mu, R_1, omega_1, xi):
-    """The angle of ``twist`` [rad] and its rate [rad/s] from rotations and material angular velocities."""
-    A = relative_rotation(R_0, R_1)
-    return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), omega_0, omega_1)
 
 
 @kernel

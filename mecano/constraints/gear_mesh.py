@@ -1,6 +1,6 @@
 r"""Gear mesh: the pitch circles of two nodes roll on one another at a point that a third one, the carrier, shows.
 
-With the angles :math:`\theta_1, \theta_2` of both gears relative to the carrier (the twist of carried.py), their
+With the angles :math:`\theta_1, \theta_2` of both gears relative to the carrier (twist.py), their
 travels :math:`h_1, h_2` in metres per radian and the unit vector :math:`\tau`, carried by the carrier, tangential to
 both circles:
 
@@ -13,10 +13,10 @@ The angles are followed over whole turns by the memory of those of the last acce
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import add_blocks, follow, relative_rotation, twist, twist_curvature, twist_gradient
+from mecano.constraints.carried import add_blocks, follow, relative_rotation
+from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient, slide_rates
+from mecano.constraints.coordinates.twist import turning_rates, twist, twist_curvature, twist_gradient
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.relative_angle import turning_levels
-from mecano.constraints.slide import add_slide_curvature, slide, slide_gradient, slide_rates
 from mecano.contract import Kind, Row, record
 from mecano.maths.vector import mat, vec
 
@@ -56,8 +56,8 @@ def levels(p, at, g):
     """Value and rates."""
     carrier = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3))
     first, second = (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9)), (mat(at.R[2]), vec(at.v, 12), vec(at.a, 12))
-    _, rate_1, second_1 = turning_levels(mat(p.mu_1), mat(p.xi_1), carrier, first)
-    _, rate_2, second_2 = turning_levels(mat(p.mu_2), mat(p.xi_2), carrier, second)
+    rate_1, second_1 = turning_rates(vec(p.mu_1[2], 0), vec(p.xi_1[2], 0), carrier, first)
+    rate_2, second_2 = turning_rates(vec(p.mu_2[2], 0), vec(p.xi_2[2], 0), carrier, second)
     s, s_rate, s_second = slide_rates(at.q, at.v, at.a, carrier[0], vec(p.tangent, 0))
     angle_1, angle_2 = gear_angles(p, at.m, at.R)
     h_1, h_2 = p.travel[0], p.travel[1]

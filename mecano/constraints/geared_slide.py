@@ -1,7 +1,7 @@
 r"""Geared slide: the sliding of the second node along an axis of the first goes with its turning, as in a screw.
 
-With :math:`\sigma` carried by the first node, the angle :math:`\theta` of the second about :math:`\mu_3` (the twist of
-carried.py) and the travel h in metres per radian:
+With :math:`\sigma` carried by the first node, the angle :math:`\theta` of the second about :math:`\mu_3` (twist.py)
+and the travel h in metres per radian:
 
 .. math::  \Phi = \sigma \cdot (x_1 - x_0) - c - h\,\theta = 0
 
@@ -12,10 +12,10 @@ moment :math:`-h` times that force about :math:`\mu_3`.
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import add_blocks, relative_rotation, twist, twist_curvature, twist_gradient, wrap
+from mecano.constraints.carried import add_blocks, relative_rotation, wrap
+from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
+from mecano.constraints.coordinates.twist import turning_rates, twist, twist_curvature, twist_gradient
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.relative_angle import turning_levels
-from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Row, record
 from mecano.maths.vector import dot, mat, vec
 
@@ -42,7 +42,8 @@ def force(p, at, f, K, C, M):
 def levels(p, at, g):
     """Value and rates."""
     first, second = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3)), (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9))
-    angle, rate, second_rate = turning_levels(mat(p.mu), mat(p.xi), first, second)
+    angle = twist(relative_rotation(first[0], second[0]), mat(p.mu), mat(p.xi))
+    rate, second_rate = turning_rates(vec(p.mu[2], 0), vec(p.xi[2], 0), first, second)
     s, s_rate, s_second = slide_rates(at.q, at.v, at.a, first[0], vec(p.sigma, 0))
     Phi = -p.travel * wrap(angle - (s - p.offset) / p.travel)
     put_levels(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)

@@ -13,11 +13,14 @@ vector of length u, so that a turning shaft slides easily:
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import add_along, rate_of
-from mecano.constraints.carried import relative_rotation, twist_gradient
-from mecano.constraints.friction import (
+from mecano.constraints.carried import relative_rotation
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.twist import twist_gradient
+from mecano.constraints.uses.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
+    FRICTION_FORCE,
     FRICTION_MOMENT,
     FRICTION_RECORD,
     NORMAL_FORCE,
@@ -25,41 +28,24 @@ from mecano.constraints.friction import (
     POWER,
     REGULARIZED,
     drag,
+    friction_kind,
     friction_record,
     pads,
 )  # fmt: skip
-from mecano.constraints.slide import slide_along
-from mecano.contract import Kind, Output, Row, record
+from mecano.contract import Kind, Row, record
 from mecano.laws.friction import friction
 from mecano.maths.dual import sqrt
 from mecano.maths.vector import mat, vec
 
-KEYED_RECORD = record(mu=3, inverse_key=(), **FRICTION_RECORD)
+slide_along = SLIDE.gradient
 ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
-FORCE = Output("friction_force", "N", "force of the friction along the axis; > 0 against a positive velocity")
 
 
 @kernel
-def _keyed_friction(p, at, rate):
+def _keyed_load(p, at, rate):
     """P [N] at this rate of sliding, N + |M_3|/r_k [N]."""
     N = pads(at.q[12], at.q[13], at.q[9], at.q[10], p.inverse_length) + p.inverse_key * abs(at.q[11])
     return N * drag(p, at.laws, rate), N
-
-
-@kernel
-def keyed_residual(p, at, f):
-    """Add opposite forces on both nodes, and the moment on the first."""
-    along = slide_along(p, at)
-    add_along(f, _keyed_friction(p, at, rate_of(along, at.v))[0], along)
-
-
-@kernel
-def keyed_observe(p, at, F, y, e):
-    """Force, normal force, power."""
-    rate = rate_of(slide_along(p, at), at.v)
-    y[0], y[1] = _keyed_friction(p, at, rate)
-    y[2] = y[0] * rate
-    e[2] = y[2]
 
 
 @kernel
@@ -94,29 +80,23 @@ def round_observe(p, at, F, y, e):
     e[2] = y[3]
 
 
-def keyed_record(mu_3, friction, context):
-    """Record of a prismatic joint: the axis (3,) carried by the first node, the deck's friction."""
+def keyed_record(place, friction, context):
+    """Return the record of a prismatic joint at ``place`` (pair.py) with the deck's friction."""
     key = friction["key_radius"]
     inverse = 0.0 if key is None else 1.0 / key
-    return {"mu": mu_3, "inverse_key": inverse, **friction_record(friction, context)}
+    return {"mu": place["mu"][2], "inverse_key": inverse, **friction_record(friction, context)}
 
 
-def round_record(mu_3, xi_3, friction, context):
-    """Record of a cylindrical joint: the axis (3,) in the axes of each node, the deck's friction."""
-    return {"mu": mu_3, "xi": xi_3, "radius": friction["radius"], **friction_record(friction, context)}
+def round_record(place, friction, context):
+    """Return the record of a cylindrical joint at ``place`` (pair.py) with the deck's friction."""
+    axes = {"mu": place["mu"][2], "xi": place["xi"][2]}
+    return {**axes, "radius": friction["radius"], **friction_record(friction, context)}
 
 
-KEYED_FRICTION = Kind(
-    name="keyed_friction",
-    section="",
-    doc=__doc__ + PADS + REGULARIZED,
-    dtype=KEYED_RECORD,
-    layout=("x0", "R0", "x1"),
-    borrowed=(*AXIS_ROWS, Row("moment about the axis", "N m", "rad"), *FORCE_ROWS[:2]),
-    outputs=(FORCE, NORMAL_FORCE, POWER),
-    residual=keyed_residual,
-    observe=keyed_observe,
-)
+KEYED_FRICTION = friction_kind(
+    "keyed_friction", __doc__ + PADS + REGULARIZED, SLIDE, {"inverse_key": ()},
+    (*AXIS_ROWS, Row("moment about the axis", "N m", "rad"), *FORCE_ROWS[:2]), FRICTION_FORCE, _keyed_load,
+)  # fmt: skip
 
 ROUND_FRICTION = Kind(
     name="round_friction",
@@ -125,7 +105,7 @@ ROUND_FRICTION = Kind(
     dtype=ROUND_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     borrowed=(*AXIS_ROWS, *FORCE_ROWS[:2]),
-    outputs=(FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),
+    outputs=(FRICTION_FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),
     residual=round_residual,
     observe=round_observe,
 )

@@ -9,15 +9,13 @@ holds; where its deck gives a law for one of them (``compliance``), the law take
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation, turned
-from mecano.constraints.in_plane import IN_PLANE
+from mecano.constraints.carried import relative_rotation
+from mecano.constraints.coordinates.slide import slide
+from mecano.constraints.coordinates.tilt import tilted
+from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.orthogonal import ORTHOGONAL
-from mecano.constraints.relative_angle import RELATIVE_ANGLE
-from mecano.constraints.slide import slide
-from mecano.constraints.slide_law import SLIDE_LAW, slide_law_record
-from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
-from mecano.constraints.twist_law import TWIST_LAW, twist_law_record
+from mecano.constraints.of_coordinates import BOTH, IN_PLANE, ORTHOGONAL, SAME_ANGLE, SLIDE_LAW, TILT_LAW, TWIST_LAW
+from mecano.constraints.uses.law import law_values
 from mecano.contract import Part, record
 from mecano.laws.table import evaluate_force
 from mecano.maths.vector import Vec3, mat, put, vec
@@ -36,7 +34,6 @@ AXIS_1 = Field(
     "direction of mu_1 at the start, inertial, made perpendicular to the axis; when absent, the inertial axis most "
     "perpendicular to it", None,
 )  # fmt: skip
-BOTH = (0, 1)
 
 
 def law_fields(axes):
@@ -93,25 +90,29 @@ def _law(compliance, axis):
     return (compliance or {}).get(axis)
 
 
-def _rigid(axis, place):
+def coordinate_of(axis, place):
+    """Return the axes, as fields of a record, and the value at the start of the coordinate along one of ``AXES``."""
     mu, xi, start = place["mu"], place["xi"], place["start"]
     if axis == "about_axis":
-        return Part(RELATIVE_ANGLE, BOTH, {"mu": mu, "xi": xi, "offset": 0.0, "law": 0})
+        return {"mu": mu, "xi": xi}, 0.0
     if axis.startswith("about"):
-        return Part(ORTHOGONAL, BOTH, {"mu": mu[0 if axis == "about_2" else 1], "xi": xi[2]})
+        return {"mu": mu[0] if axis == "about_2" else mu[1], "xi": xi[2]}, 0.0
     i = ("along_1", "along_2", "along_axis").index(axis)
-    return Part(IN_PLANE, BOTH, {"mu": mu[i], "offset": start[i], "law": 0})
+    return {"mu": mu[i]}, start[i]
+
+
+def _rigid(axis, place):
+    kind = SAME_ANGLE if axis == "about_axis" else ORTHOGONAL if axis.startswith("about") else IN_PLANE
+    axes, start = coordinate_of(axis, place)
+    return Part(kind, BOTH, {**axes, "offset": start})
 
 
 def _elastic(axis, place, law, context):
-    mu, xi, start = place["mu"], place["xi"], place["start"]
-    if axis == "about_axis":
-        return Part(TWIST_LAW, BOTH, twist_law_record(mu, xi, law, 0.0, context), label=f"_{axis}")
-    if axis.startswith("about"):
-        across = mu[0] if axis == "about_2" else -mu[1]
-        return Part(TILT_LAW, BOTH, tilt_law_record(across, xi[2], law, context), label=f"_{axis}")
-    i = ("along_1", "along_2", "along_axis").index(axis)
-    return Part(SLIDE_LAW, BOTH, slide_law_record(mu[i], law, start[i], context), label=f"_{axis}")
+    kind = TWIST_LAW if axis == "about_axis" else TILT_LAW if axis.startswith("about") else SLIDE_LAW
+    axes, start = coordinate_of(axis, place)
+    if axis == "about_1":  # the angle about mu_1 is -mu_2 . xi_3
+        axes["mu"] = -axes["mu"]
+    return Part(kind, BOTH, law_values(axes, law, start, context), label=f"_{axis}")
 
 
 @kernel

@@ -11,69 +11,35 @@ acts against the angle of the pin.
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import add_along, rate_of
 from mecano.constraints.carried import relative_rotation
-from mecano.constraints.friction import (
-    FRICTION_MOMENT,
-    FRICTION_RECORD,
-    NORMAL_FORCE,
-    POWER,
-    REGULARIZED,
-    drag,
-    friction_record,
-    pads,
-)  # fmt: skip
-from mecano.constraints.pin_law import pin_along
-from mecano.contract import Kind, Row, record
+from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
+from mecano.constraints.uses.friction import FRICTION_MOMENT, REGULARIZED, drag, friction_kind, friction_record, pads
+from mecano.contract import Row
 from mecano.maths.vector import dot, mat, vec
 
-RECORD = record(mu=(3, 3), xi=3, radius=(), **FRICTION_RECORD)
-BORROWED = 6
+COUPLE, FORCE = 6, 7  # borrowed multipliers
+ROWS = (
+    Row("moment that keeps the pins perpendicular", "N m", "rad"),
+    *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
+)
 
 
 @kernel
-def _friction(p, at, rate):
+def _load(p, at, rate):
     """M [N m] at this rate of the angle, N [N]."""
     R_0, mu = mat(at.R[0]), mat(p.mu)
-    pin, F = relative_rotation(R_0, mat(at.R[1])) @ vec(p.xi, 0), R_0.T @ vec(at.q, BORROWED + 1)
-    couple = at.q[BORROWED]
+    pin, F = relative_rotation(R_0, mat(at.R[1])) @ vec(p.xi, 0), R_0.T @ vec(at.q, FORCE)
+    couple = at.q[COUPLE]
     m_1, m_2 = couple * dot(mu[0], pin), couple * dot(mu[1], pin)
     N = pads(dot(mu[0], F), dot(mu[1], F), m_1, m_2, p.inverse_length)
     return p.radius * N * drag(p, at.laws, p.radius * rate), N
 
 
-@kernel
-def residual(p, at, f):
-    """Add opposite moments on both nodes."""
-    along = pin_along(p, at)
-    add_along(f, _friction(p, at, rate_of(along, at.v))[0], along)
-
-
-@kernel
-def observe(p, at, F, y, e):
-    """Moment, normal force, power."""
-    rate = rate_of(pin_along(p, at), at.v)
-    y[0], y[1] = _friction(p, at, rate)
-    y[2] = y[0] * rate
-    e[2] = y[2]
-
-
 def pin_friction_record(mu, xi, radius, friction, context):
-    """Record: axes (3, 3) of the first node, rows, the pin (3,) of the second, radius [m] of the pin mu_3."""
+    """Return the record: axes (3, 3) of a, rows, the pin (3,) of b, radius [m] of the pin mu_3."""
     return {"mu": mu, "xi": xi, "radius": radius, **friction_record(friction, context)}
 
 
-PIN_FRICTION = Kind(
-    name="pin_friction",
-    section="",
-    doc=__doc__ + REGULARIZED,
-    dtype=RECORD,
-    layout=("R0", "R1"),
-    borrowed=(
-        Row("moment that keeps the pins perpendicular", "N m", "rad"),
-        *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
-    ),
-    outputs=(FRICTION_MOMENT, NORMAL_FORCE, POWER),
-    residual=residual,
-    observe=observe,
+PIN_FRICTION = friction_kind(
+    "pin_friction", __doc__ + REGULARIZED, PIN_ANGLE, {"radius": ()}, ROWS, FRICTION_MOMENT, _load
 )

@@ -18,95 +18,36 @@ multiplier, or the law in its place, for each. Force and moment are those of wha
 outputs of their own.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.angle_stops import ANGLE_END_FIELDS, ANGLE_LATCH, ANGLE_STOP, angle_end_parts
-from mecano.constraints.axis_motion import REACTIONS, TURNING, follow_turning, put_turning
-from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
+from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
-from mecano.constraints.joint_frame import (
-    NODES,
-    not_across,
-    not_at_one_place,
-    not_flipped,
-    one_position,
-    triad,
-    turned_onto,
-)  # fmt: skip
+from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
-from mecano.constraints.pair import (
-    AXES_RECORD,
-    AXIS_1,
-    PAIR_RECORD,
-    compliance_field,
-    law_outputs,
-    pair_parts,
-    pair_record,
-    put_reactions,
-    triads_together,
-)  # fmt: skip
-from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
-from mecano.contract import Kind, Part, nothing
+from mecano.constraints.pair import triads_together
+from mecano.constraints.uses.friction import LENGTH, radius
+from mecano.elements.lower_pair import Friction, LowerPair, Shared, sharing_pair
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
+AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
+COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.0)
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Angle and reactions."""
-    put_turning(p, at.m, at.v, at.R, y, 0)
-    put(y, 2, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
-    put(y, 5, (-at.q[13], at.q[12], 0.0))
+def _reactions(p, at, F, y, i):
+    """Write the force on b that its shared position hides, and the moment of two multipliers."""
+    put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
+    put(y, i + 3, (-at.q[13], at.q[12], 0.0))
 
 
-@kernel
-def observe_held(p, at, F, y, e):
-    """Angle and reactions, where every axis is held by a part of its own."""
-    put_turning(p, at.m, at.v, at.R, y, 0)
-    put_reactions(p, at.laws, at.q, at.v, at.R, y, 2)
-
-
-def prepare(d, nodes, context):
+def _place(d, nodes, context):
     """Axes of both nodes; those of b are mu_1, mu_2, mu_3 turned with the axis of a onto that of b."""
     mu = triad(d["axis"], d["axis_1"])
     axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
     return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
-
-
-def prepare_held(d, nodes, context):
-    """Axes of both nodes, and what holds each axis."""
-    return pair_record(prepare(d, nodes, context), HELD, d["compliance"], context)
-
-
-def parts(d, nodes, context):
-    """mu_1 and mu_2 perpendicular to xi_3; the law of the angle."""
-    p = prepare(d, nodes, context)
-    return pair_parts(p, HELD[:2], None, context) + turning_parts(d, p, context) + angle_end_parts(d, p)
-
-
-def parts_held(d, nodes, context):
-    """Five axes held, the law of the angle, friction."""
-    p, friction = prepare(d, nodes, context), d["friction"]
-    parts = pair_parts(p, HELD, d["compliance"], context) + turning_parts(d, p, context)
-    if friction:
-        values = hinge_friction_record(p["mu"][2], p["xi"][2], friction, context)
-        parts.append(Part(HINGE_FRICTION, (0, 1), values, borrows=(0, 1, 2, 3, 4)))
-    return parts + angle_end_parts(d, p)
-
-
-def variant(d):
-    """The hinge that shares its position, or the one whose axes are all held by parts."""
-    return HINGE_HELD if d["friction"] or d["compliance"] else HINGE
-
-
-def check(d, nodes):
-    """The nodes start at one place; friction has its reactions."""
-    return not_at_one_place(nodes) + not_across(d, nodes) + check_friction(d)
 
 
 def sample(rng):
@@ -125,52 +66,19 @@ def sample(rng):
     ]
 
 
-HINGE = Kind(
-    name="hinge",
-    section="joints",
-    doc=__doc__,
-    dtype=AXES_RECORD,
-    layout=("x0", "R0", "x1", "R1"),
-    fields=(
-        NODES,
-        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None),
-        AXIS_1,
-        *TURNING_FIELDS,
-        *ANGLE_END_FIELDS,
-        friction_fields(
-            radius("radius", "radius of the bearing"),
-            radius("collar_radius", "mean radius at which the axial force acts", 0.0),
-            LENGTH,
+HINGE, HINGE_HELD = sharing_pair(
+    "hinge",
+    __doc__,
+    LowerPair(
+        axis="axis at the start, inertial",
+        held=HELD,
+        shared=Shared(one_position, ("about_2", "about_1"), _reactions, not_at_one_place),
+        ends=TWIST,
+        friction=Friction(
+            HINGE_FRICTION, hinge_friction_record, (radius("radius", "radius of the bearing"), COLLAR, LENGTH)
         ),
-        compliance_field(HELD),
+        fields=(AXIS_B,),
+        place=_place,
     ),
-    outputs=(*TURNING, *REACTIONS),
-    optional=(
-        ("turning_law", TWIST_LAW, ""),
-        ("latch", ANGLE_LATCH, ""),
-        ("stops", ANGLE_STOP, ""),
-        ("friction", HINGE_FRICTION, ""),
-        *law_outputs("compliance", HELD),
-    ),
-    memory=("angle",),
-    prepare=prepare,
-    shares=one_position,
-    parts=parts,
-    variant=variant,
-    check=check,
-    observe=observe,
-    commit=follow_turning,
-    admissible=not_flipped,
-    sample=sample,
-)
-
-HINGE_HELD = replace(
-    HINGE,
-    name="hinge_held",
-    dtype=PAIR_RECORD,
-    prepare=prepare_held,
-    shares=nothing,
-    parts=parts_held,
-    observe=observe_held,
+    sample,
 )

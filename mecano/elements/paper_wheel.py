@@ -15,7 +15,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, check_touching, put_outputs
 from mecano.constraints.ground import check_axle, ends, lean_of, on_the_slope, slope_below, unit
-from mecano.constraints.held_coordinate import HELD_COORDINATE
+from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.contract import Kind, Part
 from mecano.maths.surface import directions, disc_contact

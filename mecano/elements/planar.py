@@ -12,12 +12,13 @@ Option: ``turning_law`` gives a moment about the normal from the angle and its r
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_motion import MOMENT, TURNING, follow_turning, put_turning
+from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
+from mecano.constraints.of_coordinates import TWIST_LAW, turning_parts
 from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
-from mecano.constraints.slide import slide
-from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
+from mecano.constraints.uses.law import TURNING_FIELDS
+from mecano.constraints.uses.measure import MOMENT, TURNING, follow_turning, put_turning
 from mecano.contract import Kind, Output
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field

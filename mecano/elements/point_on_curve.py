@@ -30,8 +30,8 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
+from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.contract import Kind, Output, Row, record
 from mecano.elements.guiding_curve import (
     CURVE_RECORD,

@@ -10,9 +10,9 @@ surroundings.
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.distance import DISTANCE
 from mecano.constraints.joint_frame import NODES, at_one_place
-from mecano.constraints.target import TARGET, target
+from mecano.constraints.of_coordinates import DISTANCE
+from mecano.constraints.uses.hold import TARGET, target
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vector import dot, norm, vec
 from mecano.schema import CURVE, Field

@@ -9,9 +9,9 @@ is given by the surroundings.
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.held_coordinate import HELD_COORDINATE
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.target import TARGET, target
+from mecano.constraints.of_coordinates import HELD_COORDINATE
+from mecano.constraints.uses.hold import TARGET, target
 from mecano.contract import Kind, Output, Part, record
 from mecano.maths.vector import dot, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field

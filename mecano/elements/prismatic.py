@@ -14,78 +14,28 @@ reactions along all five axes: the joint then shares nothing but has one multipl
 Force and moment are those of what holds b; law and friction have outputs of their own.
 """
 
-from dataclasses import replace
-
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_motion import REACTIONS, SLIDING, put_sliding
-from mecano.constraints.friction import LENGTH, check_friction, friction_fields
+from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
-from mecano.constraints.joint_frame import NODES, not_across, not_flipped, not_parallel, one_rotation
+from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
-from mecano.constraints.pair import (
-    AXES_RECORD,
-    AXIS_1,
-    PAIR_RECORD,
-    axis_place,
-    compliance_field,
-    law_outputs,
-    pair_parts,
-    pair_record,
-    put_reactions,
-)  # fmt: skip
-from mecano.constraints.slide_law import SLIDE_LAW, SLIDING_FIELDS, sliding_parts
-from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
-from mecano.contract import Kind, Part, nothing
+from mecano.constraints.uses.friction import LENGTH
+from mecano.elements.lower_pair import Friction, LowerPair, Shared, sharing_pair
 from mecano.maths.vector import mat, put, vec
-from mecano.schema import DIRECTION, NUMBER, Field, positive
+from mecano.schema import NUMBER, Field, positive
 
 HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
+KEY_RADIUS = Field(
+    "key_radius", NUMBER, "m",
+    "radius at which a key holds the moment about the axis; when absent that moment causes no friction", None, positive,
+)  # fmt: skip
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Sliding and reactions."""
-    put_sliding(p, at.q, at.v, at.R, y, 0)
-    put(y, 2, (at.q[12], at.q[13], 0.0))
-    put(y, 5, -(mat(p.mu) @ vec(F, 9)))
-
-
-@kernel
-def observe_held(p, at, F, y, e):
-    """Sliding and reactions, where every axis is held by a part of its own."""
-    put_sliding(p, at.q, at.v, at.R, y, 0)
-    put_reactions(p, at.laws, at.q, at.v, at.R, y, 2)
-
-
-def prepare_held(d, nodes, context):
-    """Axes of both nodes, and what holds each axis."""
-    return pair_record(axis_place(d, nodes, context), HELD, d["compliance"], context)
-
-
-def parts(d, nodes, context):
-    """b stays in two planes of a; the law along the axis."""
-    p = axis_place(d, nodes, context)
-    return pair_parts(p, HELD[3:], None, context) + sliding_parts(d, p, context) + slide_end_parts(d, p)
-
-
-def parts_held(d, nodes, context):
-    """Five axes held, the law along the sixth, friction."""
-    p, friction = axis_place(d, nodes, context), d["friction"]
-    parts = pair_parts(p, HELD, d["compliance"], context) + sliding_parts(d, p, context)
-    if friction:
-        values = keyed_record(p["mu"][2], friction, context)
-        parts.append(Part(KEYED_FRICTION, (0, 1), values, borrows=(0, 1, 2, 3, 4)))
-    return parts + slide_end_parts(d, p)
-
-
-def variant(d):
-    """The joint that shares its rotation, or the one whose axes are all held by parts."""
-    return PRISMATIC_HELD if d["friction"] or d["compliance"] else PRISMATIC
-
-
-def check(d, nodes):
-    """The nodes start with one rotation; friction has its reactions."""
-    return not_parallel(nodes) + not_across(d, nodes) + check_friction(d)
+def _reactions(p, at, F, y, i):
+    """Write the force of two multipliers, and the moment on b that its shared rotation hides."""
+    put(y, i, (at.q[12], at.q[13], 0.0))
+    put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
 
 
 def sample(rng):
@@ -101,55 +51,15 @@ def sample(rng):
     ]
 
 
-PRISMATIC = Kind(
-    name="prismatic",
-    section="joints",
-    doc=__doc__,
-    dtype=AXES_RECORD,
-    layout=("x0", "R0", "x1", "R1"),
-    fields=(
-        NODES,
-        Field("axis", DIRECTION, "-", "direction of sliding at the start, inertial; carried by a"),
-        AXIS_1,
-        *SLIDING_FIELDS,
-        *SLIDE_END_FIELDS,
-        friction_fields(
-            LENGTH,
-            Field(
-                "key_radius",
-                NUMBER,
-                "m",
-                "radius at which a key holds the moment about the axis; when absent that moment causes no friction",
-                None,
-                positive,
-            ),
-        ),
-        compliance_field(HELD),
+PRISMATIC, PRISMATIC_HELD = sharing_pair(
+    "prismatic",
+    __doc__,
+    LowerPair(
+        axis="direction of sliding at the start, inertial; carried by a",
+        held=HELD,
+        shared=Shared(one_rotation, ("along_1", "along_2"), _reactions, not_parallel),
+        ends=SLIDE,
+        friction=Friction(KEYED_FRICTION, keyed_record, (LENGTH, KEY_RADIUS)),
     ),
-    outputs=(*SLIDING, *REACTIONS),
-    optional=(
-        ("sliding_law", SLIDE_LAW, ""),
-        ("latch", SLIDE_LATCH, ""),
-        ("stops", SLIDE_STOP, ""),
-        ("friction", KEYED_FRICTION, ""),
-        *law_outputs("compliance", HELD),
-    ),
-    prepare=axis_place,
-    shares=one_rotation,
-    parts=parts,
-    variant=variant,
-    check=check,
-    observe=observe,
-    sample=sample,
-)
-
-PRISMATIC_HELD = replace(
-    PRISMATIC,
-    name="prismatic_held",
-    dtype=PAIR_RECORD,
-    prepare=prepare_held,
-    shares=nothing,
-    parts=parts_held,
-    observe=observe_held,
-    admissible=not_flipped,
+    sample,
 )

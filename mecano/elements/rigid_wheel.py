@@ -41,7 +41,7 @@ from mecano.constraints.ground import (
     too_low,
     touch,
 )
-from mecano.constraints.level_axis import LEVEL_AXIS
+from mecano.constraints.of_coordinates import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.contract import CONTACT as SHOCK

@@ -15,14 +15,21 @@ Options: ``turning_law`` gives a moment about the axis from the angle and its ra
 import math
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_motion import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
 from mecano.constraints.carried import follow
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import not_across, not_flipped
 from mecano.constraints.joint_samples import SLIDE_ENDS, SPRUNG, two_places
+from mecano.constraints.of_coordinates import (
+    SLIDE_END_FIELDS,
+    SLIDE_LATCH,
+    SLIDE_STOP,
+    TWIST_LAW,
+    slide_end_parts,
+    turning_parts,
+)
 from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
-from mecano.constraints.slide_stops import SLIDE_END_FIELDS, SLIDE_LATCH, SLIDE_STOP, slide_end_parts
-from mecano.constraints.twist_law import TURNING_FIELDS, TWIST_LAW, turning_parts
+from mecano.constraints.uses.law import TURNING_FIELDS
+from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
 from mecano.contract import Kind, Part, record
 from mecano.maths.vector import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field

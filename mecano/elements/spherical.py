@@ -9,10 +9,10 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
-from mecano.constraints.friction import check_friction, friction_fields, radius
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.constraints.uses.friction import check_friction, friction_fields, radius
 from mecano.contract import Kind, Output, Part, nothing
 from mecano.maths.vector import put, vec
 

@@ -9,10 +9,11 @@ ends together:
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.axis_law import report
+from mecano.constraints.coordinates.twist import followed
 from mecano.constraints.joint_frame import NODES, triad
+from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_modes import EVENTS, MODES
-from mecano.constraints.twist_law import RECORD, TWIST_LAW, followed, twist_law_record
+from mecano.constraints.uses.law import law_values, report
 from mecano.contract import Kind, Output
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
@@ -20,7 +21,7 @@ from mecano.schema import DIRECTION, LAW, NUMBER, Field
 @kernel
 def observe(p, at, F, y, e):
     """Angle, rate, moment; energies."""
-    angle, rate = followed(p, at.m, at.q, at.v, at.R)
+    angle, rate = followed(p, at.m, at.v, at.R)
     report(p, at.laws, angle, rate, y[2:], e)
     y[0] = angle
     y[1] = rate
@@ -29,7 +30,8 @@ def observe(p, at, F, y, e):
 def prepare(d, nodes, context):
     """Record of one spring: the triad in the axes of both nodes."""
     axes = triad(d["axis"])
-    return twist_law_record(axes @ nodes[0][1], axes @ nodes[1][1], d["law"], d["natural_angle"], context)
+    ends = {"mu": axes @ nodes[0][1], "xi": axes @ nodes[1][1]}
+    return law_values(ends, d["law"], d["natural_angle"], context)
 
 
 def sample(rng):
@@ -54,7 +56,7 @@ TORSION_SPRING_DAMPER = Kind(
     name="torsion_spring_damper",
     section="elements",
     doc=__doc__,
-    dtype=RECORD,
+    dtype=TWIST_LAW.dtype,
     layout=("R0", "R1"),
     fields=(
         NODES,

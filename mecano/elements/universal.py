@@ -19,10 +19,11 @@ import numpy as np
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import follow, relative_rotation, turning_rate
-from mecano.constraints.friction import LENGTH, check_friction, friction_fields, radius
+from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
+from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
-from mecano.constraints.orthogonal import ORTHOGONAL
+from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW
 from mecano.constraints.pair import (
     PAIR_RECORD,
     compliance_field,
@@ -32,11 +33,10 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )
-from mecano.constraints.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
-from mecano.constraints.pin_law import PIN_LAW, pin_law_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.constraints.tilt_law import TILT_LAW, tilt_law_record, tilted
+from mecano.constraints.uses.friction import LENGTH, check_friction, friction_fields, radius
+from mecano.constraints.uses.law import law_values
 from mecano.contract import Kind, Output, Part, nothing, record
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
@@ -121,7 +121,7 @@ def _seen_by_pins(p):
 
 def _turning(d, p, context):
     return [
-        Part(PIN_LAW, on, pin_law_record(mu, xi, law, d[f"natural_angle_{end}"], context), label=f"_{end}")
+        Part(PIN_LAW, on, law_values({"mu": mu, "xi": xi}, law, d[f"natural_angle_{end}"], context), label=f"_{end}")
         for on, mu, xi, end in _seen_by_pins(p)
         if (law := d[f"turning_law_{end}"])
     ]
@@ -153,7 +153,7 @@ def parts_elastic(d, nodes, context):
     p = {**prepare(d, nodes, context), "start": np.zeros(3)}
     perpendicular, *turning = parts(d, nodes, context)
     if law := d["compliance"].get(CROSS):
-        values = tilt_law_record(p["mu"][2], p["xi"][2], law, context)
+        values = law_values({"mu": p["mu"][2], "xi": p["xi"][2]}, law, 0.0, context)
         perpendicular = Part(TILT_LAW, (0, 1), values, label=f"_{CROSS}")
     return [perpendicular, *pair_parts(p, ELASTIC[1:], d["compliance"], context), *turning]
 

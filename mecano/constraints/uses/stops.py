@@ -13,7 +13,9 @@ from math import inf
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import let_go
 from mecano.constraints.stop_modes import FAR
-from mecano.contract import CONTACT, LOCK, Event, Kind, Output, Part, Row
+from mecano.constraints.uses.hold import holding
+from mecano.constraints.uses.law import counted
+from mecano.contract import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
 from mecano.schema import NUMBER, Field, mapping, share
 
 LATCH_RECORD = {"value": (), "direction": ()}
@@ -33,18 +35,14 @@ STOP_EVENTS = (
 )  # fmt: skip
 
 
-def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample):
-    """The Kind of a latch.
-
-    Compiled functions: ``coordinate(p, m, q, v, R)`` -> c; ``hold(p, sign, wanted, k, penalty, q, R, f, K)`` adds the
-    constraint sign (c - wanted) = 0, ``levels_of(p, sign, wanted, q, v, a, R, g)`` writes its levels. ``row`` is the
-    place of the multiplier in q; ``sample(rng)`` gives values of the record, without latch and stops.
-    """
+def latch_kind(name, doc, coordinate):
+    """Return the Kind of a latch of a coordinate."""
+    (hold, levels_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
 
     @kernel
     def force(p, at, f, K, C, M):
         if at.phase == LOCKED:
-            hold(p, 1.0, at.m[0], at.k, at.penalty, at.q, at.R, f, K)
+            hold(p, at, 1.0, at.m[0], f, K)
         else:
             let_go(f, K, row, at.k, at.q[row])
 
@@ -52,7 +50,7 @@ def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sampl
     def levels(p, at, g):
         g[:] = 0.0
         if at.phase == LOCKED:
-            levels_of(p, 1.0, at.m[0], at.q, at.v, at.a, at.R, g)
+            levels_of(p, at, 1.0, (at.m[0], 0.0, 0.0), g)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -60,40 +58,41 @@ def latch_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sampl
 
     @kernel
     def event_values(p, at, g):
-        g[0] = p.direction * (coordinate(p, at.m, at.q, at.v, at.R) - p.value)
+        g[0] = p.direction * (value(p, at) - p.value)
 
     @kernel
     def commit(p, at, m_out):
-        m_out[0] = at.m[0] if at.phase == LOCKED else coordinate(p, at.m, at.q, at.v, at.R)
+        m_out[0] = at.m[0] if at.phase == LOCKED else value(p, at)
 
-    what, unit, of = _words(layout)
+    (what, unit), of = coordinate.load, _quantity(coordinate)
     return Kind(
-        name=name, section="", doc=doc, dtype=dtype, layout=layout,
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"latch_{what}", unit, f"{what} of the latch on b, along growing {of}"),
             Output("latched", "-", "1 from the locking on, 0 before"),
         ),
-        multipliers=(Row(f"{what} of the latch", unit, _unit(layout)),),
-        modes=LATCH_MODES, events=LATCH_EVENTS, memory=("held",), sample=_samples(sample, LATCH_MODES),
+        multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
+        modes=LATCH_MODES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_MODES),
         force=force, levels=levels, observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
-def stop_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample):
-    """The Kind of a pair of stops; arguments as those of ``latch_kind``."""
+def stop_kind(name, doc, coordinate):
+    """Return the Kind of a pair of stops of a coordinate."""
+    (hold, levels_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
 
     @kernel
     def force(p, at, f, K, C, M):
         if at.phase == BETWEEN:
             let_go(f, K, row, at.k, at.q[row])
         else:
-            hold(p, 1.0 if at.phase == LOWER else -1.0, at.m[0], at.k, at.penalty, at.q, at.R, f, K)
+            hold(p, at, 1.0 if at.phase == LOWER else -1.0, at.m[0], f, K)
 
     @kernel
     def levels(p, at, g):
         g[:] = 0.0
         if at.phase != BETWEEN:
-            levels_of(p, 1.0 if at.phase == LOWER else -1.0, at.m[0], at.q, at.v, at.a, at.R, g)
+            levels_of(p, at, 1.0 if at.phase == LOWER else -1.0, (at.m[0], 0.0, 0.0), g)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -102,45 +101,42 @@ def stop_kind(name, doc, dtype, layout, row, coordinate, hold, levels_of, sample
 
     @kernel
     def event_values(p, at, g):
-        c = coordinate(p, at.m, at.q, at.v, at.R)
+        c = value(p, at)
         g[0], g[1] = p.lower - c, -at.q[row]
         g[2], g[3] = c - p.upper, -at.q[row]
 
     @kernel
     def commit(p, at, m_out):
-        m_out[0] = coordinate(p, at.m, at.q, at.v, at.R) if at.phase == BETWEEN else at.m[0]
+        m_out[0] = value(p, at) if at.phase == BETWEEN else at.m[0]
 
-    what, unit, of = _words(layout)
+    (what, unit), of = coordinate.load, _quantity(coordinate)
     return Kind(
-        name=name, section="", doc=doc, dtype=dtype, layout=layout,
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"stop_{what}", unit, f"{what} of the stop on b, along growing {of}"),
             Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
         ),
-        multipliers=(Row(f"{what} of the stop", unit, _unit(layout), unilateral=True),),
-        modes=STOP_MODES, events=STOP_EVENTS, memory=("held",), sample=_samples(sample, STOP_MODES),
+        multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
+        modes=STOP_MODES, events=STOP_EVENTS, memory=("held",), sample=_samples(coordinate, STOP_MODES),
         force=force, levels=levels, observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
-def _unit(layout):
-    return "m" if layout[0][0] == "x" else "rad"
+def _quantity(coordinate):
+    return "displacement" if coordinate.sliding else "angle"
 
 
-def _words(layout):
-    return ("force", "N", "displacement") if layout[0][0] == "x" else ("moment", "N m", "angle")
-
-
-def _samples(sample, modes):
+def _samples(coordinate, modes):
     """One in each mode."""
     values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
     names = LATCH_RECORD if modes is LATCH_MODES else STOP_RECORD
     ends = {name: values[name] for name in names}
-    return lambda rng: [({**sample(rng), **ends}, 2, mode) for mode in modes]
+    return lambda rng: [({**coordinate.sample(rng), **ends}, 2, mode) for mode in modes]
 
 
-def end_fields(quantity, unit):
-    """The fields ``latch`` and ``stops`` of a joint for its ``quantity``: angle or displacement."""
+def end_fields(coordinate):
+    """Return the fields ``latch`` and ``stops`` of a joint for a coordinate."""
+    quantity, unit = _quantity(coordinate), coordinate.unit
     latch = Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero)
     stops = (
         Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
@@ -169,11 +165,11 @@ def _above(value):
     return None if value >= 0.0 else "must not be less than zero, where the joint starts"
 
 
-def end_parts(d, quantity, axes, start, latch, stop):
-    """[Part] of the fields ``end_fields`` of a joint: Kinds ``latch`` and ``stop``, their ``axes``, c at the start."""
+def end_parts(d, coordinate, axes, start, latch, stop):
+    """Return [Part] of the fields ``end_fields`` of a joint; ``axes`` of the coordinate, which starts at ``start``."""
     parts = []
     if d["latch"]:
-        value = d["latch"][quantity]
+        value = d["latch"][_quantity(coordinate)]
         ends = {"value": start + value, "direction": 1.0 if value > 0.0 else -1.0}
         parts.append(Part(latch, (0, 1), {**axes, **ends}))
     if d["stops"]:

@@ -1,11 +1,12 @@
-"""What joints with an axis tell: the turning about it, the sliding along it, the reactions.
+"""Measure what joints with an axis do: the turning about it, the sliding along it, the reactions.
 
 Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
 """
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import follow, turned
-from mecano.constraints.slide import slide
+from mecano.constraints.carried import follow
+from mecano.constraints.coordinates.slide import slide
+from mecano.constraints.coordinates.twist import turned
 from mecano.contract import Output
 from mecano.maths.vector import mat, vec
 

@@ -6,39 +6,27 @@ x1 at 6.
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.carried import carried, product_rates
+from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 
 @kernel
 def slide(q, v, A, mu):
-    """s [m], its rate [m/s]."""
+    """Return s [m] and its rate [m/s]."""
     d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
 
 
 @kernel
-def slide_value(p, at):
-    """s [m] of an element whose record has the axis ``mu`` (3,)."""
-    return dot(vec(p.mu, 0), mat(at.R[0]).T @ (vec(at.q, 6) - vec(at.q, 0)))
-
-
-@kernel
-def slide_along(p, at):
-    """Gradient of s of such an element, as axis_law.py has it."""
-    b_0, b_R, b_1 = slide_gradient(at.q, mat(at.R[0]), vec(p.mu, 0))
-    return (0, b_0), (3, b_R), (6, b_1)
-
-
-@kernel
 def slide_rates(q, v, a, R_0, mu):
-    """s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
+    """Return s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
     d, d_rate, d_second = vec(q, 6) - vec(q, 0), vec(v, 6) - vec(v, 0), vec(a, 6) - vec(a, 0)
     return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
 
 
 @kernel
 def slide_gradient(q, A, mu):
-    """Gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
+    """Return the gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
     normal = A @ mu
     return -normal, cross(mu, A.T @ (vec(q, 6) - vec(q, 0))), normal
 
@@ -53,3 +41,31 @@ def add_slide_curvature(K, g, q, A, mu):
     add_mat(K, 3, 6, g, arm)
     add_mat(K, 3, 0, -g, arm)
     add_mat(K, 3, 3, g, hat_mu @ skew(A.T @ (vec(q, 6) - vec(q, 0))))
+
+
+@kernel
+def _value(p, at):
+    return dot(vec(p.mu, 0), mat(at.R[0]).T @ (vec(at.q, 6) - vec(at.q, 0)))
+
+
+@kernel
+def _gradient(p, at):
+    b_0, b_R, b_1 = slide_gradient(at.q, mat(at.R[0]), vec(p.mu, 0))
+    return (0, b_0), (3, b_R), (6, b_1)
+
+
+@kernel
+def _add_curvature(p, at, g, K):
+    add_slide_curvature(K, g, at.q, mat(at.R[0]), vec(p.mu, 0))
+
+
+@kernel
+def _rates(p, at):
+    _, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.mu, 0))
+    return rate, second
+
+
+SLIDE = Coordinate(
+    ("x0", "R0", "x1"), "m", {"mu": 3}, lambda rng: {"mu": rng.normal(size=3)},
+    _value, _gradient, _add_curvature, _rates,
+)  # fmt: skip

@@ -1,7 +1,8 @@
 """Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
 
 from mecano.compiled.kernel import kernel
-from mecano.contract import Output, Row
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.contract import Kind, Output, Row, record
 from mecano.laws.friction import friction
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import sqrt
@@ -29,6 +30,7 @@ AXIS_ROWS = (
 )
 FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
 FRICTION_MOMENT = Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle")
+FRICTION_FORCE = Output("friction_force", "N", "force of the friction along the axis; > 0 against a positive velocity")
 NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
 POWER = Output("dissipated_power", "W", "power lost by friction")
 
@@ -45,6 +47,33 @@ def pads(F_1, F_2, m_1, m_2, inverse_length):
 def drag(p, laws, velocity):
     """Friction over normal force, odd in the sliding velocity [m/s]."""
     return friction(laws, p.coefficient, p.regularization, abs(velocity)) * velocity
+
+
+def friction_kind(name, doc, coordinate, values, borrowed, output, load):
+    """Return the Kind of a friction along one coordinate.
+
+    ``load(p, at, rate)`` gives the force against a rate of the coordinate and the normal force that causes it [N, N m];
+    ``values`` are the fields of the record beside the axes and FRICTION_RECORD, ``output`` is the force.
+    """
+    gradient = coordinate.gradient
+
+    @kernel
+    def residual(p, at, f):
+        along = gradient(p, at)
+        add_along(f, load(p, at, rate_of(along, at.v))[0], along)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        rate = rate_of(gradient(p, at), at.v)
+        y[0], y[1] = load(p, at, rate)
+        y[2] = y[0] * rate
+        e[2] = y[2]
+
+    return Kind(
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **values, **FRICTION_RECORD),
+        layout=coordinate.layout, borrowed=borrowed, outputs=(output, NORMAL_FORCE, POWER),
+        residual=residual, observe=observe,
+    )  # fmt: skip
 
 
 def friction_fields(*geometry):

@@ -1,0 +1,60 @@
+"""What is known of a coordinate c of some nodes: its value, gradient, curvature and rates, as compiled functions.
+
+All functions take the record p of an element, which has the ``axes`` of the coordinate, and its ``Place``. What is done
+with a coordinate (held, driven, locked, stopped, loaded by a law, rubbed) is written once for all of them, in uses/.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mecano.compiled.kernel import kernel
+from mecano.maths.vector import add_vec, dot, vec
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A number that follows from the positions and rotations of nodes."""
+
+    layout: tuple  # slots of its nodes, as those of a Kind
+    unit: str  # m or rad
+    axes: dict  # fields of the record that it reads: {name: shape}
+    sample: Callable  # rng -> values of these fields
+    value: Callable  # (p, at) -> c
+    gradient: Callable
+    """(p, at) -> ((local index, b (3,)), ...): the derivatives of c by position and material rotation of its slots"""
+    add_curvature: Callable | None = None
+    """(p, at, g, K): add g times the derivative of the gradient to K; absent where nothing holds the coordinate"""
+    rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; absent where nothing holds it
+    periodic: bool = False  # an angle, in (-pi, pi]
+
+    @property
+    def sliding(self):
+        """True for a length, False for an angle or the sine of one."""
+        return self.unit == "m"
+
+    @property
+    def load(self):
+        """("force", "N") or ("moment", "N m"): what works along the coordinate, and its unit."""
+        return ("force", "N") if self.sliding else ("moment", "N m")
+
+    @property
+    def row(self):
+        """Local index of the multiplier of an element that holds the coordinate."""
+        return 3 * len(self.layout)
+
+
+@kernel
+def rate_of(gradient, v):
+    """Return the rate of a coordinate from its gradient and the velocities (n_local,)."""
+    first, b = gradient[0]
+    rate = dot(b, vec(v, first))
+    for i, b in gradient[1:]:
+        rate = rate + dot(b, vec(v, i))
+    return rate
+
+
+@kernel
+def add_along(f, P, gradient):
+    """Add the force P [N, N m] along a coordinate to the residual."""
+    for i, b in gradient:
+        add_vec(f, i, P, b)

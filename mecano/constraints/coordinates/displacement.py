@@ -1,0 +1,35 @@
+r"""Displacement of a node from a point o along a direction n, both inertial: :math:`n \cdot (x - o)`."""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.maths.vector import dot, vec
+
+
+@kernel
+def _value(p, at):
+    return dot(vec(p.direction, 0), vec(at.q, 0) - vec(p.origin, 0))
+
+
+@kernel
+def _gradient(p, at):
+    return ((0, vec(p.direction, 0)),)
+
+
+@kernel
+def _add_curvature(p, at, g, K):
+    pass
+
+
+@kernel
+def _rates(p, at):
+    n = vec(p.direction, 0)
+    return dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0))
+
+
+def _sample(rng):
+    return {"direction": rng.normal(size=3), "origin": rng.normal(size=3)}
+
+
+DISPLACEMENT = Coordinate(
+    ("x0",), "m", {"direction": 3, "origin": 3}, _sample, _value, _gradient, _add_curvature, _rates
+)

@@ -1,0 +1,57 @@
+r"""Tilt: :math:`c = \mu \cdot \xi` for mu carried by the first node and xi by the second.
+
+For unit vectors that are perpendicular at the start, c is the sine of the angle by which they lean to each other. A
+force g along c is the moment -g on the second node about :math:`\xi \times \mu`. The gradients are those of carried.py
+(equations (12)-(17) of Cardona, Geradin & Doan 1991).
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.carried import (
+    add_blocks,
+    carried,
+    product_curvature,
+    product_gradient,
+    product_rates,
+    relative_rotation,
+    turning_rate,
+)  # fmt: skip
+from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.maths.vector import dot, mat, vec
+
+
+@kernel
+def tilted(mu, xi, A, omega_0, omega_1):
+    """Return c and its rate [1/s]; A = R_0^T R_1, material angular velocities."""
+    return dot(mu, A @ xi), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
+
+
+@kernel
+def _value(p, at):
+    return dot(vec(p.mu, 0), relative_rotation(mat(at.R[0]), mat(at.R[1])) @ vec(p.xi, 0))
+
+
+@kernel
+def _gradient(p, at):
+    b_0, b_1 = product_gradient(relative_rotation(mat(at.R[0]), mat(at.R[1])), vec(p.mu, 0), vec(p.xi, 0))
+    return (0, b_0), (3, b_1)
+
+
+@kernel
+def _add_curvature(p, at, g, K):
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    add_blocks(K, 0, 3, g, product_curvature(A, vec(p.mu, 0), vec(p.xi, 0)))
+
+
+@kernel
+def _rates(p, at):
+    mu = carried(mat(at.R[0]), vec(at.v, 0), vec(at.a, 0), vec(p.mu, 0))
+    xi = carried(mat(at.R[1]), vec(at.v, 3), vec(at.a, 3), vec(p.xi, 0))
+    _, rate, second = product_rates(mu, xi)
+    return rate, second
+
+
+def _sample(rng):
+    return {"mu": rng.normal(size=3), "xi": rng.normal(size=3)}
+
+
+TILT = Coordinate(("R0", "R1"), "rad", {"mu": 3, "xi": 3}, _sample, _value, _gradient, _add_curvature, _rates)

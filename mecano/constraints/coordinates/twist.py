@@ -1,0 +1,112 @@
+r"""Twist: the angle of the second node about an axis, relative to the first.
+
+Axes :math:`\mu_i` are carried by the first node, :math:`\xi_i` by the second, equal to them at the start. With Q the
+rotation of the second triad in the first,
+
+.. math::  \theta = \mathrm{atan2}(Q_{21} - Q_{12},\; Q_{11} + Q_{22}),
+
+the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes off that alignment, up
+to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`, inertial, its rate is
+:math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. Even where the axes are aligned the derivative of g does not vanish.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.carried import add_blocks, carried, follow, product_rates, relative_rotation, turning_rate
+from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.constraints.joint_frame import triad
+from mecano.maths.dual import atan2
+from mecano.maths.vector import cross, dot, mat, outer, skew, vec
+
+
+@kernel
+def twist(A, mu, xi):
+    """Return the angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
+
+    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). It does not depend on which mu_1 is chosen, and
+    where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
+    turns mu_3 into xi_3 is taken off.
+    """
+    X, Y = A @ xi[0], A @ xi[1]
+    return atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
+
+
+@kernel
+def twist_gradient(A, mu_3, xi_3):
+    """Return the gradients (-G_0, G_1) of the angle; G_0 and G_1 are (mu_3 + xi_3)/(1 + mu_3 . xi_3), material."""
+    xi, mu = A @ xi_3, A.T @ mu_3
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    return -size * (mu_3 + xi), size * (mu + xi_3)
+
+
+@kernel
+def twist_curvature(A, mu_3, xi_3):
+    """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
+    xi, mu = A @ xi_3, A.T @ mu_3
+    size = 1.0 / (1.0 + dot(mu_3, xi))
+    b_0, b_1 = -size * (mu_3 + xi), size * (mu + xi_3)
+    by_0, by_1 = -size * cross(mu_3, xi), -size * cross(xi_3, mu)
+    H_00 = -size * skew(xi) + outer(b_0, by_0)
+    H_01 = size * (A @ skew(xi_3)) + outer(b_0, by_1)
+    H_10 = -size * (A.T @ skew(mu_3)) + outer(b_1, by_0)
+    H_11 = size * skew(mu) + outer(b_1, by_1)
+    return (H_00, H_01), (H_10, H_11)
+
+
+@kernel
+def turning_rates(mu_3, xi_3, first, second):
+    """Return both rates of the angle; of each node (R, omega, alpha), the latter two material."""
+    mu, xi = carried(first[0], first[1], first[2], mu_3), carried(second[0], second[1], second[2], xi_3)
+    spin = second[0] @ second[1] - first[0] @ first[1]
+    spin_rate = second[0] @ second[2] - first[0] @ first[2]
+    cosine, cosine_rate, _ = product_rates(mu, xi)
+    G = (mu[0] + xi[0]) / (1.0 + cosine)
+    G_rate = (mu[1] + xi[1] - cosine_rate * G) / (1.0 + cosine)
+    return dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
+
+
+@kernel
+def turned(R_0, omega_0, mu, R_1, omega_1, xi):
+    """Return the angle [rad] and its rate [rad/s] from rotations and material angular velocities."""
+    A = relative_rotation(R_0, R_1)
+    return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), omega_0, omega_1)
+
+
+@kernel
+def followed(p, m, v, R):
+    """Return the angle [rad], by whole turns nearest to the memory, and its rate [rad/s]."""
+    angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
+    return follow(m[0], angle), rate
+
+
+@kernel
+def _value(p, at):
+    return twist(relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), mat(p.xi))
+
+
+@kernel
+def _gradient(p, at):
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    b_0, b_1 = twist_gradient(A, vec(p.mu[2], 0), vec(p.xi[2], 0))
+    return (0, b_0), (3, b_1)
+
+
+@kernel
+def _add_curvature(p, at, g, K):
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    add_blocks(K, 0, 3, g, twist_curvature(A, vec(p.mu[2], 0), vec(p.xi[2], 0)))
+
+
+@kernel
+def _rates(p, at):
+    first, second = (mat(at.R[0]), vec(at.v, 0), vec(at.a, 0)), (mat(at.R[1]), vec(at.v, 3), vec(at.a, 3))
+    return turning_rates(vec(p.mu[2], 0), vec(p.xi[2], 0), first, second)
+
+
+def _sample(rng):
+    return {"mu": triad(rng.normal(size=3)), "xi": triad(rng.normal(size=3))}
+
+
+TWIST = Coordinate(
+    ("R0", "R1"), "rad", {"mu": (3, 3), "xi": (3, 3)}, _sample,
+    _value, _gradient, _add_curvature, _rates, periodic=True,
+)  # fmt: skip

@@ -1,0 +1,75 @@
+"""Constraints and laws of single coordinates, of which joints are made: each is a use of a coordinate."""
+
+from mecano.constraints.coordinates.displacement import DISPLACEMENT
+from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
+from mecano.constraints.coordinates.level import LEVEL
+from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.tilt import TILT
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.uses.hold import drive_kind, hold_kind
+from mecano.constraints.uses.law import law_kind, law_values
+from mecano.constraints.uses.stops import end_fields, end_parts, latch_kind, stop_kind
+from mecano.contract import Part
+
+IN_PLANE = hold_kind(
+    "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu carried by the first node.", SLIDE,
+    "force that holds the node in a plane",
+)  # fmt: skip
+ORTHOGONAL = hold_kind(
+    "orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu carried by the first node and xi by the second.", TILT,
+    "moment that keeps two axes perpendicular",
+)  # fmt: skip
+SAME_ANGLE = hold_kind("same_angle", "Same angle: the twist of two nodes stays.", TWIST, "moment that holds the angle")
+RELATIVE_ANGLE = drive_kind(
+    "relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"
+)
+DISTANCE = drive_kind("distance", "Distance of two nodes: it is f(t).", LENGTH, "force that pushes the nodes apart")
+HELD_COORDINATE = drive_kind(
+    "held_coordinate", "Held coordinate: the displacement of a node along a direction is f(t).", DISPLACEMENT,
+    "force that prescribes the position",
+)  # fmt: skip
+DRIVEN_SLIDE = drive_kind("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding")
+LEVEL_AXIS = hold_kind(
+    "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a carried by the node and an inertial direction n.",
+    LEVEL, "moment that keeps the axis level",
+)  # fmt: skip
+
+SLIDE_LAW = law_kind("slide_law", "Slide law: a force from a law of the sliding; > 0 pulls b back.", SLIDE)
+TWIST_LAW = law_kind("twist_law", "Twist law: a moment from a law of the twist; > 0 turns b back.", TWIST)
+TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the sine of an angle.", TILT)
+PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
+
+SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
+SLIDE_STOP = stop_kind("slide_stop", "Stops of the sliding.", SLIDE)
+ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any turns.", TWIST)
+ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any turns.", TWIST)
+
+BOTH = (0, 1)
+ANGLE_END_FIELDS, SLIDE_END_FIELDS = end_fields(TWIST), end_fields(SLIDE)
+
+
+def turning_parts(d, place, context):
+    """Return [Part] of the fields ``TURNING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    if d["turning_law"] is None:
+        return []
+    axes = {"mu": place["mu"], "xi": place["xi"]}
+    return [Part(TWIST_LAW, BOTH, law_values(axes, d["turning_law"], d["natural_angle"], context))]
+
+
+def sliding_parts(d, place, context):
+    """Return [Part] of the fields ``SLIDING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    if d["sliding_law"] is None:
+        return []
+    natural = place["start"][2] + d["natural_displacement"]
+    return [Part(SLIDE_LAW, BOTH, law_values({"mu": place["mu"][2]}, d["sliding_law"], natural, context))]
+
+
+def angle_end_parts(d, place):
+    """Return [Part] of the fields ``ANGLE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
+    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCH, ANGLE_STOP)
+
+
+def slide_end_parts(d, place):
+    """Return [Part] of the fields ``SLIDE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
+    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCH, SLIDE_STOP)

@@ -1,0 +1,177 @@
+"""Lower pairs with an axis: joints of two nodes that hold some of the six axes of pair.py and leave the others free.
+
+A joint is a row of a table: the axes that it holds, the coordinate that latch and stops are of, its friction. What
+both nodes may share (one position, or one rotation) they share, without a multiplier; friction and compliance need the
+reactions along all held axes, and then each of them is held by a part of its own.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.of_coordinates import (
+    ANGLE_END_FIELDS,
+    ANGLE_LATCH,
+    ANGLE_STOP,
+    SLIDE_END_FIELDS,
+    SLIDE_LATCH,
+    SLIDE_LAW,
+    SLIDE_STOP,
+    TWIST_LAW,
+    angle_end_parts,
+    slide_end_parts,
+    sliding_parts,
+    turning_parts,
+)  # fmt: skip
+from mecano.constraints.pair import (
+    AXES_RECORD,
+    AXIS_1,
+    PAIR_RECORD,
+    axis_place,
+    compliance_field,
+    law_outputs,
+    pair_parts,
+    pair_record,
+    put_reactions,
+)  # fmt: skip
+from mecano.constraints.uses.friction import check_friction, friction_fields
+from mecano.constraints.uses.law import SLIDING_FIELDS, TURNING_FIELDS
+from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
+from mecano.contract import Kind, Part
+from mecano.schema import DIRECTION, Field
+
+
+@dataclass(frozen=True)
+class Friction:
+    """The friction of a joint, driven by the reactions of all axes that it holds."""
+
+    kind: Kind
+    values: Callable  # (place, deck values, Context) -> record
+    fields: tuple  # of the deck, beside those of every friction
+
+
+@dataclass(frozen=True)
+class Shared:
+    """What the nodes of a joint share where no option asks for all reactions."""
+
+    unknowns: Callable  # (deck values, nodes) -> shares
+    held: tuple  # axes that are left to be held by constraints
+    reactions: Callable  # (p, at, F, y, i): write force and moment of a on b from y[i] on
+    check: Callable  # nodes -> texts: what keeps them from sharing it
+
+
+@dataclass(frozen=True)
+class LowerPair:
+    """A row of the table of lower pairs."""
+
+    axis: str  # what the deck's ``axis`` is
+    held: tuple  # of AXES
+    ends: object  # the Coordinate, TWIST or SLIDE, that latch and stops are of
+    friction: Friction
+    shared: Shared | None = None
+    fields: tuple = ()  # of its own, after the axis
+    place: Callable = axis_place  # (d, nodes, context) -> {mu, xi, start}
+
+    @property
+    def turns(self):
+        """True where the turning about the axis is free."""
+        return "about_axis" not in self.held
+
+    @property
+    def slides(self):
+        """True where the sliding along the axis is free."""
+        return "along_axis" not in self.held
+
+    def options(self, d, p, context):
+        """Return the [Part] of laws, friction, latch and stops."""
+        parts = turning_parts(d, p, context) if self.turns else []
+        parts += sliding_parts(d, p, context) if self.slides else []
+        if d["friction"]:
+            values = self.friction.values(p, d["friction"], context)
+            parts.append(Part(self.friction.kind, (0, 1), values, borrows=tuple(range(len(self.held)))))
+        return parts + (angle_end_parts(d, p) if self.ends is TWIST else slide_end_parts(d, p))
+
+
+def sharing_pair(name, doc, pair, sample):
+    """Return the Kind whose nodes share what they may, and the one whose axes are all held by parts."""
+    apart = lower_pair(f"{name}_held", doc, pair, sample)
+
+    def parts(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return pair_parts(p, pair.shared.held, None, context) + pair.options(d, p, context)
+
+    def variant(d):
+        return apart if d["friction"] or d["compliance"] else together
+
+    together = replace(
+        apart, name=name, dtype=AXES_RECORD, prepare=pair.place, shares=pair.shared.unknowns, parts=parts,
+        variant=variant, observe=_observed(pair, pair.shared.reactions),
+        admissible=not_flipped if pair.turns else None,
+    )  # fmt: skip
+    return together, apart
+
+
+def lower_pair(name, doc, pair, sample):
+    """Return the Kind of a lower pair whose axes are all held by parts."""
+
+    def prepare(d, nodes, context):
+        return pair_record(pair.place(d, nodes, context), pair.held, d["compliance"], context)
+
+    def parts(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return pair_parts(p, pair.held, d["compliance"], context) + pair.options(d, p, context)
+
+    def check(d, nodes):
+        together = pair.shared.check(nodes) if pair.shared else []
+        return together + not_across(d, nodes) + check_friction(d)
+
+    return Kind(
+        name=name, section="joints", doc=doc, dtype=PAIR_RECORD, layout=("x0", "R0", "x1", "R1"),
+        fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
+        optional=_optional(pair), memory=("angle",) if pair.turns else (),
+        prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),
+        commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample,
+    )  # fmt: skip
+
+
+def _fields(pair):
+    ends = ANGLE_END_FIELDS if pair.ends is TWIST else SLIDE_END_FIELDS
+    axis = Field("axis", DIRECTION, "-", pair.axis)
+    laws = (*TURNING_FIELDS * pair.turns, *SLIDING_FIELDS * pair.slides)
+    return (
+        NODES, axis, *pair.fields, AXIS_1, *laws, *ends, friction_fields(*pair.friction.fields),
+        compliance_field(pair.held),
+    )  # fmt: skip
+
+
+def _optional(pair):
+    latch, stop = (ANGLE_LATCH, ANGLE_STOP) if pair.ends is TWIST else (SLIDE_LATCH, SLIDE_STOP)
+    return (
+        *((("turning_law", TWIST_LAW, ""),) * pair.turns), *((("sliding_law", SLIDE_LAW, ""),) * pair.slides),
+        ("latch", latch, ""), ("stops", stop, ""), ("friction", pair.friction.kind, ""),
+        *law_outputs("compliance", pair.held),
+    )  # fmt: skip
+
+
+@kernel
+def _all_held(p, at, F, y, i):
+    """Reactions where every axis is held by a part of its own."""
+    put_reactions(p, at.laws, at.q, at.v, at.R, y, i)
+
+
+def _observed(pair, reactions):
+    """The ``observe`` of a pair: what is free, then force and moment."""
+    turns, slides = pair.turns, pair.slides
+    sliding, after = 2 * turns, 2 * (turns + slides)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        if turns:
+            put_turning(p, at.m, at.v, at.R, y, 0)
+        if slides:
+            put_sliding(p, at.q, at.v, at.R, y, sliding)
+        reactions(p, at, F, y, after)
+
+    return observe
