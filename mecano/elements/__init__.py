@@ -10,6 +10,7 @@ from mecano.elements.cylindrical import CYLINDRICAL
 from mecano.elements.fixed import FIXED
 from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.gear_pair import GEAR_PAIR
+from mecano.elements.generic_joint import GENERIC_JOINT
 from mecano.elements.held_rotation import HELD_ROTATION
 from mecano.elements.hinge import HINGE
 from mecano.elements.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
@@ -41,7 +42,7 @@ KINDS = {
     kind.name: kind
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
-        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, RIGID_ROD,
+        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GENERIC_JOINT, RIGID_ROD,
         GEAR_PAIR, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,

@@ -1,0 +1,168 @@
+r"""Generic joint: each of six axes between two nodes is held, free, driven or elastic.
+
+In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, equal at the start, with :math:`d = R_a^T (x_b - x_a)`: sliding
+``along_1``, ``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i`, the constants being those of the start; tilt
+``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is :math:`\mu_1 \cdot \xi_3`, the sines of the angles;
+``about_axis`` is the twist, in :math:`(-\pi, \pi]`. :math:`\mu_1` is chosen as for the hinge.
+
+An axis that is named nowhere is held rigidly by a multiplier. ``free`` lists those that are not, ``compliance`` has the
+law of an elastic one, ``driven`` the motion of one, a function of time that counts from the start. Where the joints
+with names of their own (hinge, prismatic, cylindrical, planar, spherical, universal, fixed) do, they are to be
+preferred: they count turns, know friction and stops, and need fewer equations. Assembly refuses
+:math:`\xi_3 = -\mu_3` where both tilts are held.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.carried import relative_rotation
+from mecano.constraints.coordinates.slide import slide
+from mecano.constraints.coordinates.tilt import tilted
+from mecano.constraints.coordinates.twist import turned
+from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.joint_samples import SPRUNG, two_places
+from mecano.constraints.of_coordinates import DRIVEN_SLIDE, RELATIVE_ANGLE
+from mecano.constraints.pair import (
+    AXES,
+    AXES_FIELDS,
+    AXIS_1,
+    axis_place,
+    compliance_field,
+    coordinate_of,
+    held,
+    law_outputs,
+    pair_parts,
+    pair_record,
+    put_reactions,
+)  # fmt: skip
+from mecano.constraints.uses.measure import MOMENT
+from mecano.contract import Kind, Output, Part, record
+from mecano.laws.table import evaluate_curve
+from mecano.maths.vector import mat, vec
+from mecano.schema import CURVE, DIRECTION, Field, choice, list_of, mapping
+
+RECORD = record(drive=6, row=6, law=6, **AXES_FIELDS)
+DRIVABLE = ("along_1", "along_2", "along_axis", "about_axis")
+DRIVEN = mapping(
+    *(
+        Field(axis, CURVE, unit, f"{what} since the start as a function of time [s]", None)
+        for axis, unit, what in zip(DRIVABLE, ("m", "m", "m", "rad"), ("displacement",) * 3 + ("twist",), strict=True)
+    )
+)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Motion along and about the axes, reactions, power of the drives."""
+    A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
+    for i in range(3):
+        along, y[3 + i] = slide(at.q, at.v, A, mu[i])
+        y[i] = along - p.start[i]
+    relative = relative_rotation(A, mat(at.R[1]))
+    y[6] = -tilted(mu[1], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
+    y[7] = tilted(mu[0], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
+    y[8], y[9] = turned(A, vec(at.v, 3), mu, mat(at.R[1]), vec(at.v, 9), xi)
+    put_reactions(p, at.laws, at.q, at.v, at.R, y, 10)
+    for i in range(6):
+        rate = evaluate_curve(at.laws, int(p.drive[i]), at.t)[1]
+        if rate != 0.0:
+            e[3] += held(p, at.laws, at.q, i, 0.0, 0.0) * rate
+
+
+def _driven(d, axis):
+    return (d["driven"] or {}).get(axis)
+
+
+def _bound(d):
+    """The axes that are not free, in the order of their parts."""
+    return [axis for axis in AXES if axis not in d["free"]]
+
+
+def prepare(d, nodes, context):
+    """Axes of both nodes, what holds each axis, the motions of the driven ones."""
+    drive = [context.laws.add(_driven(d, axis)) for axis in AXES]
+    return {"drive": drive, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context)}
+
+
+def parts(d, nodes, context):
+    """A constraint or a law for each axis that is not free."""
+    p, found = axis_place(d, nodes, context), []
+    for axis in _bound(d):
+        if (law := _driven(d, axis)) is None:
+            found += pair_parts(p, (axis,), d["compliance"], context)
+        else:
+            axes, start = coordinate_of(axis, p)
+            kind = RELATIVE_ANGLE if axis == "about_axis" else DRIVEN_SLIDE
+            found.append(Part(kind, (0, 1), {**axes, "offset": start, "law": context.laws.add(law)}))
+    return found
+
+
+def check(d, nodes):
+    """No axis is given twice, and one at least is not free."""
+    texts = not_across(d, nodes)
+    laws = {
+        name: {axis for axis, law in (d[name] or {}).items() if law is not None} for name in ("compliance", "driven")
+    }
+    given = {"free": set(d["free"]), **laws}
+    for axis in AXES:
+        twice = [name for name, axes in given.items() if axis in axes]
+        if len(twice) > 1:
+            texts.append(f"{axis!r} stands in {' and '.join(map(repr, twice))}; an axis is one of them")
+    if set(AXES) <= given["free"]:
+        texts.append("'free' has all six axes: nothing would join the nodes")
+    return texts
+
+
+def admissible(p, q, R):
+    """Texts on a flipped joint, where both tilts are held."""
+    return not_flipped(p, q, R) if p["row"][0] >= 0.0 and p["row"][1] >= 0.0 else ""
+
+
+def sample(rng):
+    """Rigid; a driven screw-like guide; free and elastic axes."""
+    nodes, d = two_places(rng), {"axis": rng.normal(size=3), "free": ()}
+    first = {"axis_1": rng.normal(size=3)}
+    sine = (("sine", {"amplitude": 0.3, "frequency": 0.2, "phase": 0.4, "offset": 0.1}),)
+    return [
+        (d, nodes, ""),
+        ({**d, **first, "free": ("about_1",), "driven": {"about_axis": sine, "along_2": sine}}, nodes, ""),
+        (
+            {**d, **first, "free": ("along_1", "about_axis"),
+             "compliance": {"about_2": SPRUNG, "about_1": SPRUNG, "along_axis": SPRUNG}},
+            nodes, "",
+        ),
+    ]  # fmt: skip
+
+
+GENERIC_JOINT = Kind(
+    name="generic",
+    section="joints",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        NODES,
+        Field("axis", DIRECTION, "-", "third axis at the start, inertial; carried by both"),
+        AXIS_1,
+        Field("free", list_of(choice(*AXES)), "-", "axes along or about which b moves freely", ()),
+        Field("driven", DRIVEN, "-", "motions along axes; 1, 2: of mu_1, mu_2", None),
+        compliance_field(AXES),
+    ),
+    outputs=(
+        Output(
+            "displacement", "m", "sliding of b relative to a along mu_1, mu_2 and the axis since the start", (3,),
+            rate="velocity",
+        ),
+        Output("velocity", "m/s", "rate of the displacement", (3,)),
+        Output("tilt", "-", "sines of the angles by which the axis of b leans about mu_1 and mu_2", (2,)),
+        Output("angle", "rad", "twist of b relative to a about the axis, in one turn"),
+        Output("rate", "rad/s", "rate of the angle"),
+        Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
+        MOMENT,
+    ),
+    optional=law_outputs("compliance", AXES),
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    observe=observe,
+    admissible=admissible,
+    sample=sample,
+)  # fmt: skip
