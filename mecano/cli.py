@@ -37,6 +37,7 @@ def commands():
     mecano verify deck.h5           look for changed bytes
     mecano list, mecano explain     what a deck can contain
     mecano new pendulum             a deck to begin with
+    mecano example pendulum         a deck whose answer is known
     mecano schema                   the grammar of decks, for editors
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
@@ -47,7 +48,7 @@ def commands():
 
 
 for _command in (
-    decks.check, decks.list_, decks.explain, decks.schema, decks.new,
+    decks.check, decks.list_, decks.explain, decks.schema, decks.new, decks.example,
     solving.run, solving.modes, solving.reduce_,
     studies.sweep, studies.warmup,
     results.post, results.export, results.info, results.verify,

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 import mecano
 from mecano.cli import commands
-from mecano.deck.new import starter, starters, write_text
+from mecano.deck.new import examples, starter, starters, write_example, write_text
 from mecano.deck.read import read_deck
 from mecano.errors import ResultsError, UsageError
 from mecano.model.sampler import Sampler, row_size
@@ -60,3 +60,34 @@ def test_schema_is_written(tmp_path):
     for _ in range(2):
         CliRunner().invoke(commands, ["schema", "-o", str(path)], catch_exceptions=False)
     assert json.loads(printed) == json.loads(path.read_text())
+
+
+@pytest.mark.parametrize("name", examples())
+def test_examples_are_read_where_they_are_written(name, tmp_path):
+    """What an example reads lies beside it, and its list has a title for it."""
+    write_example(name, tmp_path / "deck.yaml")
+    assert read_deck(tmp_path / "deck.yaml").values["title"]
+
+
+def test_an_example_and_what_it_reads_are_written_but_never_over_other_files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "superelement_arm.npz").write_bytes(b"of the user")
+    refused = CliRunner().invoke(commands, ["example", "superelement_arm"])
+    assert "superelement_arm.npz is there already" in str(refused.exception)
+    assert (tmp_path / "superelement_arm.npz").read_bytes() == b"of the user"
+    (tmp_path / "superelement_arm.npz").unlink()
+    for deck in ("first.yaml", "second.yaml"):  # the second finds the matrices of the first
+        done = CliRunner().invoke(commands, ["example", "superelement_arm", deck])
+        assert done.exit_code == 0 and "mecano run " + deck in done.output
+    with pytest.raises(UsageError, match="no example 'pendulun'; did you mean 'pendulum'"):
+        write_example("pendulun", "deck.yaml")
+    with pytest.raises(UsageError, match="`mecano example` lists them"):
+        write_example("nothing alike", "deck.yaml")
+    with pytest.raises(UsageError, match="mecano example nose_gear_rigid"):
+        starter("nose_gear_rigid")
+
+
+def test_the_lists_name_every_starter_and_example():
+    listed = CliRunner().invoke(commands, ["new", "--list"]).output
+    assert all(f"  {name} " in listed for name in (*starters(), *examples()))
+    assert CliRunner().invoke(commands, ["example"]).output in listed

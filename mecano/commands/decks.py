@@ -63,16 +63,44 @@ def schema(output, study):
         show(text)
 
 
-@click.command()
-@click.argument("template", required=False)
-@click.argument("deck", required=False, type=click.Path())
-def new(template, deck):
-    """Write a commented deck to begin with, by default TEMPLATE.yaml here; without TEMPLATE: list them."""
-    from mecano.deck.new import list_of_starters, starter, write_text
+def _starters(context, parameter, begun):
+    from mecano.deck.new import starters
 
-    if template is None:
-        show(list_of_starters())
+    return [name for name in starters() if name.startswith(begun)]
+
+
+@click.command()
+@click.argument("template", required=False, shell_complete=_starters)
+@click.argument("deck", required=False, type=click.Path())
+@click.option("--list", "every", is_flag=True, help="List the decks to begin with, and the examples.")
+def new(template, deck, every):
+    """Write a commented deck to begin with, by default TEMPLATE.yaml here; without TEMPLATE: list them."""
+    from mecano.deck.new import list_of_examples, list_of_starters, starter, write_text
+
+    if every or template is None:
+        show("\n\n".join([list_of_starters(), list_of_examples()] if every else [list_of_starters()]))
         return
     path = deck or f"{template}.yaml"
     write_text(path, starter(template))
     show(f"{path}: try `mecano check {path}`, then `mecano run {path}`")
+
+
+def _examples(context, parameter, begun):
+    from mecano.deck.new import examples
+
+    return [name for name in examples() if name.startswith(begun)]
+
+
+@click.command()
+@click.argument("name", required=False, shell_complete=_examples)
+@click.argument("deck", required=False, type=click.Path())
+def example(name, deck):
+    """Write an example deck, by default NAME.yaml here, and the files that it reads; without NAME: list them."""
+    from mecano.deck.new import list_of_examples, write_example
+
+    if name is None:
+        show(list_of_examples())
+        return
+    path = deck or f"{name}.yaml"
+    beside = write_example(name, path)
+    show(f"{' and '.join([path, *beside])}: try `mecano check {path}`, then `mecano run {path}`")

@@ -1,35 +1,81 @@
-"""Decks to begin with, the files of mecano/deck/starters, and files that are written for a user."""
+"""Decks to begin with, the files of mecano/deck/starters and of inputs/, and files that are written for a user."""
 
 import json
 import os
+import re
 from importlib.resources import files
+from pathlib import Path
 
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import ResultsError, UsageError
 
-FOLDER = files("mecano.deck") / "starters"
+STARTERS = files("mecano.deck") / "starters"
+EXAMPLES = files("mecano") / "inputs"  # in a clone a link to the folder inputs/
+TITLE = re.compile("^title: *(.+)$", re.MULTILINE)
 
 
 def starters():
-    """{name: text} of all starters."""
-    names = sorted(path.name for path in FOLDER.iterdir() if path.name.endswith(".yaml"))
-    return {name.removesuffix(".yaml"): (FOLDER / name).read_text(encoding="utf-8") for name in names}
+    """Return {name: text} of all starters."""
+    return _decks(STARTERS)
+
+
+def examples():
+    """Return {name: text} of all example decks."""
+    return _decks(EXAMPLES)
+
+
+def _decks(folder):
+    paths = sorted((path for path in folder.iterdir() if path.name.endswith(".yaml")), key=lambda path: path.name)
+    return {path.name.removesuffix(".yaml"): path.read_text(encoding="utf-8") for path in paths}
 
 
 def starter(name):
-    """The text of a starter; raises UsageError for an unknown name."""
+    """Return the text of a starter; raises UsageError for an unknown name."""
     known = starters()
     if name not in known:
-        raise UsageError(f"there is no deck {quoted(name)} to begin with; {suggestion(name, known)}")
+        hint = f"mecano example {name} writes the example" if name in examples() else _similar(name, known, "new")
+        raise UsageError(f"there is no deck {quoted(name)} to begin with; {hint}")
     return known[name]
 
 
+def write_example(name, path):
+    """Write an example deck to ``path``, and the files that it reads beside it; returns the names of these.
+
+    Raises UsageError for an unknown name, or where a file is there that would be replaced; ResultsError where one
+    cannot be written.
+    """
+    known = examples()
+    if name not in known:
+        raise UsageError(f"there is no example {quoted(name)}; {_similar(name, known, 'example')}")
+    needed = [file for file in EXAMPLES.iterdir() if not file.name.endswith(".yaml") and file.name in known[name]]
+    for file in needed:
+        beside = Path(path).with_name(file.name)
+        if not (beside.is_file() and beside.read_bytes() == file.read_bytes()):
+            _write(beside, file.read_bytes())
+    write_text(path, known[name])
+    return [file.name for file in needed]
+
+
+def _similar(name, known, command):
+    return suggestion(name, known) or f"`mecano {command}` lists them"
+
+
 def list_of_starters():
-    """Names of the starters, and what each is: the first line of its text."""
-    known = starters()
-    width = max(map(len, known))
-    lines = [f"  {name:<{width}}  {text.splitlines()[0].lstrip('# ')}" for name, text in known.items()]
-    return "\n".join(["decks to begin with:", *lines, "", "mecano new NAME [deck.yaml] writes one of them."])
+    """Return the names of the starters, each with the first line of its text, as lines of text."""
+    summaries = {name: text.splitlines()[0].lstrip("# ") for name, text in starters().items()}
+    return _list("decks to begin with:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
+
+
+def list_of_examples():
+    """Return the names of the examples, each with its title, as lines of text."""
+    titles = {name: TITLE.search(text)[1] for name, text in examples().items()}
+    return _list("examples with known answers:", titles, "mecano example NAME [deck.yaml] writes one of them.")
+
+
+def _list(heading, summaries, usage):
+    width = max(map(len, summaries))
+    lines = [f"  {name:<{width}}  {text}" for name, text in summaries.items()]
+    return "\n".join([heading, *lines, "", usage])
 
 
 def schema_text(schema):
@@ -39,9 +85,13 @@ def schema_text(schema):
 
 def write_text(path, text, replace=False):
     """Write a file; raises UsageError when it is there and not to be replaced, ResultsError when it cannot be."""
+    _write(path, text.encode(), replace)
+
+
+def _write(path, data, replace=False):
     try:
-        with open(path, "w" if replace else "x", encoding="utf-8") as stream:
-            stream.write(text)
+        with open(path, "wb" if replace else "xb") as stream:
+            stream.write(data)
     except FileExistsError:
         raise UsageError(f"{os.fspath(path)} is there already; it is not replaced") from None
     except (OSError, ValueError) as error:
