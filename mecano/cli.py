@@ -10,7 +10,7 @@ import warnings
 import click
 
 from mecano import __version__
-from mecano.commands import decks, results, solving, studies
+from mecano.commands import decks, results, shell, solving, studies
 from mecano.interrupt import stopped_by
 from mecano.lifeline import watch_parent
 from mecano.memory import is_lack_of_memory
@@ -39,6 +39,7 @@ def commands():
     mecano new pendulum             a deck to begin with
     mecano example pendulum         a deck whose answer is known
     mecano schema                   the grammar of decks, for editors
+    mecano completion bash          completion by the shell
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
     output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
@@ -52,6 +53,7 @@ for _command in (
     solving.run, solving.modes, solving.reduce_,
     studies.sweep, studies.warmup,
     results.post, results.export, results.info, results.verify,
+    shell.completion,
 ):  # fmt: skip
     commands.add_command(_command)
 

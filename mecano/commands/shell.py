@@ -1,0 +1,21 @@
+"""Completion of commands, options, names and files by the shell."""
+
+import click
+from click.shell_completion import get_completion_class
+
+from mecano.commands import show
+
+
+@click.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+@click.pass_context
+def completion(context, shell):
+    """Print the script with which a shell completes commands, options, names of examples and files.
+
+    \b
+    bash  echo 'eval "$(mecano completion bash)"' >> ~/.bashrc
+    zsh   echo 'eval "$(mecano completion zsh)"' >> ~/.zshrc
+    fish  mecano completion fish > ~/.config/fish/completions/mecano.fish
+    """
+    commands = context.find_root().command
+    show(get_completion_class(shell)(commands, {}, "mecano", "_MECANO_COMPLETE").source())
