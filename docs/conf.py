@@ -10,12 +10,15 @@ import formulas  # noqa: E402
 import pages  # noqa: E402
 
 project = "mecano"
+author = "mecano developers"
 extensions = ["myst_parser"]
 exclude_patterns = ["site"]
 myst_heading_anchors = 3
+myst_enable_extensions = ["deflist"]
 myst_fence_as_directive = ["math"]  # as GitHub writes displayed formulas
 smartquotes = False  # two apostrophes are a second derivative
 highlight_language = "none"
+man_pages = [("generated/commands", "mecano", "simulate flexible mechanisms", author, 1)]
 html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = "mecano"

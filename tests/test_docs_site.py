@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from verification import Verify
 
+from mecano.cli import commands
 from mecano.elements import KINDS
 
 ROOT = Path(__file__).parent.parent
@@ -68,3 +69,11 @@ def test_a_number_beyond_its_tolerance_fails_and_is_told():
     with pytest.raises(AssertionError, match="speed"):
         Verify(told)("Rolling", "speed", 1.1, 1.0, "closed form", relative=0.01)
     assert told[0][1]["error"] == pytest.approx(0.1)
+
+
+def test_every_command_and_option_is_on_the_page_of_commands(site):
+    page = (site / "generated" / "commands.html").read_text(encoding="utf-8")
+    for name, command in commands.commands.items():
+        assert f">mecano {name}<" in page
+        options = [param for param in command.params if param.param_type_name == "option"]
+        assert all(name in page for option in options for name in option.opts)

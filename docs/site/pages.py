@@ -1,5 +1,6 @@
-"""The pages that are not written by hand: reference, example decks, verification."""
+"""The pages that are not written by hand: commands, reference, example decks, verification."""
 
+import commands
 import decks
 import reference
 import verification
@@ -8,7 +9,12 @@ import verification
 def write(folder):
     """Write all of them into a folder; files that are right already stay untouched, for the sake of quick builds."""
     known = decks.decks()
-    made = {**reference.pages(known), "decks.md": decks.page(known), **verification.pages()}
+    made = {
+        **reference.pages(known),
+        "decks.md": decks.page(known),
+        "commands.md": commands.page(),
+        **verification.pages(),
+    }
     for path, content in made.items():
         _write(folder / path, content.encode() if isinstance(content, str) else content)
     for old in folder.rglob("*.*"):
