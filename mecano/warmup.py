@@ -11,10 +11,10 @@ from mecano.compiled import store
 from mecano.contract import Kind
 from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.dynamic_run import run
 from mecano.errors import ResultsError
 from mecano.model.loops import PURPOSES, loop_of
 from mecano.prepare import prepare
-from mecano.run import run
 from mecano.static_run import run as run_static
 
 STEPS = 3

@@ -10,8 +10,8 @@ from marching import deck, input_deck
 
 import mecano
 from mecano import keeper
+from mecano.dynamic_run import resume
 from mecano.interrupt import Interruption, stopped_by
-from mecano.run import resume
 
 SWING = """\
 mecano: 1

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from mecano import open_results
 from mecano.deck.read import read_deck
-from mecano.run import run
+from mecano.dynamic_run import run
 from mecano.study.outputs import Output
 
 CASES = Path(__file__).parent / "cases"

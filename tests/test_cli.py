@@ -217,12 +217,12 @@ class TestRun:
         assert process.returncode == 6 and b"not finite" in err and b"Traceback" not in err
 
     def test_out_of_memory(self, call, folder, monkeypatch):
-        import mecano.run
+        import mecano.dynamic_run
 
         def greedy(*arguments, **options):
             raise MemoryError
 
-        monkeypatch.setattr(mecano.run, "run", greedy)
+        monkeypatch.setattr(mecano.dynamic_run, "run", greedy)
         code, _, err = call("run", "deck.yaml", "-q")
         assert code == 7 and err.startswith("mecano: out of memory; ")
 
@@ -238,7 +238,7 @@ class TestRun:
         assert megabytes > 200 or ended.stderr.startswith("mecano: out of memory; ")
 
     def test_a_bug_is_not_hidden(self, folder):
-        code = "import mecano.run; mecano.run.run = lambda *a, **k: 1 / 0; from mecano.cli import main; main()"
+        code = "from mecano import cli, dynamic_run; dynamic_run.run = lambda *a, **k: 1 / 0; cli.main()"
         ended = subprocess.run([sys.executable, "-c", code, "run", "deck.yaml", "-q"], capture_output=True, text=True)
         assert ended.returncode == 1
         assert ended.stderr.startswith("Traceback") and ended.stderr.endswith("ZeroDivisionError: division by zero\n")

@@ -30,7 +30,7 @@ def test_starters_run(name, tmp_path):
     if deck.values["static"]:
         from mecano.static_run import run
     else:
-        from mecano.run import run
+        from mecano.dynamic_run import run
     run(read_deck(path, short), str(results))
     with mecano.open_results(results) as found:
         assert found.status == "complete"

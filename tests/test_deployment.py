@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from marching import deck, input_deck
 
+from mecano.dynamic_run import run
 from mecano.errors import ConvergenceError
 from mecano.post import pictures
 from mecano.post.deployment import deployment_sheet, margin_told
@@ -14,7 +15,6 @@ from mecano.post.info import info
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
 from mecano.results.reader import open_results
-from mecano.run import run
 
 
 @pytest.fixture(scope="module")

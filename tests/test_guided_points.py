@@ -7,10 +7,10 @@ from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 from static_solution import Equilibrium
 
+from mecano.dynamic_run import run
 from mecano.elements import KINDS
 from mecano.elements.guiding_curve import nearest
 from mecano.errors import ConvergenceError
-from mecano.run import run
 
 G = 9.81
 

@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import pytest
 from marching import deck
 
+from mecano.dynamic_run import run
 from mecano.post.animation import animate
 from mecano.post.pictures import post
 from mecano.post.report_page import write_report
-from mecano.run import run
 
 TITLE = """<!--<script>alert(1)</script> "a" & 'b' $\\frac{x$ </title><marquee onload=x> --> ]]>"""
 NAME = "<i>&<i>.h5"  # of the file; those of a deck cannot have such letters

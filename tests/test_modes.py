@@ -430,7 +430,7 @@ def test_buckling_by_modes():
 
 def test_about_a_saved_time(tmp_path):
     """A pendulum that passes the angle theta from the vertical: s^2 = -(g/L) cos(theta), at any speed."""
-    from mecano.run import run
+    from mecano.dynamic_run import run
 
     pendulum = input_deck("pendulum", "time.end=0.4")
     run(pendulum, tmp_path / "p.h5")

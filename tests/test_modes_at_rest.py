@@ -7,9 +7,9 @@ from equilibria import arm
 from marching import deck
 
 from mecano.cli import commands
+from mecano.dynamic_run import run
 from mecano.errors import ConvergenceError, UsageError
 from mecano.modes_run import about, modes
-from mecano.run import run
 from mecano.static_run import run as run_static
 
 FOLDED = 0.9 * np.pi

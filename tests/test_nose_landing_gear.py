@@ -11,10 +11,10 @@ from marching import March, input_deck
 from planar_gear import PlanarGear
 
 import mecano
+from mecano.dynamic_run import run
 from mecano.post.drop_test import drop_sheet, efficiency, spin_up_and_spring_back
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
-from mecano.run import run
 
 SLIP_REGULARIZATION = 0.1  # m/s, of the deck
 WAVE = 80.0 / 60.0  # s

@@ -34,12 +34,12 @@ from surviving import (
 
 import mecano
 from mecano import keeper
+from mecano.dynamic_run import resume, run
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
 from mecano.post.info import info
 from mecano.results.disk import Disk
 from mecano.results.verify import verify
-from mecano.run import resume, run
 
 
 @pytest.fixture(scope="module", params=decks())
@@ -141,7 +141,7 @@ def test_a_resumed_run_that_cannot_begin_leaves_its_file_closed(tmp_path, monkey
     def fail(*_):
         raise AssemblyError("no way to begin")
 
-    monkeypatch.setattr("mecano.run.prepare", fail)
+    monkeypatch.setattr("mecano.dynamic_run.prepare", fail)
     with pytest.raises(AssemblyError):
         resume(deck, path)
     h5py.File(path, "r+").close()  # which HDF5 refuses while this process reads it

@@ -7,7 +7,7 @@ import pytest
 from marching import deck
 
 from mecano import open_results
-from mecano.run import run
+from mecano.dynamic_run import run
 from mecano.solve.ringing import RingingWatch
 
 OSCILLATOR = """

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from marching import March, deck, input_deck
 
+from mecano.dynamic_run import run
 from mecano.prepare import march_of, prepare
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
-from mecano.run import run
 from mecano.snapshot import state_at
 from mecano.solve.complementarity import solve_complementarity
 from mecano.solve.run_state import from_plain, to_plain

@@ -5,7 +5,7 @@ from collections import Counter
 
 from marching import input_deck
 
-from mecano.run import run
+from mecano.dynamic_run import run
 from mecano.solve.march import March
 
 MOST = 160  # calls of Python's functions and of built-in ones for each step; 157 in Python 3.11

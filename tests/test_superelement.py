@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from mecano.deck.build import build, set_velocities
 from mecano.deck.read import deck_of_bytes
+from mecano.dynamic_run import run
 from mecano.elements.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
@@ -19,7 +20,6 @@ from mecano.post.recovered import recover
 from mecano.reduce_run import part_of, reduce_part
 from mecano.results.modes_file import read_modes
 from mecano.results.reader import open_results
-from mecano.run import run
 from mecano.solve.linearize import linearize
 from mecano.solve.reduction import reduce
 from mecano.static_run import run as run_static

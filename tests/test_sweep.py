@@ -123,8 +123,8 @@ def test_cornering_tyre():
 
 
 def test_a_march_from_steady_running_stays_there(tmp_path):
+    from mecano.dynamic_run import run
     from mecano.results.reader import open_results
-    from mecano.run import run
 
     run(input_deck("caster_shimmy", "parameters.swing=0", "time.end=0.05"), tmp_path / "s.h5")
     with open_results(tmp_path / "s.h5") as results:

@@ -43,7 +43,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     progress.announce_compiling()
     from importlib import import_module
 
-    runs = import_module("mecano.static_run" if static else "mecano.run")
+    runs = import_module("mecano.static_run" if static else "mecano.dynamic_run")
     solve = runs.resume if resume else partial(runs.run, force=force)
     told = {} if static else {"interruption": interruption}
     if interval is not None:

@@ -27,9 +27,9 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from surviving import check_same, contents, decks, ended, forked, listening_resume, long_deck
 
 from mecano import open_results
+from mecano.dynamic_run import run
 from mecano.interrupt import EXIT_CODES
 from mecano.results.verify import verify
-from mecano.run import run
 
 INTERVAL = 0.005  # s between checkpoints
 MOST = 3  # times that one run is ended

@@ -182,8 +182,8 @@ def subjects(folder):
     from surviving import ended, forked, keeper
 
     from mecano.deck.read import read_deck
+    from mecano.dynamic_run import run
     from mecano.modes_run import modes
-    from mecano.run import run
 
     made = Path(folder) / "made"
     made.mkdir()

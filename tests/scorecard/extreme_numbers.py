@@ -111,8 +111,8 @@ def not_finite(found):
 def injected(name, place, folder):
     """From some step on a number in the record of an element is NaN: the run ends with its name, or does not mind."""
     from mecano.deck.read import read_deck
+    from mecano.dynamic_run import run
     from mecano.errors import MecanoError
-    from mecano.run import run
 
     rng = random.Random(place)
     (folder / "deck.yaml").write_text((INPUTS / f"{name}.yaml").read_text())
