@@ -21,7 +21,7 @@ def path(tmp_path_factory):
     return every_kind.write(tmp_path_factory.mktemp("film") / "each.h5", kinds=SHOWN)
 
 
-@pytest.mark.parametrize("ending", [".gif", ".mp4"])
+@pytest.mark.parametrize("ending", [".gif", ".webp", ".mp4"])
 def test_frames_show_the_motion(path, tmp_path, monkeypatch, ending):
     """The frames of a film differ, and the colour of the stress is in them."""
     monkeypatch.setattr(film, "FRAMES", 4)
@@ -55,7 +55,7 @@ def test_a_program_for_films_that_fails_is_an_error_with_its_words(path, tmp_pat
 def test_what_cannot_be_filmed_is_told(path, tmp_path, monkeypatch):
     with pytest.raises(UsageError, match="a film has no plots"):
         animate(path, tmp_path / "a.gif", ["one_beam.stress"])
-    with pytest.raises(UsageError, match="ends with .html, .gif or .mp4"):
+    with pytest.raises(UsageError, match="ends with .html, .gif or .webp or .mp4"):
         animate(path, tmp_path / "a.avi")
     with pytest.raises(ResultsError, match="cannot make the folder /proc/films: "):
         animate(path, "/proc/films/a.gif")

@@ -25,7 +25,7 @@ from mecano.commands import show
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
-    help="Write a page that plays the motion; or a film, .gif or .mp4.",
+    help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):

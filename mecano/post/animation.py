@@ -21,7 +21,7 @@ from mecano.post.sheets import default_sheets, overview
 from mecano.results.whole_file import appearing, make_folder
 
 MOST_FRAMES = 600
-FILMS = (".gif", ".mp4")
+FILMS = (".gif", ".webp", ".mp4")
 MOST_PLOTS = 4
 STEPS_OF_ROUNDING = 65535
 

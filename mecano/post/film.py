@@ -1,4 +1,4 @@
-"""A motion as a moving picture, GIF or MP4: the mechanism as lines, seen from a fixed direction."""
+"""A motion as a moving picture, GIF, WebP or MP4: the mechanism as lines, seen from a fixed direction."""
 
 import subprocess
 from pathlib import Path
@@ -18,7 +18,7 @@ from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.wire import view
 from mecano.results.whole_file import appearing, make_folder
 
-WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
 SIZE, DOTS = (8.0, 6.0), 90  # inches, per inch
 MARGIN = 1.08
@@ -28,7 +28,7 @@ COLOURS = "viridis"
 
 
 def film(path, target, title=None):
-    """Write the film ``target`` (.gif or .mp4) of the results file ``path``; the Path written.
+    """Write the film ``target`` (.gif, .webp or .mp4) of the results file ``path``; the Path written.
 
     Lines have the colour of the stress, or else of the axial force, where the file has it.
 
