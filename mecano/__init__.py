@@ -1,14 +1,39 @@
 """mecano: flexible multibody dynamics by finite elements.
 
-``mecano.open_results(path)`` reads a results file; everything else is used through the command line.
+``run``, ``check``, ``modes`` and ``sweep`` are the commands of the same names; ``Deck`` is a deck of plain Python
+objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file. ``MecanoError`` is
+what all of them raise.
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mecano.errors import DeckError, MecanoError
+    from mecano.interface.deck import Deck
+    from mecano.interface.results import Results, open_results
+    from mecano.interface.simulation import Simulation
+    from mecano.interface.solving import check, modes, run, sweep
 
 __version__ = "0.1.0"
 
+_MODULES = {  # imported when the name is used first: `mecano --help` is not to wait for them
+    "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
+    "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
+    "check": "mecano.interface.solving", "modes": "mecano.interface.solving",
+    "open_results": "mecano.interface.results", "run": "mecano.interface.solving", "sweep": "mecano.interface.solving",
+}  # fmt: skip
+
+__all__ = [
+    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "modes", "open_results", "run", "sweep",
+]  # fmt: skip
+
 
 def __getattr__(name):
-    if name == "open_results":
-        from mecano.results.reader import open_results
-
-        return open_results
+    if name in _MODULES:
+        return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module 'mecano' has no attribute '{name}'")
+
+
+def __dir__():
+    return [*__all__, "__version__"]

@@ -1,6 +1,6 @@
 """One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
 
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import partial
 
 from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
@@ -29,13 +29,22 @@ def run(
     Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
     start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
     """
+    with begun(deck, path, force, observers, announce, interruption, interval) as ongoing:
+        return ongoing.to_the_end()
+
+
+@contextmanager
+def begun(deck, path, force, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+    """Bring a checked deck to its start and open its results file; gives the Ongoing run. Arguments as of ``run``."""
     with locked(path):
         _refuse_existing(path, force)
-        return _from_the_start(deck, path, force, observers, announce, interruption, interval)
+        with _from_the_start(deck, path, force, observers, announce, interruption, interval) as ongoing:
+            yield ongoing
 
 
+@contextmanager
 def _from_the_start(deck, path, force, observers, announce, interruption, interval):
-    """``run`` while no other process writes the file."""
+    """``begun`` while no other process writes the file."""
     prepared = prepare(deck)
     found = abandonable(bring_to_start, prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -48,9 +57,7 @@ def _from_the_start(deck, path, force, observers, announce, interruption, interv
             announce(text)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.first(start)
-        march.pause = keeper = Keeper(march, recorder, interruption, interval)
-        recorder.look = keeper.look
-        return _to_the_end(deck, start, march, recorder, observers, announce, notes)
+        yield Ongoing(deck, start, march, recorder, observers, announce, notes, interruption, interval)
 
 
 def _refuse_existing(path, force):
@@ -90,7 +97,8 @@ def _resume(deck, path, *around):
     """``resume`` while no other process writes the file."""
     observers, announce, interruption, interval = around
     if not exists(path):
-        return _from_the_start(deck, path, False, *around)
+        with _from_the_start(deck, path, False, *around) as ongoing:
+            return ongoing.to_the_end()
     from mecano.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
     from mecano.results.verify import verify
 
@@ -104,7 +112,8 @@ def _resume(deck, path, *around):
         announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")
-    return _from_the_start(deck, path, True, *around)
+    with _from_the_start(deck, path, True, *around) as ongoing:
+        return ongoing.to_the_end()
 
 
 def _go_on(deck, left, observers, announce, interruption, interval):
@@ -121,9 +130,9 @@ def _go_on(deck, left, observers, announce, interruption, interval):
         announce(note)
         recorder = Recorder(prepared, writer, sampler, march.control)
         recorder.from_plain(recorded)
-        march.pause = keeper = Keeper(march, recorder, interruption, interval)
-        recorder.look = keeper.look
-        return _to_the_end(deck, start, march, recorder, observers, announce, left.remarks)
+        return Ongoing(
+            deck, start, march, recorder, observers, announce, left.remarks, interruption, interval
+        ).to_the_end()
 
 
 def layout_of(sampler):
@@ -138,25 +147,52 @@ def _source(deck, automatic, model, notes):
     )  # fmt: skip
 
 
-def _to_the_end(deck, start, march, recorder, observers, announce, notes):
-    """March to the end of the deck, and close the file of the recorder; returns the final RunState.
+class Ongoing:
+    """A run whose results file is open; ``state`` is the RunState where it stands.
 
     A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
     """
-    values, writer = deck.values["time"], recorder.writer
-    march.observers, march.restarted = (recorder, *observers), recorder.restarted
-    sampler = recorder.sampler
-    try:
-        final = march.to(values["end"], start)
-    except (ConvergenceError, NonFiniteError) as error:
-        known = [*notes, *march.remarks, *exceeded(deck, sampler, writer.extremes)]
-        latches = open_latches(deck, recorder.row, sampler)
-        raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
-    warnings = [*march.remarks, *cut_short(values, march.cuts, final), *exceeded(deck, sampler, writer.extremes)]
-    warnings += open_latches(deck, recorder.row, sampler)
-    warnings += unbalanced(values, sampler, writer.extremes)
-    warnings += unresolved(values, sampler, recorder.ringing)
-    for text in warnings:
-        announce(text)
-    writer.close("complete", "; ".join(["the end was reached", *warnings]))
-    return final
+
+    def __init__(self, deck, start, march, recorder, observers, announce, notes, interruption, interval):
+        self.deck, self.state, self.march, self.recorder = deck, start, march, recorder
+        self._announce, self._notes = announce, notes
+        self._keeper = march.pause = Keeper(march, recorder, interruption, interval)
+        recorder.look = self._keeper.look
+        march.observers, march.restarted = (recorder, *observers), recorder.restarted
+
+    def advance(self, t):
+        """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
+        deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
+        try:
+            self.state = self.march.to(t, self.state)
+        except (ConvergenceError, NonFiniteError) as error:
+            known = [*self._notes, *self.march.remarks, *exceeded(deck, sampler, recorder.writer.extremes)]
+            latches = open_latches(deck, recorder.row, sampler)
+            raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
+
+    def to_the_end(self):
+        """March to the end of the deck, and close the file; returns the final RunState."""
+        self.advance(self.deck.values["time"]["end"])
+        self._complete()
+        return self.state
+
+    def _complete(self):
+        deck, march, writer, sampler = self.deck, self.march, self.recorder.writer, self.recorder.sampler
+        values = deck.values["time"]
+        warnings = [*march.remarks, *cut_short(values, march.cuts, self.state)]
+        warnings += exceeded(deck, sampler, writer.extremes)
+        warnings += open_latches(deck, self.recorder.row, sampler)
+        warnings += unbalanced(values, sampler, writer.extremes)
+        warnings += unresolved(values, sampler, self.recorder.ringing)
+        for text in warnings:
+            self._announce(text)
+        writer.close("complete", "; ".join(["the end was reached", *warnings]))
+
+    def leave(self):
+        """Close the file: complete at the end of the deck, before it with a checkpoint to resume from."""
+        t = self.state.motion.t
+        if t >= self.deck.values["time"]["end"]:
+            self._complete()
+            return
+        self._keeper.keep(self.state)
+        self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")

@@ -20,12 +20,16 @@ INDENT = " " * 17
 
 
 def summary(deck, every=False):
-    """The summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled.
+    """Return the summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled.
 
     Of many free unknowns and mechanisms the first only, unless ``every`` one is asked for.
     """
-    prepared = prepare(deck)
-    system, analysis = prepared.system, prepared.analysis
+    return summary_of(prepare(deck), every)
+
+
+def summary_of(prepared, every=False):
+    """Return the summary of a Prepared model, as ``summary``."""
+    system, analysis, deck = prepared.system, prepared.analysis, prepared.deck
     values = deck.values
     lines = [
         f"{deck.file}: {values['title'] or 'no title'}",

@@ -261,7 +261,7 @@ def test_options_that_pages_cannot_have(call, words, message):
 
 def test_equilibria_have_no_checkpoints(call, folder):
     code, _, err = call("run", "deck.yaml", "-q", "--checkpoint", "5", "--set", "static.end=1", "--set", "time=null")
-    assert code == 2 and "--checkpoint: this deck asks for equilibria ('static'), which have no checkpoints" in err
+    assert code == 2 and "checkpoint: this deck asks for equilibria ('static'), which have no checkpoints" in err
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
 
 

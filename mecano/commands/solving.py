@@ -1,7 +1,6 @@
 """Commands that solve decks."""
 
 import os
-from functools import partial
 
 import click
 
@@ -32,25 +31,11 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
     interruption = Interruption(seconds(limit) if limit else None, again())
     interruption.listen()
     from mecano.deck.read import read_deck
-    from mecano.progress import Progress, StaticProgress
+    from mecano.interface.solve import solve
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
-    static = checked.values["static"]
-    if static and interval is not None:
-        raise click.UsageError("--checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
-    progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
-    progress.announce_compiling()
-    from importlib import import_module
-
-    runs = import_module("mecano.static_run" if static else "mecano.dynamic_run")
-    solve = runs.resume if resume else partial(runs.run, force=force)
-    told = {} if static else {"interruption": interruption}
-    if interval is not None:
-        told["interval"] = interval
-    final = solve(checked, path, observers=(progress,), announce=progress.note, **told)
-    if final is not None:
-        progress.done(final)
+    solve(checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption)
 
 
 @click.command()

@@ -58,11 +58,11 @@ def compile_first(deck, announce=lambda text: None):
             raise
 
 
-def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None):
+def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None, resume_by=""):
     """Let ``run_cases(folder, cases, ended)`` run cases (``run_here``), and write the table; returns the Table.
 
     ``units`` are those of what is varied (units.py). ``progress(done, total, text)`` is told of every case. Raises
-    Stopped where a signal ends the study.
+    Stopped where a signal ends the study; it says how to resume: ``resume_by``, or the command of this process.
     """
     table, failed = Table(folder, units), []
 
@@ -77,7 +77,7 @@ def perform(folder, units, cases, run_cases, progress=lambda done, total, text: 
     done = len(table.records)
     table.written()
     if number is not None:
-        raise Stopped(number, f" after {done} of {len(cases)} cases; go on with: {again()}")
+        raise Stopped(number, f" after {done} of {len(cases)} cases; go on with: {resume_by or again()}")
     return table
 
 

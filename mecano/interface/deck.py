@@ -1,0 +1,162 @@
+"""A deck as plain Python objects, with the checks and errors of the text that it stands for."""
+
+import os
+from collections.abc import MutableMapping
+from contextlib import contextmanager
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from mecano.deck.check import VERSION
+from mecano.deck.compose import compose
+from mecano.deck.format import deck_error_text
+from mecano.deck.new import write_text
+from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.deck.scalar import resolved
+from mecano.deck.source import Unreadable, read_source
+from mecano.errors import DeckError, Mark, Problem
+
+WIDTH = 110
+
+
+class Deck(MutableMapping):
+    """A deck whose sections are dicts, lists, numbers and texts, as YAML has them; units and expressions are texts.
+
+    It is checked when it is used. The places in errors are those of its ``text``.
+
+    Parameters
+    ----------
+    sections : mapping
+        Sections by name; the version ``mecano: 1`` may be left out.
+    folder : str or Path
+        Where files that the deck names are looked for.
+    name : str
+        Of results files, where no other is given.
+
+    Examples
+    --------
+    >>> deck = mecano.Deck.read("pendulum.yaml")
+    >>> deck["elements"]["bar"]["mass"] = "2 kg"
+    >>> deck["time"]["end"] = 0.5
+    >>> mecano.check(deck).mass
+    2.0
+    """
+
+    def __init__(self, sections=(), *, folder="", name="deck"):
+        self.folder, self.name = os.fspath(folder), name
+        self._sections = {"mecano": VERSION, **dict(sections)}
+
+    @classmethod
+    def read(cls, path):
+        """Read a deck from a file, without its comments. Raises DeckError where it is no YAML."""
+        path, problems = Path(path), []
+        with explained():
+            try:
+                root = compose(read_source(path)[0], problems)
+            except Unreadable as error:
+                raise DeckError([Problem(f"the deck cannot be read: {error}", Mark(str(path), 1, 1))]) from None
+            if problems or root is None or type(root.value) is not dict:
+                deck_of_bytes(path.read_bytes(), str(path))  # raises, in the words of the command line
+        return cls(_plain(root), folder=path.parent, name=path.stem)
+
+    def __getitem__(self, section):
+        return self._sections[section]
+
+    def __setitem__(self, section, value):
+        self._sections[section] = value
+
+    def __delitem__(self, section):
+        del self._sections[section]
+
+    def __iter__(self):
+        return iter(self._sections)
+
+    def __len__(self):
+        return len(self._sections)
+
+    def __repr__(self):
+        return f"Deck {self.name!r}: {', '.join(self._sections)}"
+
+    def copy(self):
+        """Return a deck that can be changed by itself."""
+        return Deck(deepcopy(self._sections), folder=self.folder, name=self.name)
+
+    @property
+    def text(self):
+        """The deck as YAML. Raises TypeError for objects that are no part of it."""
+        try:
+            return yaml.dump(
+                self._sections, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=WIDTH,
+                allow_unicode=True,
+            )  # fmt: skip
+        except yaml.representer.RepresenterError as error:
+            raise TypeError(
+                f"a deck holds dicts, lists, numbers and texts, not {type(error.args[-1]).__name__}"
+            ) from None
+
+    def save(self, path, *, replace=False):
+        """Write the text into a file. Raises UsageError where it exists and is not to be replaced, ResultsError."""
+        write_text(path, self.text, replace)
+
+
+def checked_deck(deck, overrides):
+    """Return the checked deck of a path or Deck; ``overrides`` {"path.to.key": value}. Raises DeckError."""
+    texts = _override_texts(overrides)
+    with explained():
+        if isinstance(deck, Deck):
+            file = os.path.join(deck.folder, f"<{deck.name}>")
+            return deck_of_bytes(deck.text.encode(), file, overrides=texts)
+        return read_deck(os.fspath(deck), texts)
+
+
+def _override_texts(overrides):
+    """Overrides as `mecano run --set` takes them."""
+    return tuple(f"{path}={_in_one_line(value)}" for path, value in (overrides or {}).items())
+
+
+def _in_one_line(value):
+    text = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=np.inf, allow_unicode=True)
+    return text.removesuffix("...\n").strip()  # the end of a document behind a single value
+
+
+def name_of(deck):
+    """Return the name that results files of a path or Deck begin with."""
+    return deck.name if isinstance(deck, Deck) else Path(deck).stem
+
+
+@contextmanager
+def explained():
+    """Give a DeckError the text that the command line prints: lines of the deck, carets, suggestions."""
+    try:
+        yield
+    except DeckError as error:
+        error.args = ("\n" + deck_error_text(error),)
+        raise
+
+
+def _plain(node):
+    if type(node.value) is dict:
+        return {key: _plain(child) for key, (_, child) in node.value.items()}
+    if type(node.value) is list:
+        return [_plain(child) for child in node.value]
+    return node.value
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes what the composer of decks reads to the same values, without aliases."""
+
+    def ignore_aliases(self, data):
+        return True
+
+
+def _text(dumper, value):
+    style = None if resolved(value) == value else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
+
+
+_Dumper.add_representer(str, _text)
+_Dumper.add_representer(np.ndarray, lambda dumper, value: dumper.represent_data(value.tolist()))
+_Dumper.add_multi_representer(np.generic, lambda dumper, value: dumper.represent_data(value.item()))
+_Dumper.add_multi_representer(os.PathLike, lambda dumper, value: dumper.represent_data(os.fspath(value)))

@@ -1,0 +1,149 @@
+"""Results for programs and notebooks: tables of other libraries, pictures, a summary in HTML."""
+
+from dataclasses import replace
+from html import escape
+from importlib import import_module
+from io import BytesIO
+
+from mecano.errors import UsageError
+from mecano.results import reader
+from mecano.results.layout import AXES
+
+
+class Results(reader.Results):
+    """What a results file holds, as tables of xarray and pandas, as pictures, and as a summary in a notebook.
+
+    Examples
+    --------
+    >>> results = mecano.run("pendulum.yaml", quiet=True)
+    >>> results.status
+    'complete'
+    >>> angle = results["hinge.angle"]
+    >>> angle.unit, len(angle.time)
+    ('rad', 201)
+    >>> round(results.extremes["joints/hinge/angle"].maximum, 4)
+    3.1416
+    """
+
+    def to_xarray(self, pattern="*"):
+        """Return a Dataset of the saved times, of all outputs or those of a pattern such as "wheel.*".
+
+        Every variable has its unit and meaning as the attributes ``units`` and ``long_name``. Raises ImportError
+        without xarray.
+        """
+        xarray = imported("xarray", "Results.to_xarray")
+        variables = {}
+        for path in self.names(pattern):
+            trace, shape = self.find(path), self.series[path].shape
+            attributes = {"units": trace.unit, "long_name": trace.doc}
+            variables[_dotted(path)] = (self._dimensions(shape), trace.values, attributes)
+        coordinates = {self.axis.path.replace(" ", "_"): ((self._dimension,), self.time, {"units": self.axis.unit})}
+        widths = {variables[name][1].shape[1] for name in variables if variables[name][1].ndim == 2}
+        coordinates |= {"".join(AXES[width]): list(AXES[width]) for width in widths & AXES.keys()}
+        attributes = {"title": self.metadata["title"], "status": self.status, "mecano": self.metadata["version_mecano"]}
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    @property
+    def _dimension(self):
+        return self.axis.path.replace(" ", "_")
+
+    def _dimensions(self, shape):
+        """Names of the dimensions of a series, as in the file."""
+        if len(shape) == 1 and shape[0] in AXES:
+            return (self._dimension, "".join(AXES[shape[0]]))
+        return (self._dimension, *(f"index{i or ''}_{size}" for i, size in zip((0, 2, 3), shape, strict=False)))
+
+    def to_pandas(self, pattern="*"):
+        """Return a DataFrame of the saved times: a column for every number, of all outputs or those of a pattern.
+
+        ``frame.attrs["units"]`` has the unit of each column. Raises ImportError without pandas.
+        """
+        pandas = imported("pandas", "Results.to_pandas")
+        columns, units = {}, {}
+        for path in self.names(pattern):
+            trace, series = self.find(path), self.series[path]
+            numbers = trace.values.reshape(len(self.time), -1).T
+            columns |= dict(zip(map(_dotted, series.scalars), numbers, strict=True))
+            units |= dict.fromkeys(map(_dotted, series.scalars), series.unit)
+        frame = pandas.DataFrame(columns, index=pandas.Index(self.time, name=self.axis.path))
+        frame.attrs["units"] = units
+        return frame
+
+    def plot(self, *names, title=None):
+        """Draw outputs over time, or over another: "hinge.angle", "a,b" in one panel, "force:stroke".
+
+        Without names the overview of this model. Returns a Plot, which a notebook shows. Raises UnknownNameError,
+        UsageError.
+        """
+        from mecano.post.figure import overview_figure, sheet_figure
+        from mecano.post.info import one_line
+        from mecano.post.pictures import asked_sheets
+        from mecano.post.runs import Run
+        from mecano.post.sheet import Panel
+        from mecano.post.sheets import default_sheets, overview
+
+        run = Run(self)
+        heading = title or run.title
+        if not names:
+            sheets = default_sheets([run])
+            if not sheets:
+                raise UsageError("nothing moves and no force acts in these results; ask for a plot by name")
+            return Plot(overview_figure(overview(sheets), heading, one_line([run])))
+        sheets = asked_sheets(names, (), [run])
+        panels = tuple(panel for sheet in sheets for panel in sheet.panels if isinstance(panel, Panel))
+        return Plot(sheet_figure(replace(sheets[0], panels=panels, heading=", ".join(names)), heading))
+
+    def __repr__(self):
+        return f"Results {str(self.path)!r}: {self.status}, {len(self.time)} saved times, {len(self.names())} outputs"
+
+    def _repr_html_(self):
+        """Return the summary that notebooks show: how the run went, and where it comes from."""
+        from mecano.post.info import facts
+
+        rows = [("status", f"{self.status}: {self.reason}" if self.reason else self.status), *facts(self)]
+        cells = "".join(
+            f'<tr><th style="text-align:left">{escape(label)}</th><td style="text-align:left">{escape(text)}</td></tr>'
+            for label, text in rows
+        )
+        return f"<table><caption>{escape(str(self.path))}</caption>{cells}</table>"
+
+
+class Plot:
+    """A picture, which notebooks show; ``figure`` is the Figure of matplotlib."""
+
+    def __init__(self, figure):
+        self.figure = figure
+
+    def save(self, path):
+        """Write the picture; the ending of the name is its format, .png, .svg or .pdf for instance."""
+        self._write(path)
+
+    def _repr_png_(self):
+        stream = BytesIO()
+        self._write(stream, format="png")
+        return stream.getvalue()
+
+    def _write(self, target, **options):
+        import matplotlib
+
+        from mecano.post.style import SETTINGS
+
+        with matplotlib.rc_context(SETTINGS):
+            self.figure.savefig(target, **options)
+
+
+def open_results(path):
+    """Open a results file for reading; the Results, which a `with` block closes. Raises ResultsError."""
+    return Results(path)
+
+
+def _dotted(path):
+    return path.replace("/", ".")
+
+
+def imported(library, method):
+    """Return an optional library. Raises ImportError that says how to install it."""
+    try:
+        return import_module(library)
+    except ImportError as error:
+        raise ImportError(f"{method} needs {library}: pip install {library}") from error

@@ -1,0 +1,121 @@
+"""A run that Python advances step by step."""
+
+import os
+from contextlib import ExitStack
+
+from mecano.dynamic_run import begun, layout_of
+from mecano.errors import UsageError
+from mecano.interface.deck import checked_deck, name_of
+from mecano.interface.results import Results
+from mecano.interface.solving import interruptible
+from mecano.interrupt import Interruption
+from mecano.results.lookup import Lookup
+
+
+class Simulation:
+    """A dynamic run that is advanced in a ``with`` block; what it saves goes into a results file, as in ``mecano.run``.
+
+    Each ``advance`` ends a step at its time, so one that is no multiple of a fixed step adds a shorter one. The block
+    closes the file: complete at the end of the deck, before it with a checkpoint, from which ``mecano.run(...,
+    resume=True)`` continues. Ctrl-C in ``advance`` does the same, and raises KeyboardInterrupt.
+
+    Parameters
+    ----------
+    deck : str, Path or Deck
+    path : str or Path
+        Results file; by default the name of the deck with .h5, in the working folder.
+    set : dict
+        Values put into the deck.
+    force : bool
+        Replace an existing results file.
+
+    Raises
+    ------
+    DeckError, AssemblyError, ResultsError
+        As ``mecano.run``, when the block begins.
+    UsageError
+        The deck asks for equilibria.
+
+    Examples
+    --------
+    >>> with mecano.Simulation("pendulum.yaml", force=True) as s:
+    ...     while s["hinge.angle"] < 1.0:
+    ...         s.advance(0.01)
+    >>> round(s.time, 2)
+    0.46
+    >>> s.results().status
+    'stopped'
+    """
+
+    def __init__(self, deck, path=None, *, set=None, force=False):
+        self._checked = checked_deck(deck, set)
+        if self._checked.values["static"]:
+            raise UsageError("a Simulation has a course in time, and this deck asks for equilibria: mecano.run")
+        self.path = os.fspath(path or f"{name_of(deck)}.h5")
+        self._force, self._open, self._run = force, ExitStack(), None
+        self._interruption = Interruption(again=f"mecano.run(deck, {self.path!r}, resume=True)")
+
+    def __enter__(self):
+        self._run = self._open.enter_context(
+            begun(self._checked, self.path, self._force, interruption=self._interruption)
+        )
+        columns = self._run.recorder.sampler.columns
+        self._starts = {column.path: column.start for column in columns}
+        self._lookup = Lookup(layout_of(self._run.recorder.sampler).series)
+        return self
+
+    def __exit__(self, kind, error, trace):
+        try:
+            if error is None:
+                self._run.leave()
+        except BaseException as failure:
+            self._open.__exit__(type(failure), failure, failure.__traceback__)
+            raise
+        self._open.__exit__(kind, error, trace)
+
+    @property
+    def time(self):
+        """Where the run stands [s]."""
+        return self._started.state.motion.t
+
+    @property
+    def end(self):
+        """End of the deck [s]."""
+        return self._checked.values["time"]["end"]
+
+    def advance(self, duration):
+        """March on for a ``duration`` [s], or to the end of the deck where less is left.
+
+        Raises
+        ------
+        UsageError
+            The duration is not positive, or the end of the deck was reached before.
+        ConvergenceError, NonFiniteError, ResultsError
+            As ``mecano.run``.
+        """
+        if not duration > 0.0:
+            raise UsageError(f"a duration must be greater than zero, got {duration}")
+        if self.time >= self.end:
+            raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
+        with interruptible(self._interruption):
+            self._started.advance(min(self.time + duration, self.end))
+
+    def __getitem__(self, name):
+        """Return an output at the time, by any ending of its path: a number or an array. Raises UnknownNameError."""
+        row = self._started.recorder.row
+        series, component = self._lookup.find(name)
+        start = self._starts[series.path]
+        if component is not None:
+            return float(row[start + component])
+        values = row[start : start + series.width]
+        return values.reshape(series.shape).copy() if series.shape else float(values[0])
+
+    def results(self):
+        """Open what has been saved until now."""
+        return Results(self.path)
+
+    @property
+    def _started(self):
+        if self._run is None:
+            raise UsageError("a Simulation begins in a block: with mecano.Simulation(deck) as s")
+        return self._run

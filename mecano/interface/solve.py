@@ -1,0 +1,24 @@
+"""Solve a checked deck, dynamic or static, with progress on the standard error."""
+
+from functools import partial
+from importlib import import_module
+
+from mecano.errors import UsageError
+from mecano.progress import Progress, StaticProgress
+
+
+def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
+    """Solve a checked deck into the results file ``path``; options and errors as of ``mecano.run``."""
+    static = checked.values["static"]
+    if static and checkpoint is not None:
+        raise UsageError("checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
+    progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
+    progress.announce_compiling()
+    runs = import_module("mecano.static_run" if static else "mecano.dynamic_run")
+    begin = runs.resume if resume else partial(runs.run, force=force)
+    options = {} if static else {"interruption": interruption}
+    if checkpoint is not None:
+        options["interval"] = checkpoint
+    final = begin(checked, path, observers=(progress,), announce=progress.note, **options)
+    if final is not None:
+        progress.done(final)

@@ -1,0 +1,279 @@
+"""Solve decks and studies from Python, with progress on the standard error; Ctrl-C leaves a checkpoint."""
+
+import os
+import signal
+import sys
+import threading
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from mecano.errors import UsageError
+from mecano.interface.deck import Deck, checked_deck, explained, name_of
+from mecano.interface.results import Results
+from mecano.interface.solve import solve
+from mecano.interrupt import Interruption
+
+
+def run(deck, path=None, *, set=None, force=False, resume=False, checkpoint=None, quiet=False):
+    """Solve a deck into a results file, with progress on the standard error, and open it.
+
+    Ctrl-C ends the run with a checkpoint and raises KeyboardInterrupt; ``resume`` continues it to the same bits.
+
+    Parameters
+    ----------
+    deck : str, Path or Deck
+    path : str or Path
+        Results file; by default the name of the deck with .h5, in the working folder.
+    set : dict
+        Values put into the deck, {"time.end": 2}.
+    force : bool
+        Replace an existing results file.
+    resume : bool
+        Continue the results file from its last checkpoint, if there is one.
+    checkpoint : float
+        Wall-clock time between checkpoints [s]; by default 30.
+    quiet : bool
+        Print nothing.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    DeckError
+        The deck is wrong; the text says where, and what would be right.
+    UsageError
+        The options do not go together, or with the deck, or the results file is of another one.
+    MecanoError
+        The run failed: AssemblyError, ConvergenceError, NonFiniteError, ResultsError. The file keeps every saved time.
+
+    Examples
+    --------
+    >>> results = mecano.run("pendulum.yaml", set={"time.end": 0.5}, quiet=True)
+    >>> float(results.time[-1])
+    0.5
+    """
+    if resume and force:
+        raise UsageError("resume=True continues a results file, force=True replaces it")
+    checked = checked_deck(deck, set)
+    path = os.fspath(path or f"{name_of(deck)}.h5")
+    interruption = Interruption(again=f"mecano.run({_shown(deck)}, {path!r}, resume=True)")
+    with interruptible(interruption):
+        solve(checked, path, force=force, resume=resume, checkpoint=checkpoint, quiet=quiet, interruption=interruption)
+    return Results(path)
+
+
+def check(deck, *, set=None):
+    """Check a deck without running it.
+
+    Returns
+    -------
+    Check
+        Its text is what `mecano check` prints.
+
+    Raises
+    ------
+    DeckError, AssemblyError
+
+    Examples
+    --------
+    >>> model = mecano.check("pendulum.yaml")
+    >>> model.mass, model.mobility, model.redundant_constraints
+    (1.0, 1, 0)
+    """
+    from mecano.prepare import model_facts, prepare, warnings_of
+    from mecano.summary import summary_of
+
+    prepared = prepare(checked_deck(deck, set))
+    return Check(**model_facts(prepared), warnings=tuple(warnings_of(prepared)), text=summary_of(prepared))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """What is known of a model before it runs; ``mobility`` is None where it is not computed."""
+
+    mass: float  # [kg]
+    unknowns: int
+    degrees_of_freedom: int
+    multipliers: int
+    redundant_constraints: int
+    mobility: int | None = None
+    warnings: tuple = ()
+    text: str = field(repr=False)
+
+    def __str__(self):
+        return self.text
+
+
+def modes(deck, path=None, *, set=None, at=None, at_rest=False, number=10, frame="inertial", solver="automatic",
+          force=False):  # fmt: skip
+    """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
+
+    Parameters
+    ----------
+    deck : str, Path or Deck
+    path : str or Path
+        File for the shapes; by default none is written.
+    set : dict
+        Values put into the deck.
+    at : str
+        "results.h5:1.25": about the saved state nearest to that time.
+    at_rest : bool
+        About the equilibrium near the state of ``at``.
+    number : int
+        Modes of lowest frequency.
+    frame : str
+        Axes in which the motions are seen: "inertial", a node, or "wx,wy,wz" [rad/s].
+    solver : {"automatic", "dense", "sparse"}
+    force : bool
+        Replace an existing file.
+
+    Returns
+    -------
+    Modes
+
+    Examples
+    --------
+    >>> found = mecano.modes("pendulum.yaml", set={"initial": "static"})
+    >>> float(round(found.frequency[0], 4))  # of a point mass on 1 m: sqrt(9.81)/(2 pi)
+    0.4985
+    """
+    from mecano.modes_run import modes as find
+
+    checked = checked_deck(deck, set)
+    where = None if path is None else os.fspath(path)
+    text, found, about = find(
+        checked, where, at=at, at_rest=at_rest, number=number, frame=frame, method=solver, force=force
+    )
+    return Modes(found.values, found.frequency, found.natural_frequency, found.damping_ratio, tuple(found.kinds),
+                 found.shapes, about.words, text)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes, natural frequencies ascending; of a conjugate pair the one with the positive imaginary part."""
+
+    eigenvalues: np.ndarray  # (m,) complex [1/s]
+    frequency: np.ndarray  # damped (m,) [Hz]
+    natural_frequency: np.ndarray  # (m,) [Hz]
+    damping_ratio: np.ndarray  # (m,)
+    kinds: tuple  # free, oscillation, flutter, decay or divergence
+    shapes: np.ndarray = field(repr=False)  # (m, n) complex, over the degrees of freedom
+    about: str
+    text: str = field(repr=False)  # the table that `mecano modes` prints
+
+    def __str__(self):
+        return self.text
+
+
+def sweep(study, folder=None, *, jobs=None, resume=False, force=False, quiet=False):
+    """Run the cases of a study side by side, each in a process of its own, and read the table of all.
+
+    From the main thread. Ctrl-C ends all cases with checkpoints.
+
+    Parameters
+    ----------
+    study : str or Path
+        Study file.
+    folder : str or Path
+        Of the cases; by default the name of the study with _runs, in the working folder.
+    jobs : int
+        Cases side by side; by default one for each core.
+    resume : bool
+        Run what is not complete and has not failed.
+    force : bool
+        Begin anew, whatever there is.
+    quiet : bool
+        Print nothing.
+
+    Returns
+    -------
+    Study
+        Also where cases have failed: see its column ``status``.
+
+    Raises
+    ------
+    DeckError, UsageError, ResultsError
+    """
+    from mecano.progress import StudyProgress
+    from mecano.results.study_file import read_study as read_table
+    from mecano.study import perform
+    from mecano.study.folder import Folder
+    from mecano.study.pool import Limits, run_here
+    from mecano.study.read import read_study, try_deck
+    from mecano.study.units import units_of
+
+    with explained():
+        checked = read_study(os.fspath(study))
+        deck = try_deck(checked)
+    place = Folder(folder or f"{name_of(study)}_runs", checked)
+    progress = StudyProgress(quiet, place.path)
+    interruption = Interruption(again=f"mecano.sweep({_shown(study)}, {str(place.path)!r}, resume=True)")
+    with interruptible(interruption):
+        cases = perform.due(place, resume=resume, force=force)
+        if cases:
+            perform.compile_first(deck, progress.note)
+        interruption.raise_if_asked("before the cases were begun")
+        run_cases = partial(run_here, limits=Limits(), jobs=jobs or perform.cores())
+        perform.perform(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
+    progress.done(len(cases))
+    return Study(read_table(place.table))
+
+
+class Study:
+    """The table of a study: ``study["case"]`` is an array, and so on for all of its ``columns``."""
+
+    def __init__(self, table):
+        self._columns = {one.name: one for one in table.columns}
+
+    @property
+    def columns(self):
+        """Names of the columns: the case, what is varied, how it ended, the outputs."""
+        return tuple(self._columns)
+
+    @property
+    def units(self):
+        """Unit of each column: name -> unit, empty where it has none."""
+        return {name: one.unit for name, one in self._columns.items()}
+
+    def __getitem__(self, name):
+        return self._columns[name].values
+
+    def to_pandas(self):
+        """Return a DataFrame with a row for each case. Raises ImportError without pandas."""
+        from mecano.interface.results import imported
+
+        frame = imported("pandas", "Study.to_pandas").DataFrame({name: self[name] for name in self.columns})
+        frame.attrs["units"] = self.units
+        return frame
+
+    def __repr__(self):
+        statuses, counts = np.unique(self["status"].astype(str), return_counts=True)
+        ended = ", ".join(f"{count} {status}" for count, status in zip(counts, statuses, strict=True))
+        return f"Study of {len(self['case'])} cases: {ended}"
+
+
+@contextmanager
+def interruptible(interruption):
+    """In this block Ctrl-C is for an Interruption; behind it signals mean again what they meant before.
+
+    Other threads than the main one get no signals.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    handler, hook = signal.getsignal(signal.SIGINT), sys.unraisablehook
+    interruption.listen((signal.SIGINT,))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        sys.unraisablehook = hook
+
+
+def _shown(deck):
+    return "deck" if isinstance(deck, Deck) else repr(os.fspath(deck))

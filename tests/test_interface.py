@@ -1,0 +1,318 @@
+"""`mecano.run` and the other names of `dir(mecano)`: as the commands, from Python."""
+
+import doctest
+import re
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import mecano
+from mecano.cli import commands
+from mecano.deck.read import read_deck
+from mecano.dynamic_run import resume
+from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.interface import deck as deck_module
+from mecano.interface import results as results_module
+from mecano.interface import simulation as simulation_module
+from mecano.interface import solving as solving_module
+
+ROOT = Path(__file__).parent.parent
+INPUTS = ROOT / "inputs"
+PENDULUM = INPUTS / "pendulum.yaml"
+STUDY = """
+study: 1
+deck: pendulum.yaml
+set: {time.end: 0.1}
+grid: {elements.bar.mass: [1.0, 2.0]}
+outputs: {swing: {of: hinge.angle, take: max}}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A working folder with the pendulum in it."""
+    (tmp_path / "pendulum.yaml").write_bytes(PENDULUM.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+class TestNames:
+    def test_they_are_those_that_are_documented(self):
+        page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+        assert set(dir(mecano)) == {*mecano.__all__, "__version__"}
+        assert all(f"`mecano.{name}" in page for name in mecano.__all__)
+        assert all(getattr(mecano, name).__doc__ for name in mecano.__all__)
+        with pytest.raises(AttributeError, match="no attribute 'solve_it'"):
+            _ = mecano.solve_it
+
+    def test_nothing_is_imported_before_it_is_used(self):
+        code = "import sys, mecano; print([name for name in sys.modules if name.startswith('mecano')])"
+        loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert loaded.stdout.strip() == "['mecano']"
+
+    @pytest.mark.parametrize("module", [deck_module, results_module, simulation_module, solving_module])
+    def test_examples_are_right(self, module, folder):
+        tested = doctest.testmod(module, extraglobs={"mecano": mecano}, optionflags=doctest.ELLIPSIS)
+        assert tested.failed == 0 and tested.attempted > 0
+
+    def test_the_examples_of_the_page_run(self, folder):
+        page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+        names = {}
+        for block in re.findall("^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE):
+            if not re.search("xarray|pandas", block):
+                exec(block, names)
+
+
+class TestRun:
+    def test_it_gives_what_the_command_gives(self, folder, capfd):
+        with mecano.run("pendulum.yaml", set={"time.end": 0.1}) as own:
+            told = capfd.readouterr()
+            CliRunner().invoke(commands, ["run", "pendulum.yaml", "--set", "time.end=0.1", "-o", "b.h5"])
+            with mecano.open_results("b.h5") as other:
+                assert own.metadata["overrides"] == other.metadata["overrides"] == ["time.end=0.1"]
+                np.testing.assert_array_equal(own["hinge.angle"].values, other["hinge.angle"].values)
+        assert told.out == "" and "100 steps, 0 rejected" in told.err and "results in pendulum.h5" in told.err
+
+    def test_no_file_is_replaced_unless_asked(self, folder):
+        short = {"time.end": 0.01}
+        mecano.run("pendulum.yaml", set=short, quiet=True)
+        with pytest.raises(ResultsError, match="pendulum.h5 exists already"):
+            mecano.run("pendulum.yaml", set=short, quiet=True)
+        with pytest.raises(UsageError, match="resume=True continues"):
+            mecano.run("pendulum.yaml", resume=True, force=True)
+        assert mecano.run("pendulum.yaml", set=short, quiet=True, force=True).status == "complete"
+
+    def test_it_is_quiet_when_asked(self, folder, capfd):
+        mecano.run("pendulum.yaml", set={"time.end": 0.01}, quiet=True)
+        assert capfd.readouterr() == ("", "")
+
+    def test_equilibria_too(self, folder):
+        """Tip of a cantilever: F L^3/(3 E I) = 7.634 mm, and the shear."""
+        CliRunner().invoke(commands, ["new", "beam"])
+        with pytest.raises(UsageError, match="have no checkpoints"):
+            mecano.run("beam.yaml", checkpoint=1.0)
+        assert mecano.run("beam.yaml", quiet=True)["tip.position.z"].values[-1] == pytest.approx(-7.65e-3, rel=5e-3)
+
+    def test_interruption_leaves_a_checkpoint_and_the_handlers(self, folder, monkeypatch):
+        """A SIGINT after some steps; the run goes on to the same bits."""
+        whole = mecano.run("pendulum.yaml", "whole.h5", quiet=True)
+        handler, hook = signal.getsignal(signal.SIGINT), sys.unraisablehook
+        seen = []
+
+        def interrupt(self, accepted):
+            seen.append(accepted)
+            if len(seen) == 100:
+                signal.raise_signal(signal.SIGINT)
+
+        with monkeypatch.context() as patched:
+            patched.setattr("mecano.progress.Progress.__call__", interrupt)
+            with pytest.raises(KeyboardInterrupt, match=r"SIGINT at t = 0.1 s.*'pendulum.h5', resume=True\)"):
+                mecano.run("pendulum.yaml", quiet=True)
+        assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == (handler, hook)
+        assert mecano.open_results("pendulum.h5").status == "stopped"
+        resumed = mecano.run("pendulum.yaml", resume=True, quiet=True)
+        np.testing.assert_array_equal(resumed["hinge.angle"].values, whole["hinge.angle"].values)
+
+    def test_other_threads_run_too(self, folder):
+        found = []
+        work = threading.Thread(
+            target=lambda: found.append(mecano.run("pendulum.yaml", set={"time.end": 0.01}, quiet=True).status)
+        )
+        work.start()
+        work.join()
+        assert found == ["complete"]
+
+
+class TestDeck:
+    @pytest.mark.parametrize("path", sorted(INPUTS.glob("*.yaml")), ids=lambda path: path.stem)
+    def test_it_stands_for_the_same_as_its_file(self, path):
+        """Units, expressions, templates and files that are read: all come through."""
+        own = deck_module.checked_deck(mecano.Deck.read(path), {}).resolved()
+        assert own == read_deck(path).resolved()
+
+    def test_one_is_built_of_python_objects(self, folder):
+        deck = mecano.Deck({
+            "gravity": np.array([0.0, 0.0, -9.81]),
+            "parameters": {"length": "1.5 m"},
+            "nodes": {"pin": {"position": (0, 0, 0)}},
+            "elements": {"bar": {
+                "type": "rigid_body", "node": "pin", "mass": np.float64(1.0), "center_of_mass": ["$length / 2", 0, 0],
+                "inertia": [1e-4, 0.1875, 0.1875],
+            }},
+            "joints": {"hinge": {"type": "hinge", "nodes": ["ground", "pin"], "axis": [0, 1, 0]}},
+            "time": {"end": 2, "step": 1e-3},
+            "output": {"every": 0.01},
+        })  # fmt: skip
+        known = read_deck(PENDULUM).resolved()
+        own = deck_module.checked_deck(deck, {}).resolved()
+        assert {key for key in known if own[key] != known[key]} == {"title", "parameters"}
+        deck.save("own.yaml")
+        assert read_deck("own.yaml").resolved() == own
+        with pytest.raises(UsageError, match="own.yaml is there already"):
+            deck.save("own.yaml")
+        assert mecano.run(deck, set={"time.end": 0.01}, quiet=True).path == Path("deck.h5")
+
+    def test_a_copy_is_changed_by_itself(self):
+        deck = mecano.Deck.read(PENDULUM)
+        other = deck.copy()
+        other["time"]["end"] = 9
+        del other["output"]
+        assert deck["time"]["end"] == 2.0 and "output" in deck and len(other) == len(deck) - 1
+        assert "elements, joints" in repr(deck)
+
+    def test_texts_that_look_like_numbers_stay_texts(self):
+        deck = mecano.Deck({"title": "1e3"})
+        assert 'title: "1e3"' in deck.text
+
+    def test_errors_are_those_of_the_command_line(self, folder):
+        deck = mecano.Deck.read("pendulum.yaml")
+        deck["joints"]["hinge"]["axsi"] = deck["joints"]["hinge"].pop("axis")
+        with pytest.raises(mecano.DeckError) as raised:
+            mecano.check(deck)
+        text = str(raised.value)
+        assert "did you mean 'axis'?" in text and "2 errors" in text
+        place = re.search(r"<pendulum>:(\d+):(\d+): hinge 'hinge': unknown key 'axsi'", text)
+        line, column = map(int, place.groups())
+        assert deck.text.splitlines()[line - 1][column - 1 :].startswith("axsi")
+        with pytest.raises(mecano.DeckError, match=r"--set time.ned:1:6: unknown key 'time.ned'; did you mean 'end'"):
+            mecano.check("pendulum.yaml", set={"time.ned": 1})
+        with pytest.raises(mecano.DeckError, match="No such file"):
+            mecano.Deck.read("other.yaml")
+        with pytest.raises(mecano.DeckError, match="not valid YAML"):
+            (folder / "broken.yaml").write_text("mecano: 1\nnodes: [")
+            mecano.Deck.read("broken.yaml")
+        with pytest.raises(TypeError, match="not complex"):
+            _ = mecano.Deck({"time": {"end": 1j}}).text
+
+
+class TestSimulation:
+    def test_its_steps_are_those_of_a_run(self, folder):
+        """Advanced by whole steps, to the end: the same rows, up to rounding of the times."""
+        short = {"time.end": 0.2}
+        with mecano.Simulation("pendulum.yaml", "stepped.h5", set=short) as s:
+            while s.time < s.end:
+                s.advance(0.01)
+        with s.results() as stepped, mecano.run("pendulum.yaml", set=short, quiet=True) as whole:
+            assert stepped.status == "complete" and len(stepped.steps) == len(whole.steps) == 200
+            np.testing.assert_allclose(stepped["hinge.angle"].values, whole["hinge.angle"].values, atol=1e-12)
+
+    def test_outputs_are_those_of_the_moment(self, folder):
+        with mecano.Simulation("pendulum.yaml") as s:
+            s.advance(0.1)
+            angle, position = s["hinge.angle"], s["pin.position"]
+            assert s["pin.position.x"] == position[0] and position.shape == (3,)
+            with pytest.raises(UnknownNameError, match="did you mean|similar|no output"):
+                _ = s["hinge.angel"]
+        with s.results() as results:
+            assert results["hinge.angle"].values[-1] == angle and results.time[-1] == pytest.approx(0.1)
+            assert results.status == "stopped" and results.resumable
+
+    def test_one_that_was_left_is_resumed(self, folder):
+        with mecano.Simulation("pendulum.yaml", "a.h5") as s:
+            s.advance(0.5)
+        resume(read_deck("pendulum.yaml"), "a.h5")
+        with mecano.open_results("a.h5") as results:
+            assert results.status == "complete" and results.time[-1] == 2.0
+
+    def test_an_error_in_the_block_is_kept(self, folder):
+        with pytest.raises(ZeroDivisionError):
+            with mecano.Simulation("pendulum.yaml") as s:
+                s.advance(0.1)
+                _ = 1 / 0
+        assert mecano.open_results("pendulum.h5").status == "failed"
+
+    def test_what_cannot_be_is_refused(self, folder):
+        with mecano.Simulation("pendulum.yaml", set={"time.end": 0.01}) as s:
+            with pytest.raises(UsageError, match="greater than zero, got -1"):
+                s.advance(-1)
+            s.advance(5.0)
+            assert s.time == 0.01
+            with pytest.raises(UsageError, match="the deck ends at t = 0.01 s"):
+                s.advance(0.01)
+        with pytest.raises(UsageError, match="begins in a block"):
+            mecano.Simulation("pendulum.yaml").advance(0.1)
+        with pytest.raises(UsageError, match="equilibria"):
+            mecano.Simulation(INPUTS / "princeton_beam.yaml")
+
+
+class TestCheckAndModes:
+    def test_check_is_what_the_command_prints(self, folder):
+        found = mecano.check("pendulum.yaml")
+        assert str(found) + "\n" == CliRunner().invoke(commands, ["check", "pendulum.yaml"]).output
+        assert (found.unknowns, found.multipliers, found.warnings) == (5, 2, ())
+
+    def test_modes_are_what_the_command_prints(self, folder):
+        """Small swings of a point mass on 1 m: sqrt(g/L)/(2 pi)."""
+        found = mecano.modes("pendulum.yaml", "own.h5", set={"initial": "static"})
+        arguments = ["modes", "pendulum.yaml", "--set", "initial=static", "-q"]
+        assert str(found) + "\n" == CliRunner().invoke(commands, arguments).output
+        assert found.frequency[0] == pytest.approx(np.sqrt(9.81) / (2 * np.pi), rel=1e-6)
+        assert (folder / "own.h5").exists() and found.kinds[0] == "oscillation"
+
+
+class TestSweep:
+    def test_a_study_is_run_and_read(self, folder, capfd):
+        (folder / "study.yaml").write_text(STUDY)
+        found = mecano.sweep("study.yaml", jobs=2, quiet=True)
+        assert repr(found) == "Study of 2 cases: 2 complete"
+        np.testing.assert_array_equal(found["elements.bar.mass"], [1.0, 2.0])
+        for mass, swing in zip(
+            (1.0, 2.0), found["swing"], strict=True
+        ):  # m g c t^2 / (2 (J + m c^2)), first order in t^2
+            assert swing == pytest.approx(mass * 9.81 * 0.75 * 0.1**2 / 2 / (0.1875 + mass * 0.75**2), rel=1e-3)
+        assert found.units["swing"] == "rad" and "case" in found.columns
+        with pytest.raises(UsageError, match="there are cases in study_runs"):
+            mecano.sweep("study.yaml")
+        with pytest.raises(mecano.DeckError, match="unknown key"):
+            (folder / "wrong.yaml").write_text(STUDY.replace("grid", "gird"))
+            mecano.sweep("wrong.yaml")
+        assert capfd.readouterr().out == ""
+
+
+class TestResults:
+    @pytest.fixture
+    def results(self, folder):
+        with mecano.run("pendulum.yaml", set={"time.end": 0.1}, quiet=True) as results:
+            yield results
+
+    def test_xarray(self, results):
+        pytest.importorskip("xarray")
+        found = results.to_xarray()
+        assert found["nodes.pin.position"].dims == ("time", "xyz") and found.attrs["status"] == "complete"
+        assert found["joints.hinge.angle"].attrs["units"] == "rad"
+        np.testing.assert_array_equal(found["time"], results.time)
+        np.testing.assert_array_equal(found["joints.hinge.angle"], results["hinge.angle"].values)
+        np.testing.assert_array_equal(found["nodes.pin.rotation"].sel(wxyz="w"), results["pin.rotation.w"].values)
+
+    def test_pandas(self, results):
+        pytest.importorskip("pandas")
+        found = results.to_pandas("hinge.*")
+        assert found.index.name == "time" and found.attrs["units"]["joints.hinge.angle"] == "rad"
+        np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
+
+    @pytest.mark.parametrize("library", ["xarray", "pandas"])
+    def test_libraries_that_are_missing_are_named(self, results, monkeypatch, library):
+        monkeypatch.setitem(sys.modules, library, None)
+        with pytest.raises(ImportError, match=f"Results.to_{library} needs {library}: pip install {library}"):
+            getattr(results, f"to_{library}")()
+
+    def test_plots_are_pictures(self, results, folder):
+        for names in ((), ("hinge.angle",), ("hinge.rate:hinge.angle", "hinge.force")):
+            plot = results.plot(*names)
+            assert plot._repr_png_().startswith(b"\x89PNG")
+        assert len(plot.figure.axes) == 2 and plot.figure.axes[0].get_xlabel() == "angle [rad]"
+        plot.save("own.svg")
+        assert b"<svg" in (folder / "own.svg").read_bytes()
+        with pytest.raises(UnknownNameError, match="hinge.angel"):
+            results.plot("hinge.angel")
+
+    def test_a_notebook_shows_how_the_run_went(self, results):
+        page = results._repr_html_()
+        assert "complete: the end was reached" in page and "<caption>pendulum.h5" in page
+        assert repr(results) == "Results 'pendulum.h5': complete, 11 saved times, 17 outputs"
