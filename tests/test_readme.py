@@ -1,0 +1,47 @@
+"""The README: short, its links lead somewhere, its deck runs, its numbers are those of the pages they come from."""
+
+import re
+from pathlib import Path
+
+from mecano.deck.new import examples
+from mecano.deck.read import read_deck
+
+ROOT = Path(__file__).parent.parent
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+DECK = re.search("^```yaml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)[1]
+
+
+def test_it_is_short():
+    assert len(TEXT.split()) <= 600
+    assert len(DECK.splitlines()) == 10
+    for picture in re.findall('<img src="(.*?)"', TEXT):
+        assert (ROOT / picture).stat().st_size < 1_000_000
+
+
+def test_its_links_lead_to_files():
+    links = re.findall(r"\]\((.*?)\)", TEXT)
+    assert len(links) > 20 and all((ROOT / link).exists() for link in links)
+    assert "docs/python.md" in links
+
+
+def test_its_deck_is_the_example_of_that_name(tmp_path):
+    (tmp_path / "pendulum.yaml").write_text(DECK)
+    shown, known = (read_deck(path).values for path in (tmp_path / "pendulum.yaml", ROOT / "inputs/pendulum.yaml"))
+    assert {key for key in shown if shown[key] != known[key]} == {"title"}
+
+
+def test_its_lines_of_python_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pendulum.yaml").write_text(DECK)
+    [code] = re.findall("^```python\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+    names = {}
+    exec(code, names)
+    with names["results"] as results:
+        assert results.status == "complete" and results.time[-1] == 1.0
+
+
+def test_its_numbers_are_those_of_their_pages():
+    speeds = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (?:chain|four-bar).*\|$", TEXT, re.MULTILINE)
+    assert len(rows) == 3 and all(row in speeds for row in rows)
+    assert f"one\nof {len(examples())} decks" in TEXT
