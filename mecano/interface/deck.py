@@ -1,10 +1,11 @@
 """A deck as plain Python objects, with the checks and errors of the text that it stands for."""
 
 import os
-from collections.abc import MutableMapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from copy import deepcopy
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 import yaml
@@ -21,7 +22,7 @@ from mecano.errors import DeckError, Mark, Problem
 WIDTH = 110
 
 
-class Deck(MutableMapping):
+class Deck(MutableMapping[str, Any]):
     """A deck whose sections are dicts, lists, numbers and texts, as YAML has them; units and expressions are texts.
 
     It is checked when it is used. The places in errors are those of its ``text``.
@@ -44,12 +45,12 @@ class Deck(MutableMapping):
     2.0
     """
 
-    def __init__(self, sections=(), *, folder="", name="deck"):
+    def __init__(self, sections: Mapping[str, Any], *, folder: "AnyPath" = "", name: str = "deck"):
         self.folder, self.name = os.fspath(folder), name
         self._sections = {"mecano": VERSION, **dict(sections)}
 
     @classmethod
-    def read(cls, path):
+    def read(cls, path: "AnyPath") -> Self:
         """Read a deck from a file, without its comments. Raises DeckError where it is no YAML."""
         path, problems = Path(path), []
         with explained():
@@ -61,30 +62,30 @@ class Deck(MutableMapping):
                 deck_of_bytes(path.read_bytes(), str(path))  # raises, in the words of the command line
         return cls(_plain(root), folder=path.parent, name=path.stem)
 
-    def __getitem__(self, section):
+    def __getitem__(self, section: str) -> Any:
         return self._sections[section]
 
-    def __setitem__(self, section, value):
+    def __setitem__(self, section: str, value: Any) -> None:
         self._sections[section] = value
 
-    def __delitem__(self, section):
+    def __delitem__(self, section: str) -> None:
         del self._sections[section]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._sections)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._sections)
 
     def __repr__(self):
         return f"Deck {self.name!r}: {', '.join(self._sections)}"
 
-    def copy(self):
+    def copy(self) -> "Deck":
         """Return a deck that can be changed by itself."""
         return Deck(deepcopy(self._sections), folder=self.folder, name=self.name)
 
     @property
-    def text(self):
+    def text(self) -> str:
         """The deck as YAML. Raises TypeError for objects that are no part of it."""
         try:
             return yaml.dump(
@@ -96,9 +97,14 @@ class Deck(MutableMapping):
                 f"a deck holds dicts, lists, numbers and texts, not {type(error.args[-1]).__name__}"
             ) from None
 
-    def save(self, path, *, replace=False):
+    def save(self, path: "AnyPath", *, replace: bool = False) -> None:
         """Write the text into a file. Raises UsageError where it exists and is not to be replaced, ResultsError."""
         write_text(path, self.text, replace)
+
+
+AnyPath = str | os.PathLike[str]
+AnyDeck = AnyPath | Deck
+Values = Mapping[str, Any]  # {"path.to.key": value}
 
 
 def checked_deck(deck, overrides):

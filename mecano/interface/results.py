@@ -1,13 +1,19 @@
 """Results for programs and notebooks: tables of other libraries, pictures, a summary in HTML."""
 
+import os
 from dataclasses import replace
 from html import escape
 from importlib import import_module
 from io import BytesIO
+from typing import TYPE_CHECKING
 
 from mecano.errors import UsageError
 from mecano.results import reader
 from mecano.results.layout import AXES
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 
 class Results(reader.Results):
@@ -25,7 +31,7 @@ class Results(reader.Results):
     3.1416
     """
 
-    def to_xarray(self, pattern="*"):
+    def to_xarray(self, pattern: str = "*") -> "xarray.Dataset":
         """Return a Dataset of the saved times, of all outputs or those of a pattern such as "wheel.*".
 
         Every variable has its unit and meaning as the attributes ``units`` and ``long_name``. Raises ImportError
@@ -53,7 +59,7 @@ class Results(reader.Results):
             return (self._dimension, "".join(AXES[shape[0]]))
         return (self._dimension, *(f"index{i or ''}_{size}" for i, size in zip((0, 2, 3), shape, strict=False)))
 
-    def to_pandas(self, pattern="*"):
+    def to_pandas(self, pattern: str = "*") -> "pandas.DataFrame":
         """Return a DataFrame of the saved times: a column for every number, of all outputs or those of a pattern.
 
         ``frame.attrs["units"]`` has the unit of each column. Raises ImportError without pandas.
@@ -69,7 +75,7 @@ class Results(reader.Results):
         frame.attrs["units"] = units
         return frame
 
-    def plot(self, *names, title=None):
+    def plot(self, *names: str, title: str | None = None) -> "Plot":
         """Draw outputs over time, or over another: "hinge.angle", "a,b" in one panel, "force:stroke".
 
         Without names the overview of this model. Returns a Plot, which a notebook shows. Raises UnknownNameError,
@@ -96,7 +102,7 @@ class Results(reader.Results):
     def __repr__(self):
         return f"Results {str(self.path)!r}: {self.status}, {len(self.time)} saved times, {len(self.names())} outputs"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         """Return the summary that notebooks show: how the run went, and where it comes from."""
         from mecano.post.info import facts
 
@@ -114,7 +120,7 @@ class Plot:
     def __init__(self, figure):
         self.figure = figure
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Write the picture; the ending of the name is its format, .png, .svg or .pdf for instance."""
         self._write(path)
 
@@ -132,7 +138,7 @@ class Plot:
             self.figure.savefig(target, **options)
 
 
-def open_results(path):
+def open_results(path: str | os.PathLike[str]) -> Results:
     """Open a results file for reading; the Results, which a `with` block closes. Raises ResultsError."""
     return Results(path)
 

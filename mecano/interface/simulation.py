@@ -2,10 +2,13 @@
 
 import os
 from contextlib import ExitStack
+from typing import Self
+
+import numpy as np
 
 from mecano.dynamic_run import begun, layout_of
 from mecano.errors import UsageError
-from mecano.interface.deck import checked_deck, name_of
+from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results
 from mecano.interface.solving import interruptible
 from mecano.interrupt import Interruption
@@ -47,7 +50,7 @@ class Simulation:
     'stopped'
     """
 
-    def __init__(self, deck, path=None, *, set=None, force=False):
+    def __init__(self, deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False):
         self._checked = checked_deck(deck, set)
         if self._checked.values["static"]:
             raise UsageError("a Simulation has a course in time, and this deck asks for equilibria: mecano.run")
@@ -55,7 +58,7 @@ class Simulation:
         self._force, self._open, self._run = force, ExitStack(), None
         self._interruption = Interruption(again=f"mecano.run(deck, {self.path!r}, resume=True)")
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         self._run = self._open.enter_context(
             begun(self._checked, self.path, self._force, interruption=self._interruption)
         )
@@ -64,7 +67,7 @@ class Simulation:
         self._lookup = Lookup(layout_of(self._run.recorder.sampler).series)
         return self
 
-    def __exit__(self, kind, error, trace):
+    def __exit__(self, kind, error, trace) -> None:
         try:
             if error is None:
                 self._run.leave()
@@ -74,16 +77,16 @@ class Simulation:
         self._open.__exit__(kind, error, trace)
 
     @property
-    def time(self):
+    def time(self) -> float:
         """Where the run stands [s]."""
         return self._started.state.motion.t
 
     @property
-    def end(self):
+    def end(self) -> float:
         """End of the deck [s]."""
         return self._checked.values["time"]["end"]
 
-    def advance(self, duration):
+    def advance(self, duration: float) -> None:
         """March on for a ``duration`` [s], or to the end of the deck where less is left.
 
         Raises
@@ -100,7 +103,7 @@ class Simulation:
         with interruptible(self._interruption):
             self._started.advance(min(self.time + duration, self.end))
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> float | np.ndarray:
         """Return an output at the time, by any ending of its path: a number or an array. Raises UnknownNameError."""
         row = self._started.recorder.row
         series, component = self._lookup.find(name)
@@ -110,7 +113,7 @@ class Simulation:
         values = row[start : start + series.width]
         return values.reshape(series.shape).copy() if series.shape else float(values[0])
 
-    def results(self):
+    def results(self) -> Results:
         """Open what has been saved until now."""
         return Results(self.path)
 

@@ -11,13 +11,16 @@ from functools import partial
 import numpy as np
 
 from mecano.errors import UsageError
-from mecano.interface.deck import Deck, checked_deck, explained, name_of
+from mecano.interface.deck import AnyDeck, AnyPath, Deck, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
 from mecano.interface.solve import solve
 from mecano.interrupt import Interruption
 
 
-def run(deck, path=None, *, set=None, force=False, resume=False, checkpoint=None, quiet=False):
+def run(
+    deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False, resume: bool = False,
+    checkpoint: float | None = None, quiet: bool = False,
+) -> Results:  # fmt: skip
     """Solve a deck into a results file, with progress on the standard error, and open it.
 
     Ctrl-C ends the run with a checkpoint and raises KeyboardInterrupt; ``resume`` continues it to the same bits.
@@ -67,7 +70,7 @@ def run(deck, path=None, *, set=None, force=False, resume=False, checkpoint=None
     return Results(path)
 
 
-def check(deck, *, set=None):
+def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
     """Check a deck without running it.
 
     Returns
@@ -102,15 +105,17 @@ class Check:
     multipliers: int
     redundant_constraints: int
     mobility: int | None = None
-    warnings: tuple = ()
+    warnings: tuple[str, ...] = ()
     text: str = field(repr=False)
 
     def __str__(self):
         return self.text
 
 
-def modes(deck, path=None, *, set=None, at=None, at_rest=False, number=10, frame="inertial", solver="automatic",
-          force=False):  # fmt: skip
+def modes(
+    deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, at: str | None = None,
+    at_rest: bool = False, number: int = 10, frame: str = "inertial", solver: str = "automatic", force: bool = False,
+) -> "Modes":  # fmt: skip
     """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
 
     Parameters
@@ -161,7 +166,7 @@ class Modes:
     frequency: np.ndarray  # damped (m,) [Hz]
     natural_frequency: np.ndarray  # (m,) [Hz]
     damping_ratio: np.ndarray  # (m,)
-    kinds: tuple  # free, oscillation, flutter, decay or divergence
+    kinds: tuple[str, ...]  # free, oscillation, flutter, decay or divergence
     shapes: np.ndarray = field(repr=False)  # (m, n) complex, over the degrees of freedom
     about: str
     text: str = field(repr=False)  # the table that `mecano modes` prints
@@ -170,7 +175,10 @@ class Modes:
         return self.text
 
 
-def sweep(study, folder=None, *, jobs=None, resume=False, force=False, quiet=False):
+def sweep(
+    study: AnyPath, folder: AnyPath | None = None, *, jobs: int | None = None, resume: bool = False,
+    force: bool = False, quiet: bool = False,
+) -> "Study":  # fmt: skip
     """Run the cases of a study side by side, each in a process of its own, and read the table of all.
 
     From the main thread. Ctrl-C ends all cases with checkpoints.
@@ -231,16 +239,16 @@ class Study:
         self._columns = {one.name: one for one in table.columns}
 
     @property
-    def columns(self):
+    def columns(self) -> tuple[str, ...]:
         """Names of the columns: the case, what is varied, how it ended, the outputs."""
         return tuple(self._columns)
 
     @property
-    def units(self):
+    def units(self) -> dict[str, str]:
         """Unit of each column: name -> unit, empty where it has none."""
         return {name: one.unit for name, one in self._columns.items()}
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         return self._columns[name].values
 
     def to_pandas(self):
