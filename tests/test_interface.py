@@ -114,6 +114,9 @@ class TestRun:
             patched.setattr("mecano.progress.Progress.__call__", interrupt)
             with pytest.raises(KeyboardInterrupt, match=r"SIGINT at t = 0.1 s.*'pendulum.h5', resume=True\)"):
                 mecano.run("pendulum.yaml", quiet=True)
+            seen.clear()
+            with pytest.raises(KeyboardInterrupt, match=r"'b.h5', set=\{'time.end': 1\}, resume=True"):
+                mecano.run("pendulum.yaml", "b.h5", set={"time.end": 1})
         assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == (handler, hook)
         assert mecano.open_results("pendulum.h5").status == "stopped"
         resumed = mecano.run("pendulum.yaml", resume=True, quiet=True)
@@ -206,6 +209,8 @@ class TestSimulation:
         with mecano.Simulation("pendulum.yaml") as s:
             s.advance(0.1)
             angle, position = s["hinge.angle"], s["pin.position"]
+            with s.results() as until_now:
+                assert until_now["hinge.angle"].values[-1] == angle and until_now.status == "running"
             assert s["pin.position.x"] == position[0] and position.shape == (3,)
             with pytest.raises(UnknownNameError, match="did you mean|similar|no output"):
                 _ = s["hinge.angel"]
@@ -235,6 +240,8 @@ class TestSimulation:
             assert s.time == 0.01
             with pytest.raises(UsageError, match="the deck ends at t = 0.01 s"):
                 s.advance(0.01)
+        with pytest.raises(UsageError, match="has ended"):
+            s.advance(0.01)
         with pytest.raises(UsageError, match="begins in a block"):
             mecano.Simulation("pendulum.yaml").advance(0.1)
         with pytest.raises(UsageError, match="equilibria"):

@@ -10,7 +10,7 @@ from mecano.dynamic_run import begun, layout_of
 from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results
-from mecano.interface.solving import interruptible
+from mecano.interface.solving import interruptible, resuming
 from mecano.interrupt import Interruption
 from mecano.results.lookup import Lookup
 
@@ -22,15 +22,7 @@ class Simulation:
     closes the file: complete at the end of the deck, before it with a checkpoint, from which ``mecano.run(...,
     resume=True)`` continues. Ctrl-C in ``advance`` does the same, and raises KeyboardInterrupt.
 
-    Parameters
-    ----------
-    deck : str, Path or Deck
-    path : str or Path
-        Results file; by default the name of the deck with .h5, in the working folder.
-    set : dict
-        Values put into the deck.
-    force : bool
-        Replace an existing results file.
+    ``deck``, ``path``, ``set`` and ``force`` are those of ``mecano.run``.
 
     Raises
     ------
@@ -55,8 +47,8 @@ class Simulation:
         if self._checked.values["static"]:
             raise UsageError("a Simulation has a course in time, and this deck asks for equilibria: mecano.run")
         self.path = os.fspath(path or f"{name_of(deck)}.h5")
-        self._force, self._open, self._run = force, ExitStack(), None
-        self._interruption = Interruption(again=f"mecano.run(deck, {self.path!r}, resume=True)")
+        self._force, self._open, self._run, self._left = force, ExitStack(), None, False
+        self._interruption = Interruption(again=resuming(deck, self.path, set))
 
     def __enter__(self) -> Self:
         self._run = self._open.enter_context(
@@ -68,6 +60,7 @@ class Simulation:
         return self
 
     def __exit__(self, kind, error, trace) -> None:
+        self._left = True
         try:
             if error is None:
                 self._run.leave()
@@ -96,6 +89,8 @@ class Simulation:
         ConvergenceError, NonFiniteError, ResultsError
             As ``mecano.run``.
         """
+        if self._left:
+            raise UsageError("the block of this Simulation has ended: mecano.run(..., resume=True) continues the file")
         if not duration > 0.0:
             raise UsageError(f"a duration must be greater than zero, got {duration}")
         if self.time >= self.end:
@@ -114,7 +109,9 @@ class Simulation:
         return values.reshape(series.shape).copy() if series.shape else float(values[0])
 
     def results(self) -> Results:
-        """Open what has been saved until now."""
+        """Open what has been saved until now. Raises ResultsError."""
+        if not self._left:
+            self._started.recorder.writer.flush()
         return Results(self.path)
 
     @property

@@ -64,7 +64,7 @@ def run(
         raise UsageError("resume=True continues a results file, force=True replaces it")
     checked = checked_deck(deck, set)
     path = os.fspath(path or f"{name_of(deck)}.h5")
-    interruption = Interruption(again=f"mecano.run({_shown(deck)}, {path!r}, resume=True)")
+    interruption = Interruption(again=resuming(deck, path, set))
     with interruptible(interruption):
         solve(checked, path, force=force, resume=resume, checkpoint=checkpoint, quiet=quiet, interruption=interruption)
     return Results(path)
@@ -220,7 +220,7 @@ def sweep(
         deck = try_deck(checked)
     place = Folder(folder or f"{name_of(study)}_runs", checked)
     progress = StudyProgress(quiet, place.path)
-    interruption = Interruption(again=f"mecano.sweep({_shown(study)}, {str(place.path)!r}, resume=True)")
+    interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
         cases = perform.due(place, resume=resume, force=force)
         if cases:
@@ -283,5 +283,8 @@ def interruptible(interruption):
         sys.unraisablehook = hook
 
 
-def _shown(deck):
-    return "deck" if isinstance(deck, Deck) else repr(os.fspath(deck))
+def resuming(deck, path, overrides):
+    """Return the call that continues a run, for people."""
+    words = ["deck" if isinstance(deck, Deck) else repr(os.fspath(deck)), repr(path)]
+    words += [f"set={dict(overrides)!r}"] if overrides else []
+    return f"mecano.run({', '.join(words)}, resume=True)"
