@@ -11,9 +11,9 @@ import click
 
 from mecano import __version__
 from mecano.commands import decks, results, shell, solving, studies
-from mecano.interrupt import stopped_by
-from mecano.lifeline import watch_parent
-from mecano.memory import is_lack_of_memory
+from mecano.process.interrupt import stopped_by
+from mecano.process.lifeline import watch_parent
+from mecano.process.memory import is_lack_of_memory
 
 OUT_OF_MEMORY = "mecano: out of memory; `mecano check` says how much a run takes, `ulimit -v` how much is allowed"
 

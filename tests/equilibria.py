@@ -3,8 +3,8 @@
 import numpy as np
 from marching import deck
 
-from mecano.prepare import prepare
-from mecano.statics import follow
+from mecano.analyses.equilibria import follow
+from mecano.analyses.prepare import prepare
 
 G = 9.81
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.start import bring_to_start
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.model.sampler import Sampler
-from mecano.prepare import march_of, prepare
-from mecano.start import bring_to_start
 
 INPUTS = Path(__file__).parent.parent / "inputs"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.modes_run import modes
+from mecano.analyses.modal import modes
 
 
 def eigenvalues(deck, largest=1e5):

@@ -5,9 +5,9 @@ import textwrap
 import scipy.sparse as sp
 from marching import deck
 
+from mecano.analyses.equilibria import follow
+from mecano.analyses.prepare import prepare
 from mecano.model.sampler import Sampler
-from mecano.prepare import prepare
-from mecano.statics import follow
 
 
 class Equilibrium:

@@ -9,9 +9,9 @@ import numpy as np
 from marching import deck, input_deck
 
 import mecano
-from mecano import keeper
-from mecano.dynamic_run import resume
-from mecano.interrupt import Interruption, stopped_by
+from mecano.analyses import keeper
+from mecano.analyses.dynamic import resume
+from mecano.process.interrupt import Interruption, stopped_by
 
 SWING = """\
 mecano: 1

@@ -5,7 +5,7 @@ import pytest
 from marching import March, deck
 from work_precision import CASES, adaptive, fixed
 
-from mecano.solve.step_control import AdaptiveStep, FixedStep
+from mecano.solve.time.step_control import AdaptiveStep, FixedStep
 
 FAST = {"four_bar": (1e-3, 1e-4, 1e-5), "heavy_top": (1e-3, 1e-4), "wheel_drop": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from marching import March, deck, input_deck
 
+from mecano.analyses.prepare import prepare, remarks
 from mecano.errors import AssemblyError
-from mecano.prepare import prepare, remarks
-from mecano.solve.interpolate import interpolate
+from mecano.solve.time.interpolate import interpolate
 
 ROD = """
     mecano: 1

@@ -7,11 +7,12 @@ from marching import March, deck
 from scipy.spatial.transform import Rotation
 from test_elements import close, slope
 
+from mecano.analyses.static import run
 from mecano.deck.build import build
-from mecano.elements.beam import BEAM
-from mecano.elements.beam_flexibility import element_stiffness
-from mecano.elements.beam_line import stations
-from mecano.elements.cross_section import SHAPES, constants
+from mecano.elements.members.beam import BEAM
+from mecano.elements.members.beam_flexibility import element_stiffness
+from mecano.elements.members.beam_line import stations
+from mecano.elements.members.cross_section import SHAPES, constants
 from mecano.errors import DeckError
 from mecano.maths.rotation_vector import inverse_coefficients
 from mecano.model.system import System
@@ -19,7 +20,6 @@ from mecano.post.members import member_sheets
 from mecano.post.runs import open_runs
 from mecano.post.shapes import Motion as Shown
 from mecano.post.shapes import shapes
-from mecano.static_run import run
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "G": None, "density": 7800.0, "damping": 0.0}
 CURVED = "sections: {rod: {type: rectangle, width: 0.02, height: 0.05, E: 2.1e11, nu: 0.3, density: 7800}}"

@@ -18,8 +18,8 @@ from marching import input_deck
 from scipy.linalg import eigh
 from static_solution import Equilibrium
 
-from mecano.prepare import prepare
-from mecano.statics import follow
+from mecano.analyses.equilibria import follow
+from mecano.analyses.prepare import prepare
 
 CASES = {
     **{f"elastica_{load:g}": (elastica, load) for load in ELASTICA},

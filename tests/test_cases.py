@@ -8,8 +8,8 @@ from marching import March
 from scipy.spatial.transform import Rotation
 
 from mecano import open_results
+from mecano.analyses.dynamic import run
 from mecano.deck.read import read_deck
-from mecano.dynamic_run import run
 from mecano.study.outputs import Output
 
 CASES = Path(__file__).parent / "cases"

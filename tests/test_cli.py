@@ -20,9 +20,9 @@ from mecano.deck.catalogue import explain
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
-from mecano.interrupt import EXIT_CODES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
+from mecano.process.interrupt import EXIT_CODES
 
 DECK = """\
 mecano: 1
@@ -163,7 +163,7 @@ class TestRun:
         code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
         command = [sys.executable, "-c", code, "run", "deck.yaml", "-q"]
         loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-        assert "mecano.solve.march" in loaded and not {"numba", "scipy", "matplotlib"} & set(loaded)
+        assert "mecano.solve.time.march" in loaded and not {"numba", "scipy", "matplotlib"} & set(loaded)
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
@@ -217,12 +217,12 @@ class TestRun:
         assert process.returncode == 6 and b"not finite" in err and b"Traceback" not in err
 
     def test_out_of_memory(self, call, folder, monkeypatch):
-        import mecano.dynamic_run
+        import mecano.analyses.dynamic
 
         def greedy(*arguments, **options):
             raise MemoryError
 
-        monkeypatch.setattr(mecano.dynamic_run, "run", greedy)
+        monkeypatch.setattr(mecano.analyses.dynamic, "run", greedy)
         code, _, err = call("run", "deck.yaml", "-q")
         assert code == 7 and err.startswith("mecano: out of memory; ")
 

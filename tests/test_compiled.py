@@ -204,7 +204,7 @@ SCRIPT = """
     import sys
     import numpy as np
     from mecano.maths.so3 import exp
-    from mecano.solve.increments import place_rotations
+    from mecano.solve.time.increments import place_rotations
 
     z, R, out = np.array([0.3, -0.2, 0.7]), np.eye(3)[None], np.zeros((1, 3, 3))
     place_rotations(np.array([0]), 3, z, R, out)

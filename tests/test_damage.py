@@ -9,7 +9,7 @@ import pytest
 from scorecard.damage import subjects
 from surviving import decks
 
-from mecano.dynamic_run import resume, run
+from mecano.analyses.dynamic import resume, run
 from mecano.errors import ResultsError
 from mecano.post.info import info
 from mecano.results import checked, layout

@@ -9,7 +9,7 @@ from mecano.deck.catalogue import explain
 from mecano.deck.examples import EXAMPLES
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 
 CONTEXT = """\

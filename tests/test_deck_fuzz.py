@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scorecard.mutate import MUTATIONS, NASTY
 
+from mecano.analyses.summary import summary
 from mecano.deck.compose import compose
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
@@ -22,7 +23,6 @@ from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
 from mecano.errors import AssemblyError, DeckError
 from mecano.laws import TERMS
-from mecano.summary import summary
 
 INPUTS = sorted((Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 DECKS = [(VALID, "fake.yaml", FAKE), (REAL, "real.yaml", {})] + [(path.read_text(), str(path), {}) for path in INPUTS]

@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
+from mecano.analyses.prepare import control_of, prepare
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import DeckError
-from mecano.prepare import control_of, prepare
 
 DECK = """\
 mecano: 1

@@ -6,12 +6,12 @@ import pytest
 from click.testing import CliRunner
 
 import mecano
+from mecano.analyses.prepare import prepare
 from mecano.cli import commands
 from mecano.deck.new import examples, starter, starters, write_example, write_text
 from mecano.deck.read import read_deck
 from mecano.errors import ResultsError, UsageError
 from mecano.model.sampler import Sampler, row_size
-from mecano.prepare import prepare
 
 
 @pytest.mark.parametrize("name", starters())
@@ -28,9 +28,9 @@ def test_starters_run(name, tmp_path):
         [] if deck.values["static"] else ["time.end=0.01", "time.adaptive=null", "time.step=1e-3", "output.every=step"]
     )
     if deck.values["static"]:
-        from mecano.static_run import run
+        from mecano.analyses.static import run
     else:
-        from mecano.dynamic_run import run
+        from mecano.analyses.dynamic import run
     run(read_deck(path, short), str(results))
     with mecano.open_results(results) as found:
         assert found.status == "complete"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from marching import deck, input_deck
 
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
 from mecano.errors import ConvergenceError
 from mecano.post import pictures
 from mecano.post.deployment import deployment_sheet, margin_told

@@ -9,12 +9,12 @@ from equilibria import Path
 from marching import INPUTS, deck, input_deck
 
 import mecano
+from mecano.analyses.modal import modes
+from mecano.analyses.static import run
 from mecano.cli import commands
 from mecano.errors import ConvergenceError
-from mecano.modes_run import modes
 from mecano.post.pictures import post
 from mecano.results.modes_file import read_modes
-from mecano.static_run import run
 
 BUCKLING = 4.012599343578901  # N, J_{-1/4}(c/2) = 0
 FLUTTER = 3.5 - math.sqrt(2.0)  # N

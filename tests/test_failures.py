@@ -10,10 +10,10 @@ import pytest
 from marching import March, deck, input_deck
 
 import mecano
-import mecano.prepare
+import mecano.analyses.prepare
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
-from mecano.solve.failure import worst_equations
+from mecano.solve.diagnostics.failure import worst_equations
 
 CATAPULT = """\
 mecano: 1
@@ -44,7 +44,7 @@ loads:
 time: {end: 10.0, step: 0.1}
 """.replace("POWERS", "0, " * 300 + "1.0e+100")  # 1e100 t^300 is infinite from t = 4.93 s on
 # a step is given up before it is cut to 1e-7 of its length, which a force that grows so takes very long to need
-SHORT = "import mecano.prepare; mecano.prepare.SMALLEST_STEP = 0.5; from mecano.cli import main; main()"
+SHORT = "import mecano.analyses.prepare as p; p.SMALLEST_STEP = 0.5; from mecano.cli import main; main()"
 
 
 def failed_run(tmp_path, text, *overrides, code="from mecano.cli import main; main()"):
@@ -85,7 +85,7 @@ def test_no_convergence(tmp_path):
 
 
 def test_forces_that_are_not_finite(monkeypatch):
-    monkeypatch.setattr(mecano.prepare, "SMALLEST_STEP", 0.5)  # as in SHORT
+    monkeypatch.setattr(mecano.analyses.prepare, "SMALLEST_STEP", 0.5)  # as in SHORT
     with pytest.raises(NonFiniteError, match="a residual is not finite") as error:
         March(deck(OVERFLOW))
     head, worst = str(error.value).split("worst equations:\n")

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from marching import INPUTS, deck, input_deck
 
-from mecano import modes_run, sweep_run
-from mecano.modes_run import about, modes
+from mecano.analyses import modal as modes_run
+from mecano.analyses import sweep as sweep_run
+from mecano.analyses.modal import about, modes
+from mecano.analyses.sweep import sweep_into
 from mecano.post.info_modes import info_other
 from mecano.results.modes_file import read_modes
 from mecano.results.sweep_file import read_sweep
-from mecano.solve.families import FAMILIES, families, running_axes
-from mecano.solve.linearize import linearize
-from mecano.solve.modes import solve
-from mecano.solve.tracking import damping, least_damped
-from mecano.sweep_run import sweep_into
+from mecano.solve.modal.families import FAMILIES, families, running_axes
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import solve
+from mecano.solve.modal.tracking import damping, least_damped
 
 
 def block(velocity):

@@ -9,8 +9,8 @@ import pytest
 from marching import March, deck, input_deck
 from small_motions import eigenvalues
 
-from mecano.elements.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.lateral_law import FORMS, check_lateral, matrices, twists
+from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
+from mecano.elements.wheels.lateral_law import FORMS, check_lateral, matrices, twists
 from mecano.laws.probe import curve_at
 
 # (c, k, D, C1): speed -> eigenvalues with positive or no imaginary part; I = 1, L = 0.1, K = 2e5, C = 1/6e4

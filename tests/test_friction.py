@@ -7,9 +7,9 @@ import pytest
 from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 
+from mecano.analyses.prepare import prepare, remarks
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
-from mecano.prepare import prepare, remarks
 
 g = 9.81
 

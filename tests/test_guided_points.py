@@ -7,9 +7,9 @@ from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 from static_solution import Equilibrium
 
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
 from mecano.elements import KINDS
-from mecano.elements.guiding_curve import nearest
+from mecano.elements.joints.guiding_curve import nearest
 from mecano.errors import ConvergenceError
 
 G = 9.81

@@ -13,9 +13,9 @@ import pytest
 from click.testing import CliRunner
 
 import mecano
+from mecano.analyses.dynamic import resume
 from mecano.cli import commands
 from mecano.deck.read import read_deck
-from mecano.dynamic_run import resume
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.interface import deck as deck_module
 from mecano.interface import results as results_module
@@ -111,7 +111,7 @@ class TestRun:
                 signal.raise_signal(signal.SIGINT)
 
         with monkeypatch.context() as patched:
-            patched.setattr("mecano.progress.Progress.__call__", interrupt)
+            patched.setattr("mecano.analyses.progress.Progress.__call__", interrupt)
             with pytest.raises(KeyboardInterrupt, match=r"SIGINT at t = 0.1 s.*'pendulum.h5', resume=True\)"):
                 mecano.run("pendulum.yaml", quiet=True)
             seen.clear()

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from marching import March, deck, input_deck
 
+from mecano.analyses.prepare import prepare
 from mecano.errors import AssemblyError, ConvergenceError
-from mecano.prepare import prepare
-from mecano.solve.analysis import analyse
-from mecano.solve.compliance import Compliance, compliance
+from mecano.solve.diagnostics.analysis import analyse
+from mecano.solve.events.compliance import Compliance, compliance
 
 DRIVE = 0.981 * 30.0 / (30.0 + 2 * 0.1 / 0.0625)  # m/s2, inputs/axle_on_slope.yaml
 ADAPTIVE = "time.adaptive={tolerance: 1.0e-4}"

@@ -5,9 +5,8 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from mecano.solve import multifrontal
-from mecano.solve.linear import LinearSolver
-from mecano.solve.ordering import analyse
+from mecano.solve.linear.ordering import analyse
+from mecano.solve.linear.sparse import LinearSolver, multifrontal
 
 ACCURATE = 1e-13  # backward error
 

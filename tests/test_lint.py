@@ -4,9 +4,9 @@ import pytest
 from marching import INPUTS, deck, input_deck
 from process import flowing
 
+from mecano.analyses.prepare import prepare, remarks, warnings_of
+from mecano.analyses.summary import summary
 from mecano.deck.read import read_deck
-from mecano.prepare import prepare, remarks, warnings_of
-from mecano.summary import summary
 
 SUSPICIOUS_INPUTS = {
     "hoist": "bar 'wire' is strained by 0.4 % at the start"

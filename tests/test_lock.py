@@ -14,7 +14,7 @@ from process import mecano_process
 from surviving import SWING, decks, ended, forked
 
 import mecano
-from mecano.dynamic_run import resume, run
+from mecano.analyses.dynamic import resume, run
 from mecano.errors import ResultsError
 from mecano.results import lock
 from mecano.results.lock import lock_of, locked

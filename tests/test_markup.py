@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 from marching import deck
 
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
 from mecano.post.animation import animate
 from mecano.post.pictures import post
 from mecano.post.report_page import write_report

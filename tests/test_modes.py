@@ -8,13 +8,13 @@ from marching import deck, input_deck
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
+from mecano.analyses.modal import about, modes
 from mecano.errors import ResultsError, UsageError
-from mecano.modes_run import about, modes
 from mecano.post.info import info
 from mecano.results.modes_file import read_modes
-from mecano.solve.increments import displaced
-from mecano.solve.linearize import Linearization, linearize
-from mecano.solve.modes import solve
+from mecano.solve.modal.linearize import Linearization, linearize
+from mecano.solve.modal.modes import solve
+from mecano.solve.time.increments import displaced
 
 TIME = "time: {end: 1, step: 1.0e-3}"
 
@@ -430,7 +430,7 @@ def test_buckling_by_modes():
 
 def test_about_a_saved_time(tmp_path):
     """A pendulum that passes the angle theta from the vertical: s^2 = -(g/L) cos(theta), at any speed."""
-    from mecano.dynamic_run import run
+    from mecano.analyses.dynamic import run
 
     pendulum = input_deck("pendulum", "time.end=0.4")
     run(pendulum, tmp_path / "p.h5")
@@ -447,7 +447,7 @@ def test_about_a_saved_time(tmp_path):
 
 
 def test_about_a_saved_equilibrium(tmp_path):
-    from mecano.static_run import run
+    from mecano.analyses.static import run
 
     text = arm("static: {steps: 5}")
     run(deck(text), tmp_path / "a.h5")
@@ -471,7 +471,7 @@ def test_table_and_file(tmp_path, monkeypatch):
     np.testing.assert_array_equal(file.nodes["p0"]["translation"], 0.0)
     assert file.kinds == ["oscillation"] * 3 and file.resolved["gravity"] == [0, 0, 0]
     with monkeypatch.context() as patched, pytest.raises(ResultsError, match="exists already"):
-        patched.setattr("mecano.modes_run.about", lambda *_: pytest.fail("computed before it was refused"))
+        patched.setattr("mecano.analyses.modal.about", lambda *_: pytest.fail("computed before it was refused"))
         modes(deck(row_of_masses(4)), path)
     with pytest.raises(UsageError, match="there is no node 'q'"):
         modes(deck(row_of_masses(4)), None, frame="q")

@@ -6,11 +6,11 @@ import scipy.linalg as la
 from equilibria import arm
 from marching import deck
 
+from mecano.analyses.dynamic import run
+from mecano.analyses.modal import about, modes
+from mecano.analyses.static import run as run_static
 from mecano.cli import commands
-from mecano.dynamic_run import run
 from mecano.errors import ConvergenceError, UsageError
-from mecano.modes_run import about, modes
-from mecano.static_run import run as run_static
 
 FOLDED = 0.9 * np.pi
 ROOT, FLAP = 8.0, 3.0  # N m/rad

@@ -5,7 +5,7 @@ import pytest
 from marching import March, input_deck
 from planar_gear import PlanarGear
 
-from mecano.prepare import prepare
+from mecano.analyses.prepare import prepare
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from marching import March, input_deck
 from planar_gear import PlanarGear
 
 import mecano
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
 from mecano.post.drop_test import drop_sheet, efficiency, spin_up_and_spring_back
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs

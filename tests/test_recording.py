@@ -9,12 +9,12 @@ import pytest
 from marching import INPUTS, input_deck
 
 import mecano
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
+from mecano.analyses.keeper import Keeper
 from mecano.elements import KINDS
 from mecano.errors import NonFiniteError
-from mecano.interrupt import Interruption, Stopped
-from mecano.keeper import Keeper
 from mecano.model.sampler import Sampler
+from mecano.process.interrupt import Interruption, Stopped
 
 DECKS = {  # deck: overrides, interval of saving [s], what peaks between the saved times
     "wheel_drop": (["parameters.wave_amplitude=0.02"], 0.03, "elements/tire/radial_force"),

@@ -5,9 +5,9 @@ import pytest
 from linkage import FourBar
 from marching import INPUTS, March, deck, input_deck
 
+from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError, ConvergenceError
-from mecano.prepare import prepare, remarks
-from mecano.summary import summary
 
 HINGES = {
     "hinge_b": "hinge_b: {type: hinge, nodes: [crank_end, coupler], axis: [0, -1, 0]}",

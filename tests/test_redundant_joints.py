@@ -7,9 +7,9 @@ any of its joints out makes what is left isostatic.
 import pytest
 from marching import deck, input_deck
 
+from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError
-from mecano.prepare import prepare, remarks
-from mecano.summary import summary
 
 HEAD = "mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n"
 BODY = "type: rigid_body, mass: 1, inertia: [1, 1, 1]"

@@ -33,11 +33,11 @@ from surviving import (
 )
 
 import mecano
-from mecano import keeper
-from mecano.dynamic_run import resume, run
+from mecano.analyses import keeper
+from mecano.analyses.dynamic import resume, run
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
-from mecano.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
 from mecano.post.info import info
+from mecano.process.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
 from mecano.results.disk import Disk
 from mecano.results.verify import verify
 
@@ -127,7 +127,7 @@ def test_latches_stand_where_they_were_when_it_cannot_go_on(tmp_path, monkeypatc
     def fail(*_):
         raise ConvergenceError("no way on")
 
-    monkeypatch.setattr("mecano.solve.march.March.to", fail)
+    monkeypatch.setattr("mecano.solve.time.march.March.to", fail)
     with pytest.raises(ConvergenceError, match="latches never closed") as failed:
         resume(deck, path)
     at = float(str(failed.value).partition("hinge 'hinge' at ")[2].partition(" of")[0])
@@ -141,7 +141,7 @@ def test_a_resumed_run_that_cannot_begin_leaves_its_file_closed(tmp_path, monkey
     def fail(*_):
         raise AssemblyError("no way to begin")
 
-    monkeypatch.setattr("mecano.dynamic_run.prepare", fail)
+    monkeypatch.setattr("mecano.analyses.dynamic.prepare", fail)
     with pytest.raises(AssemblyError):
         resume(deck, path)
     h5py.File(path, "r+").close()  # which HDF5 refuses while this process reads it
@@ -298,7 +298,7 @@ class TestTheCheckpoint:
         deck, path = left
         load = keeper.from_plain
         bent = lambda plain: replace(load(plain), motion=replace(load(plain).motion, modes=load(plain).motion.z))  # noqa: E731
-        monkeypatch.setattr("mecano.keeper.from_plain", bent)
+        monkeypatch.setattr("mecano.analyses.keeper.from_plain", bent)
         with pytest.raises(ResultsError, match="does not fit the deck"):
             resume(deck, path)
 

@@ -349,8 +349,8 @@ def test_a_unilateral_wheel_leaves_a_crest_and_lands():
 
 
 def test_what_cannot_be_is_refused():
-    from mecano.elements.paper_wheel import PAPER_WHEEL
-    from mecano.elements.rigid_wheel import RIGID_WHEEL
+    from mecano.elements.wheels.paper_wheel import PAPER_WHEEL
+    from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 
     flat = {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "profile": None}
     wavy = {

@@ -3,8 +3,8 @@
 import pytest
 from marching import deck, input_deck
 
-from mecano.prepare import prepare
-from mecano.solve.rigidity import stiff_mechanisms
+from mecano.analyses.prepare import prepare
+from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 
 
 def counts(checked):

@@ -7,8 +7,8 @@ import pytest
 from marching import deck
 
 from mecano import open_results
-from mecano.dynamic_run import run
-from mecano.solve.ringing import RingingWatch
+from mecano.analyses.dynamic import run
+from mecano.solve.time.ringing import RingingWatch
 
 OSCILLATOR = """
 mecano: 1

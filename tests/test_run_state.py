@@ -6,10 +6,10 @@ import pytest
 import surviving
 from marching import deck, input_deck
 
-from mecano.prepare import march_of, prepare
+from mecano.analyses.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
-from mecano.solve.march import March
-from mecano.solve.run_state import from_plain, to_plain
+from mecano.solve.time.march import March
+from mecano.solve.time.run_state import from_plain, to_plain
 
 DECK = """
     mecano: 1

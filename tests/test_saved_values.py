@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from marching import input_deck
 
-from mecano.dynamic_run import run
-from mecano.recorder import Recorder
+from mecano.analyses.dynamic import run
+from mecano.analyses.recorder import Recorder
 
 DECKS = sorted(path.stem for path in (Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 LATER = {"reflector", "reflector_template"}  # many steps: a beginning with events is enough

@@ -5,7 +5,7 @@ import pytest
 from marching import March, input_deck
 
 from mecano.model.numbering import MASSLESS, SCALAR, TRANSLATION
-from mecano.solve.scales import TINY, norms
+from mecano.solve.diagnostics.scales import TINY, norms
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
 DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}

@@ -184,7 +184,7 @@ def test_rejected_steps_that_leave_something_are_seen(tmp_path, monkeypatch):
         "elements: {m: {type: point_mass, node: a, mass: 1}}\ntime: {end: 0.1, step: 1e-2}\n"
     )
     assert hard.rejected(tmp_path) == ""
-    from mecano.solve.march import March
+    from mecano.solve.time.march import March
 
     step = March._step
 

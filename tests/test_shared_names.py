@@ -6,8 +6,8 @@ import pytest
 from marching import deck
 from test_more_joints import PLANET
 
+from mecano.analyses.prepare import prepare
 from mecano.errors import UnknownNameError
-from mecano.prepare import prepare
 from mecano.results.lookup import Lookup
 
 SHARED = PLANET.replace("STEP", "4.0e-3").replace("pivot:", "beam:").replace("bearing:", "disc:")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from marching import deck
 
-from mecano.prepare import march_of, prepare
+from mecano.analyses.prepare import march_of, prepare
 
 SEEDS = range(6)
 BODIES = 4

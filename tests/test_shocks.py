@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from marching import March, deck, input_deck
 
-from mecano.dynamic_run import run
-from mecano.prepare import march_of, prepare
+from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.snapshot import state_at
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
-from mecano.snapshot import state_at
-from mecano.solve.complementarity import solve_complementarity
-from mecano.solve.run_state import from_plain, to_plain
+from mecano.solve.events.complementarity import solve_complementarity
+from mecano.solve.time.run_state import from_plain, to_plain
 
 g = 9.81
 RODS = """

@@ -14,9 +14,9 @@ from process import COMMAND, mecano_process
 from surviving import SWING, check_same, contents, decks, ended, forked, listening_resume
 
 import mecano
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
 from mecano.errors import ResultsError
-from mecano.interrupt import CLOCK, EXIT_CODES
+from mecano.process.interrupt import CLOCK, EXIT_CODES
 from mecano.results.verify import verify
 from mecano.study.folder import Folder
 from mecano.study.pool import Limits, Pool

@@ -5,12 +5,12 @@ import pytest
 from equilibria import Path
 from marching import deck
 
+from mecano.analyses.equilibria import equilibrium, loaded
+from mecano.analyses.modal import modes
+from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.static import Still
 from mecano.errors import DeckError
 from mecano.model.sampler import Sampler
-from mecano.modes_run import modes
-from mecano.prepare import march_of, prepare
-from mecano.static_run import Still
-from mecano.statics import equilibrium, loaded
 
 DOWN, INTO = 1.7, 9.66  # m/s2: gravity along the slope and into it
 MASS, RADIUS, STIFFNESS = 10.0, 0.5, 100.0

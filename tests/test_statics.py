@@ -9,13 +9,13 @@ from marching import March, deck, input_deck
 from scipy.optimize import brentq, fsolve, minimize_scalar
 from scipy.special import ellipe, ellipk
 
+from mecano.analyses.equilibria import equilibrium
+from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.static import run
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import ConvergenceError, DeckError
-from mecano.prepare import march_of, prepare
 from mecano.results.reader import open_results
-from mecano.solve.stability import DENSE
-from mecano.static_run import run
-from mecano.statics import equilibrium
+from mecano.solve.statics.stability import DENSE
 
 LIMIT = -minimize_scalar(lambda z: -truss_force(z), bounds=(0.0, 0.3), method="bounded", options={"xatol": 1e-12}).fun
 

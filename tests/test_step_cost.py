@@ -5,8 +5,8 @@ from collections import Counter
 
 from marching import input_deck
 
-from mecano.dynamic_run import run
-from mecano.solve.march import March
+from mecano.analyses.dynamic import run
+from mecano.solve.time.march import March
 
 MOST = 160  # calls of Python's functions and of built-in ones for each step; 157 in Python 3.11
 

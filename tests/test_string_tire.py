@@ -13,8 +13,8 @@ from marching import March, input_deck
 from scipy.optimize import brentq, fsolve
 from small_motions import eigenvalues
 
-from mecano.elements.lateral_law import FORMS
-from mecano.elements.string_law import prepare_string
+from mecano.elements.wheels.lateral_law import FORMS
+from mecano.elements.wheels.string_law import prepare_string
 
 SIGMA, A, STIFFNESS, TRAIL, INERTIA = 0.3, 0.1, 6.0e4, 0.1, 1.0
 STRING = {

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from marching import INPUTS
 from process import COMMAND, mecano_process, settings
 
+from mecano.analyses.warmup import all_kinds, warmup
 from mecano.cli import commands
 from mecano.compiled import store
 from mecano.deck.format import deck_error_text
@@ -31,7 +32,6 @@ from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
 from mecano.study.units import units_of
-from mecano.warmup import all_kinds, warmup
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
 BALL = """\

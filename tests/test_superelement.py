@@ -7,22 +7,22 @@ from instances import expand, samples
 from marching import March, deck, input_deck
 from scipy.spatial.transform import Rotation
 
+from mecano.analyses.dynamic import run
+from mecano.analyses.modal import modes
+from mecano.analyses.reduction import part_of, reduce_part
+from mecano.analyses.static import run as run_static
 from mecano.deck.build import build, set_velocities
 from mecano.deck.read import deck_of_bytes
-from mecano.dynamic_run import run
-from mecano.elements.superelement import SUPERELEMENT
+from mecano.elements.bodies.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
-from mecano.modes_run import modes
 from mecano.post.mode_shapes import AMPLITUDE, draw_modes, mode_sketches
 from mecano.post.quantity import find
 from mecano.post.recovered import recover
-from mecano.reduce_run import part_of, reduce_part
 from mecano.results.modes_file import read_modes
 from mecano.results.reader import open_results
-from mecano.solve.linearize import linearize
-from mecano.solve.reduction import reduce
-from mecano.static_run import run as run_static
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.reduction import reduce
 
 BAR = """
 mecano: 1

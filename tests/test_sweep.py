@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from marching import INPUTS, deck, input_deck
 
+from mecano.analyses.modal import about
+from mecano.analyses.sweep import Axis, sweep, sweep_into
+from mecano.analyses.sweep_text import known
 from mecano.errors import ConvergenceError, UsageError
-from mecano.modes_run import about
 from mecano.post.loci import real_range, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
-from mecano.solve.tracking import Spectrum, growing, loci, track, unstable
-from mecano.sweep_run import Axis, sweep, sweep_into
-from mecano.sweep_text import known
+from mecano.solve.modal.tracking import Spectrum, growing, loci, track, unstable
 
 G = 9.81
 
@@ -123,7 +123,7 @@ def test_cornering_tyre():
 
 
 def test_a_march_from_steady_running_stays_there(tmp_path):
-    from mecano.dynamic_run import run
+    from mecano.analyses.dynamic import run
     from mecano.results.reader import open_results
 
     run(input_deck("caster_shimmy", "parameters.swing=0", "time.end=0.05"), tmp_path / "s.h5")

@@ -10,16 +10,16 @@ from marching import INPUTS, input_deck
 from process import flowing, mecano_process, settings
 
 import mecano
+from mecano.analyses.modal import about, modes
+from mecano.analyses.outcome import cut_short, unbalanced
+from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.progress import Progress
+from mecano.analyses.summary import summary
 from mecano.cli import commands
 from mecano.compiled import store
 from mecano.deck.amounts import result_bytes, saved_times, steps
 from mecano.deck.read import deck_of_bytes
-from mecano.modes_run import about, modes
-from mecano.outcome import cut_short, unbalanced
-from mecano.prepare import prepare, remarks
-from mecano.progress import Progress
-from mecano.solve.scales import length_scale
-from mecano.summary import summary
+from mecano.solve.diagnostics.scales import length_scale
 
 REMARKS = {  # deck: overrides, what is said at the start
     "four_bar": (
@@ -216,7 +216,7 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, told):
 def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
     """As a run does: nothing else is said for a minute or two."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mecano.progress.before_compiling", lambda listener: listener())
+    monkeypatch.setattr("mecano.analyses.progress.before_compiling", lambda listener: listener())
     for quiet in ((), ("-q",)):
         commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
         assert ("mecano: compiling elements used for the first time" in capsys.readouterr().err) == (not quiet)
@@ -261,7 +261,7 @@ def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
 
 def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
     """Three points on four rods have no loops: many unknowns keep what moves from being named, not counted."""
-    monkeypatch.setattr("mecano.solve.analysis.DENSE_ROWS", 2)
+    monkeypatch.setattr("mecano.solve.diagnostics.analysis.DENSE_ROWS", 2)
     chain, four_bar = input_deck("hanging_chain"), input_deck("four_bar")
     said = summary(chain)
     assert "mobility         5\n  what can move is not named where there are more than" in said and "loops" not in said

@@ -21,7 +21,7 @@ from towed_wheel import (
     towed,
 )
 
-from mecano.prepare import prepare
+from mecano.analyses.prepare import prepare
 
 
 @pytest.mark.parametrize("law", LAWS)

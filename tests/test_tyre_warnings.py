@@ -5,10 +5,10 @@ import pytest
 from marching import deck, input_deck
 from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, STRING, towed
 
-from mecano.dynamic_run import run
+from mecano.analyses.dynamic import run
+from mecano.analyses.outcome import explained
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import ConvergenceError
-from mecano.outcome import explained
-from mecano.prepare import prepare, warnings_of
 
 KAP, ROLLING = 1e4, float(np.radians(5.0))
 

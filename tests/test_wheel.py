@@ -6,7 +6,7 @@ from instances import Instance
 from scipy.optimize import minimize_scalar
 
 from mecano.contract import Context, Place
-from mecano.elements.wheel import AIR, CONTACT, WHEEL
+from mecano.elements.wheels.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable
 from mecano.maths import so3, surface

@@ -7,12 +7,12 @@ import pytest
 from marching import deck, input_deck
 
 import mecano
+from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import prepare, remarks
 from mecano.constraints.ground import rim_above
 from mecano.deck.read import deck_of_bytes
-from mecano.dynamic_run import run
 from mecano.elements import KINDS
 from mecano.errors import AssemblyError, ConvergenceError, DeckError
-from mecano.prepare import prepare, remarks
 
 WHEEL = """
     mecano: 1

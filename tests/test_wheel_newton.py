@@ -5,9 +5,9 @@ import pytest
 from marching import deck, input_deck
 from test_flexible_wheel import DROP, LATERAL
 
-from mecano.prepare import march_of, prepare
-from mecano.solve.newton import FIRST, WORST
-from mecano.start import bring_to_start
+from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.start import bring_to_start
+from mecano.solve.linear.newton import FIRST, WORST
 
 TIGHT = "newton: {force_tolerance: 1.0e-13, constraint_tolerance: 1.0e-13}"
 KEPT, USABLE = 7, 8  # arguments of ``iterate``

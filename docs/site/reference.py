@@ -11,7 +11,7 @@ from mecano.deck.examples import example_lines
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 
 WIDTH = 96

@@ -14,7 +14,7 @@ def check(deck, overrides, every):
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
-    from mecano.summary import summary
+    from mecano.analyses.summary import summary
 
     show(summary(checked, every))
 

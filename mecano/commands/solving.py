@@ -5,7 +5,7 @@ import os
 import click
 
 from mecano.commands import overrides, show
-from mecano.interrupt import Interruption, again, seconds
+from mecano.process.interrupt import Interruption, again, seconds
 
 
 @click.command()
@@ -83,8 +83,8 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
-    from mecano.modes_run import modes as find
-    from mecano.progress import SweepProgress
+    from mecano.analyses.modal import modes as find
+    from mecano.analyses.progress import SweepProgress
 
     SweepProgress(quiet, path).announce_compiling()
 
@@ -99,8 +99,8 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
 
 
 def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
-    from mecano.progress import SweepProgress
-    from mecano.sweep_run import sweep_into
+    from mecano.analyses.progress import SweepProgress
+    from mecano.analyses.sweep import sweep_into
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
@@ -138,7 +138,7 @@ def reduce_(deck, elements, nodes, number, output, force, overrides):
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".npz"
-    from mecano.reduce_run import reduce_part
+    from mecano.analyses.reduction import reduce_part
 
     told, _ = reduce_part(
         checked, path, elements=_names(elements), nodes=_names(nodes),

@@ -8,7 +8,7 @@ from functools import partial
 import click
 
 from mecano.commands import overrides, show
-from mecano.interrupt import Interruption, seconds
+from mecano.process.interrupt import Interruption, seconds
 
 
 @click.command()
@@ -66,7 +66,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
         return _finish(perform.collect(folder, units), plot)
-    from mecano.progress import StudyProgress
+    from mecano.analyses.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or perform.cores())
@@ -122,10 +122,10 @@ def warmup(decks, overrides, share):
 
     Compiled code is kept on the disk; this says where. For a cluster see docs/cluster.md.
     """
+    from mecano.analyses.progress import COMPILING
+    from mecano.analyses.warmup import share as copy_to
+    from mecano.analyses.warmup import warmup as compile_all
     from mecano.compiled.store import before_compiling
-    from mecano.progress import COMPILING
-    from mecano.warmup import share as copy_to
-    from mecano.warmup import warmup as compile_all
 
     before_compiling(lambda: click.echo(f"mecano: {COMPILING}", err=True))
 

@@ -24,7 +24,7 @@ from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data,
 from mecano.compiled.entry import Array
 from mecano.compiled.nowhere import Nowhere, wanted
 from mecano.compiled.symbols import Condition, Symbol, is_number, value_of
-from mecano.interrupt import abandonable
+from mecano.process.interrupt import abandonable
 
 # What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
 KNOWN = frozenset(

@@ -1,4 +1,4 @@
-r"""What bars and cables have in common: record, strain, inertia, outputs (elements/cable.py has the equations)."""
+r"""What bars and cables share: record, strain, inertia, outputs (elements/members/cable.py has the equations)."""
 
 import numpy as np
 

@@ -11,7 +11,7 @@ from mecano.deck.synonyms import SYNONYMS, synonym
 from mecano.deck.units import ALONE, PREFIXED, PREFIXES
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.errors import UsageError
 from mecano.laws import TERMS
 from mecano.schema import Type

@@ -17,7 +17,7 @@ from mecano.deck.similar import similar
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
 from mecano.schema import TEXT, Field
 from mecano.schema import mapping as mapping_type

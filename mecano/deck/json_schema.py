@@ -8,7 +8,7 @@ import math
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 from mecano.schema import SECTION_OF, not_negative, positive, share
 

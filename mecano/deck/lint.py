@@ -10,7 +10,7 @@ import math
 from mecano.contract import SECTIONS
 from mecano.deck.containers import singular
 from mecano.deck.wording import quoted
-from mecano.elements.lateral_law import runaway
+from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem
 
 PUSHES = "it pushes away from its zero instead of back to it; is it meant so, as where something snaps through?"

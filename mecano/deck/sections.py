@@ -11,8 +11,8 @@ from mecano.deck.limits import (
     spectral_radius,
 )  # fmt: skip
 from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
-from mecano.elements.cross_section import check_section
-from mecano.elements.tire_law import TIRE_LAW_FIELDS
+from mecano.elements.members.cross_section import check_section
+from mecano.elements.wheels.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
     BOOLEAN,
     CURVE,

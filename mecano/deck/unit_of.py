@@ -5,7 +5,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
 from mecano.deck.units import is_quantity, si_unit
 from mecano.elements import KINDS
-from mecano.elements.cross_section import SHAPES
+from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 from mecano.laws.term import VALUE
 from mecano.schema import mapping

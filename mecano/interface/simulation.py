@@ -6,12 +6,12 @@ from typing import Self
 
 import numpy as np
 
-from mecano.dynamic_run import begun, layout_of
+from mecano.analyses.dynamic import begun, layout_of
 from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results
 from mecano.interface.solving import interruptible, resuming
-from mecano.interrupt import Interruption
+from mecano.process.interrupt import Interruption
 from mecano.results.lookup import Lookup
 
 

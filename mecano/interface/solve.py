@@ -3,8 +3,8 @@
 from functools import partial
 from importlib import import_module
 
+from mecano.analyses.progress import Progress, StaticProgress
 from mecano.errors import UsageError
-from mecano.progress import Progress, StaticProgress
 
 
 def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
@@ -14,7 +14,7 @@ def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=Fa
         raise UsageError("checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     progress.announce_compiling()
-    runs = import_module("mecano.static_run" if static else "mecano.dynamic_run")
+    runs = import_module("mecano.analyses.static" if static else "mecano.analyses.dynamic")
     begin = runs.resume if resume else partial(runs.run, force=force)
     options = {} if static else {"interruption": interruption}
     if checkpoint is not None:

@@ -14,7 +14,7 @@ from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Deck, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
 from mecano.interface.solve import solve
-from mecano.interrupt import Interruption
+from mecano.process.interrupt import Interruption
 
 
 def run(
@@ -88,8 +88,8 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
     >>> model.mass, model.mobility, model.redundant_constraints
     (1.0, 1, 0)
     """
-    from mecano.prepare import model_facts, prepare, warnings_of
-    from mecano.summary import summary_of
+    from mecano.analyses.prepare import model_facts, prepare, warnings_of
+    from mecano.analyses.summary import summary_of
 
     prepared = prepare(checked_deck(deck, set))
     return Check(**model_facts(prepared), warnings=tuple(warnings_of(prepared)), text=summary_of(prepared))
@@ -147,7 +147,7 @@ def modes(
     >>> float(round(found.frequency[0], 4))  # of a point mass on 1 m: sqrt(9.81)/(2 pi)
     0.4985
     """
-    from mecano.modes_run import modes as find
+    from mecano.analyses.modal import modes as find
 
     checked = checked_deck(deck, set)
     where = None if path is None else os.fspath(path)
@@ -207,7 +207,7 @@ def sweep(
     ------
     DeckError, UsageError, ResultsError
     """
-    from mecano.progress import StudyProgress
+    from mecano.analyses.progress import StudyProgress
     from mecano.results.study_file import read_study as read_table
     from mecano.study import perform
     from mecano.study.folder import Folder

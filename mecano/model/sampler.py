@@ -109,10 +109,10 @@ class Sampler:
     def between(self, state, u, h, row0, row1):
         """Return the row at a ``state``, the fraction u of a step of size h from ``row0`` to ``row1``; a new array.
 
-        The motion of nodes is that of the state (solve/interpolate.py). Coordinates and their rates follow from the two
-        rows by a cubic where the step resolves them. Everything else lies linearly between the two rows: forces at an
-        interpolated state would be those of no step, for a stiff member or a slipping tyre turns the least error of
-        position or velocity into any force.
+        The motion of nodes is that of the state (solve/time/interpolate.py). Coordinates and their rates follow from
+        the two rows by a cubic where the step resolves them. Everything else lies linearly between the two rows: forces
+        at an interpolated state would be those of no step, for a stiff member or a slipping tyre turns the least error
+        of position or velocity into any force.
         """
         row = np.empty_like(row0)
         _blend(u, h, self.node_size, self._pairs, self._rotations, row0, row1, row)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.elements.guiding_curve import drawn
+from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.recovered import lines, nodes_inside, recovered
 

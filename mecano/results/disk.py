@@ -26,7 +26,7 @@ from pathlib import Path
 
 import h5py
 
-from mecano.interrupt import SIGNALS
+from mecano.process.interrupt import SIGNALS
 from mecano.results.live_sums import LiveSums, put
 from mecano.results.positioned import Positioned
 from mecano.results.seal import BLOCK, seal, seal_of

@@ -11,7 +11,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from mecano.errors import UsageError
-from mecano.lifeline import tied
+from mecano.process.lifeline import tied
 from mecano.study.folder import STOPPED, Record
 from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
 

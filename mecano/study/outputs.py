@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.analyses.dynamic import layout_of
 from mecano.deck.wording import quoted, suggestion
-from mecano.dynamic_run import layout_of
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup

@@ -3,10 +3,10 @@
 import os
 import subprocess
 
+from mecano.analyses.progress import COMPILING
 from mecano.errors import IncompleteStudyError, UsageError
-from mecano.interrupt import Stopped, again
-from mecano.lifeline import tied
-from mecano.progress import COMPILING
+from mecano.process.interrupt import Stopped, again
+from mecano.process.lifeline import tied
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table

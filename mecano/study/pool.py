@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mecano.interrupt import CLOCK, EXIT_CODES, SIGNALS
-from mecano.lifeline import tied
+from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
+from mecano.process.lifeline import tied
 from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
 from mecano.study.places import line_in_study
 

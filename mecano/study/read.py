@@ -4,13 +4,13 @@ import json
 import os
 from dataclasses import dataclass, field
 
+from mecano.analyses.prepare import prepare
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
 from mecano.deck.read import read_deck
 from mecano.deck.scope import Scope
 from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem
-from mecano.prepare import prepare
 from mecano.schema import TEXT, Field
 from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, plain, shown
 from mecano.study.outputs import Output, checked_outputs

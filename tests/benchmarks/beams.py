@@ -20,8 +20,8 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np
 
+from mecano.analyses.prepare import march_of, prepare
 from mecano.deck.read import read_deck
-from mecano.prepare import march_of, prepare
 
 DECK = Path(__file__).parents[2] / "inputs" / "flexible_pendulum.yaml"
 STEP, STEPS, REPETITIONS = 1e-3, 1000, 3

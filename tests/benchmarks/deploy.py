@@ -21,8 +21,8 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 import yaml
 
+from mecano.analyses.prepare import march_of, prepare
 from mecano.deck.read import deck_of_bytes
-from mecano.prepare import march_of, prepare
 
 RIBS, SEGMENTS, BEAMS = 7, 3, 4
 LENGTH, HUB = 1.0, 0.3  # of a segment; radius of the ring of the first hinges [m]

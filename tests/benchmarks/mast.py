@@ -54,9 +54,9 @@ def deck(bays, **analysis):
 
 def measured(bays):
     """Everything about one size, as a dictionary."""
+    from mecano.analyses.equilibria import follow
+    from mecano.analyses.prepare import march_of, prepare
     from mecano.deck.read import deck_of_bytes
-    from mecano.prepare import march_of, prepare
-    from mecano.statics import follow
 
     def prepared(bays, **analysis):
         return prepare(deck_of_bytes(deck(bays, **analysis), "mast"))

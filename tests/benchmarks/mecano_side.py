@@ -7,9 +7,9 @@ import numpy as np
 import yaml
 from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
 
+from mecano.analyses.prepare import march_of, prepare
 from mecano.deck.read import deck_of_bytes
-from mecano.prepare import march_of, prepare
-from mecano.solve.interpolate import interpolate
+from mecano.solve.time.interpolate import interpolate
 
 BAR = MASS / 12.0
 THIN, LONG = BAR * 2.0 * THICKNESS**2, BAR * (LENGTH**2 + THICKNESS**2)  # moments of inertia of a bar [kg m2]

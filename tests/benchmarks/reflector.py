@@ -18,10 +18,10 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np
 
+from mecano.analyses.prepare import march_of, prepare
 from mecano.deck.read import deck_of_bytes
 from mecano.model.sampler import Sampler
-from mecano.prepare import march_of, prepare
-from mecano.solve.interpolate import interpolate
+from mecano.solve.time.interpolate import interpolate
 
 WRITER = Path(__file__).parent.parent.parent / "inputs" / "make_reflector.py"
 FIXED = "{{end: 4, step: {}, rho_inf: 0.0}}"

@@ -17,9 +17,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from marching import March
 
+from mecano.analyses.reduction import reduce_part
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import MecanoError
-from mecano.reduce_run import reduce_part
 
 ELEMENTS, MODES, LENGTH, END, STEP = 32, 6, 10.0, 15.0, 0.02
 SECTION = """

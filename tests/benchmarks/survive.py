@@ -27,8 +27,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from surviving import check_same, contents, decks, ended, forked, listening_resume, long_deck
 
 from mecano import open_results
-from mecano.dynamic_run import run
-from mecano.interrupt import EXIT_CODES
+from mecano.analyses.dynamic import run
+from mecano.process.interrupt import EXIT_CODES
 from mecano.results.verify import verify
 
 INTERVAL = 0.005  # s between checkpoints

@@ -181,9 +181,9 @@ def subjects(folder):
     sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
     from surviving import ended, forked, keeper
 
+    from mecano.analyses.dynamic import run
+    from mecano.analyses.modal import modes
     from mecano.deck.read import read_deck
-    from mecano.dynamic_run import run
-    from mecano.modes_run import modes
 
     made = Path(folder) / "made"
     made.mkdir()

@@ -110,8 +110,8 @@ def not_finite(found):
 
 def injected(name, place, folder):
     """From some step on a number in the record of an element is NaN: the run ends with its name, or does not mind."""
+    from mecano.analyses.dynamic import run
     from mecano.deck.read import read_deck
-    from mecano.dynamic_run import run
     from mecano.errors import MecanoError
 
     rng = random.Random(place)
@@ -147,7 +147,7 @@ class after_steps:
         self.steps, self.change = steps, change
 
     def __enter__(self):
-        from mecano.solve.march import March
+        from mecano.solve.time.march import March
 
         self.advance, outer = March._advance, self
         count = [0]
@@ -161,7 +161,7 @@ class after_steps:
         March._advance = advance
 
     def __exit__(self, *_):
-        from mecano.solve.march import March
+        from mecano.solve.time.march import March
 
         March._advance = self.advance
 

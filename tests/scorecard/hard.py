@@ -97,8 +97,8 @@ def unbalanced(found):
 
 def rejected(folder):
     """Whether a march that rejects every third step, and makes it again, comes to another end; or empty."""
+    from mecano.analyses.prepare import march_of, prepare
     from mecano.deck.read import read_deck
-    from mecano.prepare import march_of, prepare
 
     ends = []
     for every in (0, 3):

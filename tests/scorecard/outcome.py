@@ -147,9 +147,9 @@ def forked(arguments, cwd=None, before=lambda: None):
         os.dup2(out.fileno(), 1)
         os.dup2(err.fileno(), 2)
         os.chdir(cwd or ".")
-        import mecano.interrupt
+        import mecano.process.interrupt
 
-        mecano.interrupt.BEGUN = time.monotonic()
+        mecano.process.interrupt.BEGUN = time.monotonic()
         before()
         code = _called(arguments)
         sys.stdout.flush()

@@ -1,0 +1,198 @@
+"""One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
+
+from contextlib import closing, contextmanager
+from functools import partial
+
+from mecano.analyses.keeper import INTERVAL, Keeper, restore
+from mecano.analyses.outcome import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
+from mecano.analyses.prepare import chosen, march_of, model_facts, prepare, remarks
+from mecano.analyses.recorder import Recorder
+from mecano.analyses.start import bring_to_start
+from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
+from mecano.model.sampler import Sampler
+from mecano.process.interrupt import Interruption, abandonable
+from mecano.results.disk import undisturbed
+from mecano.results.layout import Layout, Series
+from mecano.results.lock import locked
+from mecano.results.provenance import Source
+from mecano.results.whole_file import exists
+from mecano.results.writer import Writer, refuse_existing
+
+
+def run(
+    deck, path, *, force=False, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL
+):  # fmt: skip
+    """Run a checked deck into the results file ``path``; returns the final RunState.
+
+    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Checkpoints
+    are written every ``interval`` [s] of wall-clock time, and where an ``interruption`` ends the run by Stopped.
+    Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
+    start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
+    """
+    with begun(deck, path, force, observers, announce, interruption, interval) as ongoing:
+        return ongoing.to_the_end()
+
+
+@contextmanager
+def begun(deck, path, force, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+    """Bring a checked deck to its start and open its results file; gives the Ongoing run. Arguments as of ``run``."""
+    with locked(path):
+        _refuse_existing(path, force)
+        with _from_the_start(deck, path, force, observers, announce, interruption, interval) as ongoing:
+            yield ongoing
+
+
+@contextmanager
+def _from_the_start(deck, path, force, observers, announce, interruption, interval):
+    """``begun`` while no other process writes the file."""
+    prepared = prepare(deck)
+    found = abandonable(bring_to_start, prepared)
+    march, sampler = march_of(prepared), Sampler(prepared.system)
+    start = abandonable(march.begin, prepared.state, deck.values["time"]["step"])
+    notes = [*remarks(prepared, start), *found]
+    source = _source(deck, chosen(prepared, march, start), model_facts(prepared), notes)
+    interruption = interruption or Interruption()
+    with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
+        for text in notes:
+            announce(text)
+        recorder = Recorder(prepared, writer, sampler, march.control)
+        recorder.first(start)
+        yield Ongoing(deck, start, march, recorder, observers, announce, notes, interruption, interval)
+
+
+def _refuse_existing(path, force):
+    """As ``refuse_existing``, with another way where the file can be gone on with."""
+    try:
+        refuse_existing(path, force)
+    except ResultsError as error:
+        if _resumable(path):
+            raise ResultsError(f"{error}, or --resume to go on with it") from None
+        raise
+
+
+def _resumable(path):
+    from mecano.results.reader import open_results  # for which only this should wait
+
+    try:
+        with open_results(path) as results:
+            return results.resumable
+    except ResultsError:
+        return False
+
+
+def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+    """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
+
+    Without such a file, or without a checkpoint in it, the run begins at its start; None when it is complete. The
+    results are bit for bit those of a run that was never stopped, on the same machine with the same versions and
+    threads; else a remark in the file says what differs. Until the new file is written up to the checkpoint, the old
+    one stays. Raises UsageError where the file is of another deck, ResultsError where it is damaged, or still being
+    written; and what ``run`` raises.
+    """
+    with locked(path):
+        return _resume(deck, path, observers, announce, interruption, interval)
+
+
+def _resume(deck, path, *around):
+    """``resume`` while no other process writes the file."""
+    observers, announce, interruption, interval = around
+    if not exists(path):
+        with _from_the_start(deck, path, False, *around) as ongoing:
+            return ongoing.to_the_end()
+    from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+    from mecano.results.verify import verify
+
+    with undisturbed():
+        left = Remains(path, deck)
+    with closing(left):
+        if left.checkpoint is not None and not left.complete:
+            return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
+    if left.complete:
+        verify(path)  # what has changed in it is not complete, and no study is to go on with it
+        announce(COMPLETE.format(path))
+        return None
+    announce(f"there is no checkpoint in {path} yet: the run begins at its start")
+    with _from_the_start(deck, path, True, *around) as ongoing:
+        return ongoing.to_the_end()
+
+
+def _go_on(deck, left, observers, announce, interruption, interval):
+    """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
+    prepared = prepare(deck)
+    march, sampler = march_of(prepared), Sampler(prepared.system)
+    start, recorded = restore(left.checkpoint["run"], march)
+    layout = layout_of(sampler)
+    left.check_layout(layout)
+    note = left.note(start.motion.t)
+    source = _source(deck, left.automatic, left.model, [*left.remarks, note])
+    begin = partial(left.copy_to, interruption=interruption)
+    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
+        announce(note)
+        recorder = Recorder(prepared, writer, sampler, march.control)
+        recorder.from_plain(recorded)
+        return Ongoing(
+            deck, start, march, recorder, observers, announce, left.remarks, interruption, interval
+        ).to_the_end()
+
+
+def layout_of(sampler):
+    """What the rows of the results file are."""
+    return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
+
+
+def _source(deck, automatic, model, notes):
+    return Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        automatic=automatic, model=model, remarks=notes,
+    )  # fmt: skip
+
+
+class Ongoing:
+    """A run whose results file is open; ``state`` is the RunState where it stands.
+
+    A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
+    """
+
+    def __init__(self, deck, start, march, recorder, observers, announce, notes, interruption, interval):
+        self.deck, self.state, self.march, self.recorder = deck, start, march, recorder
+        self._announce, self._notes = announce, notes
+        self._keeper = march.pause = Keeper(march, recorder, interruption, interval)
+        recorder.look = self._keeper.look
+        march.observers, march.restarted = (recorder, *observers), recorder.restarted
+
+    def advance(self, t):
+        """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
+        deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
+        try:
+            self.state = self.march.to(t, self.state)
+        except (ConvergenceError, NonFiniteError) as error:
+            known = [*self._notes, *self.march.remarks, *exceeded(deck, sampler, recorder.writer.extremes)]
+            latches = open_latches(deck, recorder.row, sampler)
+            raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
+
+    def to_the_end(self):
+        """March to the end of the deck, and close the file; returns the final RunState."""
+        self.advance(self.deck.values["time"]["end"])
+        self._complete()
+        return self.state
+
+    def _complete(self):
+        deck, march, writer, sampler = self.deck, self.march, self.recorder.writer, self.recorder.sampler
+        values = deck.values["time"]
+        warnings = [*march.remarks, *cut_short(values, march.cuts, self.state)]
+        warnings += exceeded(deck, sampler, writer.extremes)
+        warnings += open_latches(deck, self.recorder.row, sampler)
+        warnings += unbalanced(values, sampler, writer.extremes)
+        warnings += unresolved(values, sampler, self.recorder.ringing)
+        for text in warnings:
+            self._announce(text)
+        writer.close("complete", "; ".join(["the end was reached", *warnings]))
+
+    def leave(self):
+        """Close the file: complete at the end of the deck, before it with a checkpoint to resume from."""
+        t = self.state.motion.t
+        if t >= self.deck.values["time"]["end"]:
+            self._complete()
+            return
+        self._keeper.keep(self.state)
+        self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")

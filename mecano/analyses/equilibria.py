@@ -1,0 +1,176 @@
+"""Static equilibrium as a deck asks for it: a path of equilibria, or the start of a march."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.analyses.prepare import AUTOMATIC, given
+from mecano.model.sampler import Sampler, Still
+from mecano.model.watched import ended, watched
+from mecano.solve.diagnostics.scales import Tolerances
+from mecano.solve.events.events import NoEvents, Watch
+from mecano.solve.statics.arc_length import ArcLength, Target
+from mecano.solve.statics.continuation import Follower, Point, Steps
+from mecano.solve.statics.loading import Clock, LoadFactor
+from mecano.solve.statics.relaxation import Relaxation
+from mecano.solve.statics.stability import freedom
+from mecano.solve.statics.static import CLOSED, Statics
+
+FIRST_STEPS = 10  # of 'steps: automatic'
+SMALLEST = 1e-4  # of the first step, where the deck has no say
+REST_HINT = "a saved time at which the body is not far from a stable equilibrium"
+INCREMENT = 1e-8  # tolerance of the last correction, of the length scale, or rad
+
+
+@dataclass
+class Result:
+    """The end of a path: the last Point, why it ended, and what a user should know."""
+
+    point: Point
+    reason: str
+    remarks: tuple
+    loading: object
+
+    @property
+    def where(self):
+        """The parameter at the end in words."""
+        return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
+
+    def assemble(self, s, k, penalty, *weights):
+        """``system.assemble`` under the loads at the end."""
+        self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
+
+
+def follow(prepared, observers=()):
+    """Follow the path of a deck with ``static``; observers are told of every Point. Returns a Result.
+
+    Raises ConvergenceError (exit code 3) with the motion that is free, NonFiniteError.
+    """
+    values, system = prepared.deck.values["static"], prepared.system
+    path = {"arc_length": _arc, "relaxation": _relaxation, "steps": _steps}[values["method"]]
+    if values["over"] == "load_factor":
+        return _followed(prepared, loaded(prepared, values), path(prepared, values), 0.0, observers)
+    first = Relaxation(1.0) if values["method"] == "relaxation" else Steps(1.0, FIRST_STEPS, SMALLEST, grow=True)
+    start = _followed(prepared, loaded(prepared, values), first, 0.0, ())
+    statics = _statics(prepared, values, Clock(system))
+    return _followed(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
+
+
+def start_in_words(prepared):
+    """Whether the start, held in place, is stable without loads and with all of them: texts for `mecano check`."""
+    values = prepared.deck.values["static"] or prepared.deck.values["initial"]["static"]
+    statics = loaded(prepared, values)
+    follower, s = Follower(statics), statics.begin(_settled(prepared))
+    for factor, words in ((0.0, "without loads"), (1.0, "under all loads, held in place")):
+        stability = follower.stability(s, factor)
+        yield f"the start {words}: {freedom(prepared.system, s, stability, prepared.length)}"
+
+
+def equilibrium(prepared):
+    """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck; returns remarks.
+
+    Residuals are brought down to rounding, so that a march from there starts without acceleration. Raises as
+    ``follow`` does.
+    """
+    values = prepared.deck.values["initial"]["static"]
+    statics = loaded(prepared, values)
+    relaxed = values["method"] == "relaxation"
+    path = Relaxation(1.0) if relaxed else _steps(prepared, {**values, "end": 1.0, "minimum_step": SMALLEST})
+    result = _followed(prepared, statics, path, 0.0, ())
+    state = statics.polish(result.point.state, 1.0)
+    state.a[:] = 0.0
+    state.v[:] = prepared.state.v
+    prepared.state = state
+    return result.remarks
+
+
+def rest(prepared, state):
+    """Equilibrium to which ``state`` creeps at its time, under all loads, elements kept in their modes.
+
+    Latches that hold and contacts that are closed or open stay so. Returns the State, with reactions and without
+    velocities, and remarks. Raises ConvergenceError where it comes to rest nowhere, NonFiniteError.
+    """
+    system = prepared.system
+    statics = Statics(system, prepared.linear, Clock(system), prepared.length, compliance=prepared.compliance,
+                      watch=NoEvents(system))  # fmt: skip
+    follower = Follower(statics)
+    point = Relaxation(state.t, unstable_hint=REST_HINT).find(follower, statics.begin(state))
+    s, watch = statics.polish(point.state, state.t), Watch(system)
+    crossed = watch.values(s) > CLOSED * prepared.length
+    kept = [f"{happening.element} ({happening.name})" for happening in watch.apply(s, crossed)[1]]
+    remarks = [f"at rest these events would happen, and were left out: {', '.join(kept)}"] if kept else []
+    return s, (*remarks, *_remarks(prepared, follower, point))
+
+
+def _followed(prepared, statics, path, start, observers, state=None):
+    follower = Follower(statics, tuple(observers), _ended(prepared))
+    first = follower.start(_settled(prepared) if state is None else state, start)
+    point, reason = path.follow(follower, first)
+    return Result(point, reason, tuple(_remarks(prepared, follower, point)), statics.loading)
+
+
+def _ended(prepared):
+    """What tells of an element that can go no further in a state, or that none can come to that."""
+    sampler = Sampler(prepared.system)
+    ends = watched(prepared.deck.values, sampler, "ends")
+    return (lambda state: ended(ends, sampler.take(Still(state)))) if ends else lambda state: ""
+
+
+def _remarks(prepared, follower, point):
+    """What a user should know: where stability was lost, and that the last equilibrium is unstable or neutral."""
+    yield from follower.losses
+    yield from follower.departures
+    if not point.stability.stable:
+        loading, unstable = follower.statics.loading, point.stability.unstable > 0
+        text = freedom(prepared.system, point.state, point.stability, prepared.length)
+        state = "unstable" if unstable else "neutral: it may be anywhere along a motion that is free"
+        yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
+
+
+def loaded(prepared, values):
+    """Statics under a growing share of the loads."""
+    return _statics(prepared, values, LoadFactor(prepared.system, _settled(prepared)))
+
+
+def _settled(prepared):
+    """The start at rest, with elements in the modes that it tells."""
+    s = prepared.state.copy()
+    s.v[:] = 0.0
+    return Watch(prepared.system).settle(s)
+
+
+def _statics(prepared, values, loading):
+    newton, scale = values["newton"], values.get("scale", {})
+    tolerances = Tolerances(newton["force_tolerance"], newton["constraint_tolerance"], INCREMENT,
+                            newton["maximum_iterations"])  # fmt: skip
+    return Statics(
+        prepared.system, prepared.linear, loading, prepared.length, tolerances,
+        k=given(scale.get("k", AUTOMATIC), None), penalty=given(scale.get("penalty", AUTOMATIC), None),
+        compliance=prepared.compliance,
+    )  # fmt: skip
+
+
+def _steps(prepared, values):
+    count = given(values["steps"], FIRST_STEPS)
+    start = values["start"] if values.get("over") == "time" else 0.0
+    minimum = values["minimum_step"] * (values["end"] - start) / count
+    return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC)
+
+
+def _relaxation(prepared, values):
+    return Relaxation(values["end"])
+
+
+def _arc(prepared, values):
+    count, until = given(values["steps"], FIRST_STEPS), values["until"]
+    target = None if until is None else _target(prepared, until)
+    return ArcLength(values["end"], count, values["minimum_step"], values["maximum_steps"], values["lowest"], target)
+
+
+def _target(prepared, until):
+    system = prepared.system
+    names = [node.name for node in system.nodes]
+    place = int(system.numbering.x[names.index(until["node"])])
+    direction = np.array(until["direction"]) / np.linalg.norm(until["direction"])
+    origin = prepared.state.z[place : place + 3].copy()
+    return Target(until["node"], place, direction, origin, until["displacement"])

@@ -1,0 +1,239 @@
+"""Modes of a deck: about its start, its static equilibrium or a saved state; table, file and what to tell."""
+
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.analyses.equilibria import follow
+from mecano.analyses.prepare import march_of, prepare, remarks
+from mecano.analyses.snapshot import rest_at, state_at
+from mecano.analyses.start import bring_to_start
+from mecano.analyses.start import words as start_in_words
+from mecano.errors import UsageError
+from mecano.post.recovered import nodes_inside, recovered
+from mecano.process.interrupt import abandonable
+from mecano.results.lock import locked
+from mecano.results.modes_file import write_modes
+from mecano.results.provenance import Source
+from mecano.results.writer import refuse_existing
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import CONVERGED, solve
+from mecano.solve.statics.stability import words
+from mecano.solve.time.increments import displaced
+
+CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
+NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
+NOT_CONVERGED = "not converged"
+HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "what moves most")
+
+
+@dataclass
+class About:
+    """The state that modes are about: how it is assembled (None: as the system does), and in words."""
+
+    prepared: object
+    state: object
+    assemble: object
+    words: str
+    remarks: tuple = ()
+
+
+def about(deck, at=None, at_rest=False):
+    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march.
+
+    ``at_rest``: the equilibrium at which the body would come to rest near the saved time.
+    """
+    prepared = prepare(deck)
+    if at is not None and at_rest:
+        state, text, told = rest_at(prepared, at)
+        return About(prepared, state, None, text, (*remarks(prepared), *told))
+    if at is not None:
+        state, assemble, text = state_at(prepared, at)
+        return About(prepared, state, assemble, text, tuple(remarks(prepared)))
+    if deck.values["static"]:
+        result = follow(prepared)
+        text = f"static equilibrium at {result.where}"
+        return About(prepared, result.point.state, result.assemble, text, (*remarks(prepared), *result.remarks))
+    told = bring_to_start(prepared, disturbed=False)
+    run = march_of(prepared).begin(prepared.state, deck.values["time"]["step"])
+    return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
+
+
+def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
+    """Find the modes and write them to ``path`` unless it is None: (text of the table, Modes, About).
+
+    ``at``, ``at_rest`` as in ``about``; ``frame``: "inertial", the name of a node with which the axes turn, or
+    "wx,wy,wz" [rad/s]. Raises UsageError and what ``mecano run`` of the deck may raise; ResultsError, before anything
+    is computed, where ``path`` exists.
+    """
+    with nullcontext() if path is None else locked(path):
+        if path is not None:
+            refuse_existing(path, force)
+        return _find(deck, path, at, at_rest, number, frame, method, force)
+
+
+def _find(deck, path, at, at_rest, number, frame, method, force):
+    """``modes`` while no other process writes the file."""
+    base = about(deck, at, at_rest)
+    prepared, system = base.prepared, base.prepared.system
+    turning = turning_of(system, base.state, frame)
+    lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+    found = abandonable(solve, lin, number, method)
+    told = [*base.remarks, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
+    if path is not None:
+        source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+                        remarks=told)  # fmt: skip
+        inner = inner_motions(deck, system, base.state, found.shapes)
+        write_modes(path, contents(system, base.state, found, base.words, turning, inner), source, force=force)
+    head = f"modes about: {base.words}; {found.method}; {found.found} computed"
+    lines = [head, *table(system, base.state, found, lin)]
+    return "\n".join([*lines, *(f"mecano: {text}" for text in told)]), found, base
+
+
+def turning_of(system, s, frame):
+    """Angular velocity (3,) of the axes [rad/s] that a user names."""
+    names = [node.name for node in system.nodes]
+    if frame == "inertial":
+        return np.zeros(3)
+    if frame in names:
+        i, of = names.index(frame), system.numbering
+        return s.R[of.rotation[i]] @ s.v[of.r[i] : of.r[i] + 3]
+    try:
+        turning = np.array([float(part) for part in frame.split(",")])
+    except ValueError:
+        turning = np.zeros(0)
+    if turning.shape != (3,):
+        raise UsageError(f"there is no node '{frame}'; --frame takes 'inertial', a node, or three numbers [rad/s]")
+    return turning
+
+
+def _sticking(deck, system, s):
+    """Remark on the joints whose friction is in its regularized part, where it is a viscous damper."""
+    stuck = [
+        f"{d['type']} '{name}'"
+        for name, d in deck.values["joints"].items()
+        if d.get("friction") and _sliding(system, s, d["nodes"], d["friction"]) < d["friction"]["regularization"]
+    ]
+    if stuck:
+        yield (
+            f"{', '.join(stuck)}: friction that is regularized is a strong viscous damper as long as the joint sticks, "
+            "and these are the modes with that damper; leave out the friction for the modes of a joint that slides, "
+            "or put a fixed joint in its place for those of one that holds"
+        )
+
+
+def _sliding(system, s, pair, friction):
+    """Largest speed [m/s] at which two nodes can slide on one another, turning at the largest radius given."""
+    of, names = system.numbering, [node.name for node in system.nodes]
+    motion = []
+    for i in (names.index(name) for name in pair if name in names):
+        x, r = of.x[i], of.r[i]
+        motion.append((s.v[x : x + 3], s.R[of.rotation[i]] @ s.v[r : r + 3]))
+    v, omega = (np.linalg.norm(m[-1] - m[0] if len(m) > 1 else m[0]) for m in zip(*motion, strict=True))
+    radius = max((value for key, value in friction.items() if "radius" in key and value), default=1.0)
+    return max(float(v), radius * float(omega))
+
+
+def doubts(variation, residuals):
+    """Texts on matrices that are not constant, and on modes that do not fulfil the equations."""
+    if variation > CONSTANT:
+        yield (
+            f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
+            "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
+        )
+    worst = float(np.max(residuals, initial=0.0))
+    if worst > CONVERGED:
+        yield (
+            f"modes marked '{NOT_CONVERGED}' do not fulfil the equations, by up to {worst:.2g} of their terms: neither "
+            "their eigenvalues nor their shapes can be relied on; try the other --solver, dense or sparse"
+        )
+
+
+def table(system, s, found, lin):
+    """Lines of the table for a terminal."""
+    length = float(lin.root.max(initial=1.0))
+    rows = [HEAD]
+    columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
+                  found.kinds, found.converged, found.shapes, strict=True)  # fmt: skip
+    for i, (value, damped, natural, ratio, residual, kind, converged, shape) in enumerate(columns, start=1):
+        what = words(system, s, shape.real, length, inertial=True, most=2)
+        ratio_text = "" if value == 0.0 else f"{ratio + 0.0:.5f}"
+        numbers = (str(i), f"{damped:.6g}", f"{natural:.6g}", ratio_text, f"{value.real + 0.0:.4g}", f"{residual:.1e}")
+        rows.append((*numbers, kind if converged else f"{kind}, {NOT_CONVERGED}", what))
+    widths = [max(len(row[i]) for row in rows) for i in range(7)]
+    return ["  ".join([*(f"{row[i]:>{widths[i]}}" for i in range(7)), row[7]]) for row in rows]
+
+
+def contents(system, s, found, words_, turning, inner):
+    """What the file holds, as plain arrays: see docs/results-file.md."""
+    of, zero = system.numbering, np.zeros((len(found.values), 3), complex)
+    nodes = {}
+    for i, node in enumerate(system.nodes):
+        if " " in node.name:
+            continue
+        x, r = of.x[i], of.r[i]
+        nodes[node.name] = {
+            "position": s.z[x : x + 3].copy(),
+            "orientation": s.R[of.rotation[i]].copy(),
+            "translation": found.shapes[:, x : x + 3] if x < of.n_q else zero,
+            "rotation": found.shapes[:, r : r + 3] if r < of.n_q else zero,
+        }
+    return {"modes": found, "nodes": nodes, "inner": inner, "about": words_, "time": s.t, "frame": turning}
+
+
+def inner_motions(deck, system, s, shapes):
+    """Motions of the nodes inside superelements: {name: (positions (k, 3) [m], translations (m, k, 3))}.
+
+    ``shapes`` (m, n_q) as in Modes; by central differences of what ``observe`` gives of the displaced elements.
+    """
+    elements = deck.values["elements"]
+    if not any(nodes_inside(d) for d in elements.values()):
+        return {}
+    at = _inside(elements, system, s)
+    moves = []
+    for shape in shapes:
+        dq = _material(system, s, shape)
+        parts = []
+        for part in (dq.real, dq.imag):
+            ends = [
+                _inside(elements, system, displaced(s, sign * NUDGE * part, system.numbering)) for sign in (1.0, -1.0)
+            ]
+            parts.append({name: (ends[0][name] - ends[1][name]) / (2.0 * NUDGE) for name in at})
+        moves.append({name: parts[0][name] + 1j * parts[1][name] for name in at})
+    return {name: (x, np.array([move[name] for move in moves]).reshape(-1, *x.shape)) for name, x in at.items()}
+
+
+def _material(system, s, shape):
+    """A shape (n_q,) with the rotations in the axes of the nodes."""
+    of, out = system.numbering, shape.astype(complex)
+    for r, rotation in set(zip(of.r.tolist(), of.rotation.tolist(), strict=True)):
+        if r < system.n_q:
+            out[r : r + 3] = s.R[rotation].T @ shape[r : r + 3]
+    return out
+
+
+def _inside(elements, system, s):
+    """Places (k, 3) [m] of the nodes inside each superelement at ``s``."""
+    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+    system.observe(s)
+    found = {}
+    for b in system.batches:
+        ends = np.cumsum([int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs])
+        places = dict(zip((output.name for output in b.kind.outputs), ends, strict=True))
+        widths = {output.name: output.shape for output in b.kind.outputs}
+        for (path, _), y in zip(b.paths, b.y, strict=True):
+            section, _, name = path.partition("/")
+            if section == "elements" and nodes_inside(elements.get(name, {})):
+                found[name] = recovered(elements[name], _reading(y, places, widths)).positions[0]
+    return found
+
+
+def _reading(y, ends, widths):
+    """Outputs by name, with an axis of one time, from the row ``y`` of an element."""
+
+    def value(output):
+        size = int(np.prod(widths[output], dtype=int))
+        return y[ends[output] - size : ends[output]].reshape(1, *widths[output])
+
+    return value

@@ -1,0 +1,236 @@
+"""From a checked deck to a march that is ready to begin."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mecano.analyses.lint import suspicious_model
+from mecano.deck.amounts import warnings
+from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
+from mecano.deck.sections import finest_step
+from mecano.errors import AssemblyError, DeckError, Problem
+from mecano.model.sampler import row_size
+from mecano.model.system import System
+from mecano.process.interrupt import abandonable
+from mecano.results.layout import STEPS
+from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse
+from mecano.solve.diagnostics.apart import redundant_groups
+from mecano.solve.diagnostics.scales import Tolerances, length_scale
+from mecano.solve.events.compliance import compliance
+from mecano.solve.linear.sparse import LinearSolver
+from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
+from mecano.solve.time.initial import assemble_start
+from mecano.solve.time.march import March
+from mecano.solve.time.step_control import AdaptiveStep, FixedStep
+
+METHODS = {
+    "generalized_alpha": Coefficients.generalized_alpha,
+    "hht": Coefficients.hht,
+    "newmark": Coefficients.newmark,
+}
+SMALLEST_STEP = 1e-7  # of the first step, where the deck does not say
+MOST_NAMES = 8  # constraints named in a remark
+AUTOMATIC = "automatic"
+
+
+@dataclass
+class Prepared:
+    """A model ready to march, with what a user should know before."""
+
+    deck: object
+    system: System
+    linear: LinearSolver
+    length: float  # [m]
+    state: object  # State: positions assembled, velocities of the deck
+    displacement: float  # [m] by which the assembly moved the deck's positions at most
+    analysis: object  # redundant constraints and mechanisms
+    compliance: object  # Compliance, or None
+
+    @cached_property
+    def redundant(self):
+        """Groups of redundant constraints at the start, with all joints that take part."""
+        return redundant_groups(self.system, self.state, self.length, self.analysis)
+
+
+def prepare(deck):
+    """Build the model of a checked deck and assemble its positions.
+
+    A signal may end it. Raises AssemblyError, and DeckError where nothing can move.
+    """
+    return abandonable(_prepare, deck)
+
+
+def _prepare(deck):
+    system = System(build(deck))
+    _refuse_fixed(deck, system)
+    of, values = system.numbering, deck.values["time"] or deck.values["static"]
+    linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
+    wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
+    length = given(wanted, length_scale(system.nodes))
+    state, displacement = assemble_start(system, linear, system.initial_state(values["start"]), length)
+    if problems := system.inadmissible(state):
+        raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
+    set_velocities(deck, system, state)
+    analysis = analyse(system, state, length)
+    soft = compliance(system, state, length, analysis)
+    return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
+
+
+def _refuse_fixed(deck, system):
+    """Raise DeckError for a model without degrees of freedom."""
+    if not system.n_q:
+        text = "nothing can move: every node is fixed, or held by a joint to one that is"
+        mark = deck.mark("nodes", system.nodes[0].name)
+        raise DeckError([Problem(text, mark, "free a node, or a joint to 'ground'")])
+
+
+def march_of(prepared, observers=()):
+    """The March of a prepared model, with method and step control as the deck says."""
+    deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
+    newton, scale = values["newton"], values["scale"]
+    tolerances = Tolerances(
+        force=newton["force_tolerance"],
+        constraint=newton["constraint_tolerance"],
+        max_iterations=newton["maximum_iterations"],
+    )
+    method = GeneralizedAlpha(
+        system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
+        k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
+        duration=values["end"] - values["start"],
+    )  # fmt: skip
+    return March(system, method, control_of(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
+
+
+def control_of(values):
+    """Return the step control that the checked section ``time`` asks for."""
+    step, adaptive = values["step"], values["adaptive"]
+    smallest = max(SMALLEST_STEP * step, finest_step(values))
+    if adaptive is None:
+        return FixedStep(step, smallest)
+    duration = values["end"] - values["start"]
+    return AdaptiveStep(
+        adaptive["tolerance"], duration,
+        minimum=given(adaptive["minimum_step"], smallest),
+        maximum=given(adaptive["maximum_step"], duration / 20),
+    )  # fmt: skip
+
+
+def given(value, otherwise):
+    """The value, or ``otherwise`` where the deck leaves it automatic."""
+    return otherwise if value == AUTOMATIC else value
+
+
+def remarks(prepared, start=None):
+    """What a user should know of a model before it runs, one text each; ``start`` is the RunState at the start."""
+    texts, analysis = [], prepared.analysis
+    if start is not None:
+        texts += _changed_velocities(prepared, start.motion)
+    if prepared.displacement > 1e-6 * prepared.length:
+        texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
+    for group in prepared.redundant:
+        texts.append(
+            f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
+            "affected; the reactions of these constraints are not unique"
+        )
+        texts += _friction_of(prepared.system, group)
+    if not analysis.complete:
+        texts.append(
+            f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
+            "and the run allows for any"
+        )
+    texts += warnings_of(prepared)
+    if prepared.deck.values["time"] and not mass_of(prepared.system):
+        texts.append("nothing in the model has a mass: is it meant so?")
+    return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
+
+
+def warnings_of(prepared):
+    """Texts on what is legal but suspicious in the deck, and in the model that was made of it, with their places."""
+    deck = prepared.deck
+    problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
+    return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
+
+
+def amount_warnings(prepared):
+    """Texts on more steps or results than can have been meant."""
+    row = 1 + row_size(prepared.system)
+    return warnings(prepared.deck.values, row, 1 + len(STEPS))
+
+
+def model_facts(prepared):
+    """Numbers that tell the model, for the results file: mass [kg], unknowns, mobility, redundant constraints."""
+    system, analysis = prepared.system, prepared.analysis
+    known = {"mobility": analysis.mobility} if analysis.complete else {}
+    return {
+        "mass": mass_of(system), "unknowns": system.n, "degrees_of_freedom": system.n_q, "multipliers": system.n_l,
+        **known, "redundant_constraints": sum(group.count for group in prepared.redundant),
+    }  # fmt: skip
+
+
+def mass_of(system):
+    """Total mass [kg]: of every kind whose record has one."""
+    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
+
+
+def some(names, most):
+    """Up to ``most`` names, and how many more there are."""
+    shown = "; ".join(names[:most])
+    return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
+
+
+def _friction_of(system, group):
+    """Text on the friction that the reactions of a redundant group drive."""
+    of = system.numbering
+    rubbing = {of.name[system.n_q + i] for i in system.borrowed} & set(group.names)
+    owners = sorted({name.partition(":")[0] for name in rubbing})
+    if not owners:
+        return []
+    return [
+        f"the friction of {', '.join(owners)} is driven by reactions that are not unique: it depends on how the equal "
+        "compliances of the redundant constraints share them, and so does the motion; release what is redundant, or "
+        "give other joints of the group a 'compliance'"
+    ]
+
+
+def _changed_velocities(prepared, motion):
+    """The node whose velocity the constraints changed most from what the deck asks, or else its turning, as a text."""
+    deck, system, of = prepared.deck, prepared.system, prepared.system.numbering
+    entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
+    named = {name for entry in entries for name in entry["nodes"]}
+    turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
+    for names, first, asked, before, reached, unit in zip(
+        (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
+        _rates(system, motion), ("m/s", "rad/s"), strict=False,
+    ):  # fmt: skip
+        asked = np.where((first < of.n_q)[:, None], before, asked)  # what is fixed has not been given what is asked
+        rows = [i for i, node in enumerate(system.nodes) if node.name in names]
+        change = np.linalg.norm((reached - asked)[rows], axis=1)
+        fastest = np.linalg.norm(np.concatenate([asked[rows], reached[rows]]), axis=1).max(initial=0.0)
+        if change.max(initial=0.0) > 1e-6 * fastest:
+            i = rows[int(np.argmax(change))]
+            was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
+            return [
+                "the initial velocities do not fit the constraints and were changed to the nearest that do (momenta "
+                f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}"
+            ]
+    return []
+
+
+def _rates(system, s):
+    """Velocities and angular velocities (n_nodes, 3) of all nodes, inertial."""
+    of, three = system.numbering, np.arange(3)
+    return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
+
+
+def chosen(prepared, march, start):
+    """What stands for the values that the deck leaves automatic, by name: for the results file."""
+    method, control = march.method, march.control
+    return {
+        "length_scale": prepared.length,
+        "minimum_step": control.minimum,
+        "maximum_step": control.maximum,
+        "k": method.k or start.history.k,
+        "penalty": start.history.k if method.penalty is None else method.penalty,
+        "increment_tolerance": method.tolerances.increment,
+    }

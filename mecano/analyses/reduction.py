@@ -1,0 +1,103 @@
+"""`mecano reduce`: a part of a deck as a file of reduced matrices for superelements."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mecano.deck.build import build
+from mecano.deck.physics import element_nodes
+from mecano.elements import KINDS
+from mecano.errors import ResultsError, UsageError
+from mecano.model.mesh import divided, inner_names
+from mecano.model.model import Model, Node
+from mecano.model.system import System
+from mecano.results.whole_file import appearing, exists, refuse_folder
+from mecano.solve.diagnostics.scales import length_scale
+from mecano.solve.modal.reduction import reduce
+
+SHOWN = 5  # frequencies told
+
+
+def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
+    """Reduce a part of a checked deck into the file ``path`` (.npz or .h5): (text, Reduction).
+
+    ``elements`` names elements and joints of the part (all, when empty), ``nodes`` its boundary nodes, ``number`` the
+    modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
+    """
+    path = Path(path)
+    if path.suffix not in (".npz", ".h5"):
+        raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
+    refuse_folder(path)
+    if exists(path) and not force:
+        raise ResultsError(f"{path} exists; --force replaces it")
+    part = part_of(deck, elements, nodes)
+    system = System(part)
+    result = reduce(system, list(nodes), number, length_scale(system.nodes))
+    result.content.update(lines_of(part, [*nodes, *result.content.get("interior_names", ())]))
+    write(path, result.content)
+    return text(path, nodes, result), result
+
+
+def part_of(deck, elements, boundary):
+    """The Model of the chosen elements and joints, without loads and gravity, its boundary nodes free."""
+    whole = build(deck)
+    parts = [element for element in whole.elements if KINDS[element.values["type"]].section != "loads"]
+    known = [element.name for element in parts]
+    unknown = [name for name in elements if name not in known]
+    if unknown:
+        raise UsageError(f"the deck has no element or joint '{unknown[0]}'; it has {', '.join(known[:12])}")
+    parts = [element for element in parts if not elements or element.name in elements]
+    used = {name for element in parts for name in element_nodes(KINDS[element.values["type"]], element.values)}
+    inside = {
+        name for element in parts if "mesh" in element.values for name in inner_names(element.name, element.values)
+    }
+    for name in boundary:
+        if name not in used | inside:
+            raise UsageError(f"node '{name}' is none of the part; it has {', '.join(sorted(used)[:12])}")
+    held = [node.name for node in whole.nodes if node.name in used and node.fixed and node.name not in boundary]
+    if held:
+        raise UsageError(f"node '{held[0]}' is fixed: it can only be a boundary node of the part")
+    free = [Node(node.name, node.x, node.R) for node in whole.nodes if node.name in used]
+    return Model(free, parts, whole.laws, np.zeros(3))
+
+
+def lines_of(part, names):
+    """Pairs of numbers of the nodes ``names`` that an element of the part joins, under the key "lines"."""
+    index = {name: i for i, name in enumerate(names)}
+    pairs = [
+        (index[element.nodes[0]], index[node])
+        for element in divided(part).elements
+        if element.kind.section == "elements"
+        for node in element.nodes[1:]
+        if element.nodes[0] in index and node in index
+    ]
+    return {"lines": np.array(pairs, float)} if pairs else {}
+
+
+def write(path, content):
+    """Write the content of a file of reduced matrices; it appears when it is complete. Raises ResultsError."""
+    if path.suffix == ".npz":
+        with appearing(path) as hidden:
+            np.savez_compressed(hidden, **content)
+        return
+    from mecano.results.disk import hdf5_appearing  # imports h5py, which the other format does without
+
+    with hdf5_appearing(path) as file:
+        for key, value in content.items():
+            file[key] = [name.encode() for name in value] if value.dtype.kind == "U" else value
+
+
+def text(path, nodes, result):
+    """What was done, for a terminal."""
+    lowest = ", ".join(f"{f:.6g}" for f in result.frequencies[:SHOWN])
+    kept, of = len(result.frequencies), f" of {result.found}" if result.found >= 0 else ""
+    lines = [
+        f"{path}: {6 * len(nodes)} coordinates of the boundary nodes {', '.join(nodes)}; {kept}{of} modes",
+        f"mass             {result.mass:.6g} kg",
+        f"inside           {result.inner} degrees of freedom besides the boundary",
+    ]
+    if kept:
+        lines.append(
+            f"boundary held    {lowest}{', ...' if kept > SHOWN else ''} Hz, up to {result.frequencies[-1]:.6g} Hz"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,49 @@
+"""The start of a march that has to be found: static equilibrium, or straight steady running."""
+
+import numpy as np
+
+NOTICEABLE = 0.1  # of the length scale
+
+
+def bring_to_start(prepared, disturbed=True):
+    """Bring ``prepared.state`` to where ``initial`` of the deck has the march begin; returns remarks.
+
+    Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
+    code 3) when there is no such start, NonFiniteError.
+    """
+    initial = prepared.deck.values["initial"]
+    if initial["static"]:
+        from mecano.analyses.equilibria import equilibrium  # which other decks need not wait for
+
+        return equilibrium(prepared)
+    if not initial["steady"]:
+        return ()
+    from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, for which only decks that need it should wait
+
+    asked, before = prepared.state.v.copy(), prepared.state
+    prepared.state = Steady(prepared.system, prepared.length, initial["steady"]["velocity"]).find(before)
+    if disturbed:
+        prepared.state.v += asked
+    return tuple(_reshaped(prepared, before))
+
+
+def words(deck):
+    """What the start of a march is, in words."""
+    initial = deck.values["initial"]
+    if initial["static"]:
+        return "static equilibrium at the start"
+    if initial["steady"]:
+        velocity = ", ".join(f"{c:.9g}" for c in initial["steady"]["velocity"])
+        return f"straight steady running at [{velocity}] m/s"
+    return "initial state"
+
+
+def _reshaped(prepared, before):
+    """A text on the node that moved most from where the deck has it, apart from a translation of all."""
+    system, of = prepared.system, prepared.system.numbering
+    shift = (prepared.state.z - before.z)[of.x[:, None] + np.arange(3)]
+    size = np.linalg.norm(shift - shift.mean(axis=0), axis=1)
+    i = int(np.argmax(size))
+    if size[i] > NOTICEABLE * prepared.length:
+        name = system.nodes[i].name
+        yield f"to run steadily the mechanism takes another shape: node '{name}' moves by {size[i]:.3g} m"

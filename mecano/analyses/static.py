@@ -1,0 +1,118 @@
+"""One static run, from a checked deck to the results file: prepare, follow the path, close."""
+
+import numpy as np
+
+from mecano.analyses.equilibria import follow
+from mecano.analyses.prepare import model_facts, prepare, remarks
+from mecano.model.sampler import Sampler, Still
+from mecano.results.layout import Layout, Series
+from mecano.results.lock import locked
+from mecano.results.provenance import Source
+from mecano.results.whole_file import exists
+from mecano.results.writer import Writer, refuse_existing
+
+AXES = {
+    "load_factor": Series("load factor", "", "share of the loads and of gravity"),
+    "arc_length": Series("length of the path", "", "in load factors at the stiffness of the start"),
+    "time": Series("time", "s", "time in the laws"),
+}
+STEPS = (
+    Series("step_size", "", "step of the load factor, of the time, or along the path"),
+    Series("iterations", "", "Newton iterations of the accepted step"),
+    Series("rejected", "", "attempts rejected before this step was accepted"),
+    Series("force_residual", "", "largest residual force over its tolerance"),
+    Series("constraint_residual", "", "largest residual constraint over its tolerance"),
+    Series("increment", "", "largest last correction over its tolerance"),
+)
+PATH = (
+    Series("static/load_factor", "", "share of the loads and of gravity that acts"),
+    Series("static/unstable_directions", "", "directions in which the equilibrium is unstable; -1 where unknown"),
+    Series("static/neutral_directions", "", "directions without stiffness; -1 where unknown"),
+)
+
+
+class Recorder:
+    """Observer that writes every equilibrium as a saved time, with how it was found."""
+
+    def __init__(self, system, over_time):
+        self.system, self.over_time, self.writer = system, over_time, None
+        self.sampler = Sampler(system)
+        columns = [c for c in self.sampler.columns if not c.path.startswith("energy/") or "potential" in c.path]
+        self.series = [Series(c.path, c.unit, c.doc, c.shape) for c in columns] + list(PATH)
+        self.places = np.concatenate([np.arange(c.start, c.start + c.size) for c in columns])
+        self.loads = [(b, _forces(b.kind)) for b in system.batches if b.kind.section == "loads" and b.n_outputs]
+
+    def __call__(self, point):
+        """Write one Point."""
+        factor = 1.0 if self.over_time else point.parameter
+        for batch, forces in self.loads:
+            batch.y[:, forces] *= factor
+        stability = point.stability
+        row = np.append(
+            self.sampler.take(Still(point.state))[self.places], [factor, stability.unstable, stability.neutral]
+        )  # fmt: skip
+        self.writer.extremes.take(point.place, row)
+        self.writer.append(point.place, row)
+        if point.step:
+            self.writer.append_step(point.place, np.array([point.step, point.iterations, point.rejected, *point.norms]))
+        for happening in point.happenings:
+            self.writer.append_event(
+                point.place, happening.element, happening.name, happening.before, happening.after
+            )  # fmt: skip
+
+
+def _forces(kind):
+    """Columns of the outputs of a load that grow with the load factor."""
+    sizes = [int(np.prod(output.shape, dtype=int)) for output in kind.outputs]
+    units = np.repeat([output.unit for output in kind.outputs], sizes)
+    return np.flatnonzero(np.isin(units, ("N", "N m", "W")))
+
+
+def resume(deck, path, *, observers=(), announce=lambda text: None):
+    """Find the equilibria again if ``path`` does not hold all of them, for they have no checkpoints; the last Point.
+
+    None when the file is complete. Raises UsageError where it is of another deck; and what ``run`` raises.
+    """
+    with locked(path):
+        if exists(path):
+            from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+
+            left = Remains(path, deck)
+            left.close()
+            if left.complete:
+                announce(COMPLETE.format(path))
+                return None
+            announce(f"equilibria have no checkpoints: the run in {path} begins at its start")
+        return _follow(deck, path, True, observers, announce)
+
+
+def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
+    """Find the equilibria a deck with ``static`` asks for and write them to ``path``; returns the last Point.
+
+    ``observers`` are told of every Point, ``announce`` of what a user should know. Raises AssemblyError,
+    ConvergenceError with the motion that is free, NonFiniteError, ResultsError; the file keeps what was found.
+    """
+    with locked(path):
+        refuse_existing(path, force)
+        return _follow(deck, path, force, observers, announce)
+
+
+def _follow(deck, path, force, observers, announce):
+    """``run`` while no other process writes the file."""
+    values, prepared = deck.values["static"], prepare(deck)
+    over_time = values["over"] == "time"
+    recorder, notes = Recorder(prepared.system, over_time), remarks(prepared)
+    source = Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        automatic={"length_scale": prepared.length}, model=model_facts(prepared), remarks=notes,
+    )  # fmt: skip
+    axis = AXES["arc_length" if values["method"] == "arc_length" else values["over"]]
+    with Writer.create(path, Layout(recorder.series, STEPS, axis), source, force=force) as writer:
+        for text in notes:
+            announce(text)
+        recorder.writer = writer
+        result = follow(prepared, (recorder, *observers))
+        for text in result.remarks:
+            announce(text)
+        writer.close("complete", "; ".join([result.reason, *result.remarks]))
+    return result.point

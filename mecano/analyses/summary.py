@@ -1,0 +1,166 @@
+"""What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
+
+from collections import Counter
+from textwrap import wrap
+
+from mecano.analyses.equilibria import start_in_words
+from mecano.analyses.footprint import in_words, memory_of_run
+from mecano.analyses.prepare import amount_warnings, mass_of, prepare, some, warnings_of
+from mecano.analyses.start import words as words_of_start
+from mecano.contract import SECTIONS
+from mecano.deck.amounts import saved_times, steps
+from mecano.process.interrupt import abandonable
+from mecano.solve.diagnostics.analysis import DENSE_ROWS
+from mecano.solve.diagnostics.rigidity import stiff_mechanisms
+
+MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
+MOST_SHARING = 3  # names of nodes that share an unknown
+WIDTH = 110
+INDENT = " " * 17
+
+
+def summary(deck, every=False):
+    """Return the summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled.
+
+    Of many free unknowns and mechanisms the first only, unless ``every`` one is asked for.
+    """
+    return summary_of(prepare(deck), every)
+
+
+def summary_of(prepared, every=False):
+    """Return the summary of a Prepared model, as ``summary``."""
+    system, analysis, deck = prepared.system, prepared.analysis, prepared.deck
+    values = deck.values
+    lines = [
+        f"{deck.file}: {values['title'] or 'no title'}",
+        f"nodes            {len(values['nodes'])}",
+        *_counts(values),
+        f"mass             {mass_of(system):.6g} kg",
+        _gravity(values["gravity"]),
+        f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
+        f"length scale     {prepared.length:.6g} m",
+        f"memory           about {in_words(memory_of_run(prepared))} in a run",
+        *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
+    ]
+    if not analysis.complete:
+        text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
+        return "\n".join([*lines, text])
+    lines += abandonable(lambda: list(_mobility(prepared, every)))
+    redundant = sum(group.count for group in prepared.redundant)
+    lines.append(f"redundant        {redundant} constraint(s)")
+    for group in prepared.redundant:
+        lines.append(f"  {group.count} too many among these, whose reactions are therefore not unique:")
+        lines += [f"    {name}" for name in group.names]
+    if prepared.displacement > 1e-9 * prepared.length:
+        lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
+    return "\n".join(lines)
+
+
+def _mobility(prepared, every):
+    """How much can move, and what; of a flexible structure, what could if it were stiff."""
+    system, analysis = prepared.system, prepared.analysis
+    stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
+    text = f"mobility         {analysis.mobility}"
+    if stiff is not None:
+        rigid = sum(group.count for group in stiff)
+        what = "flexible members and tyres" if system.relaxing.any() else "flexible members"
+        text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
+    yield text
+    found = analysis.mechanisms if stiff is None else stiff
+    if found is None:
+        yield f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom"
+    for text in _free(found or (), every):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
+def _free(mechanisms, every):
+    """What can move, in words: unknowns alone, and mechanisms."""
+    most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
+    alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
+    if alone:
+        yield f"{len(alone)} free, each by itself: {some(_by_nodes(alone), most)}"
+    groups = [group for group in mechanisms if len(group.names) > 1]
+    for group in groups[:shown]:
+        yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"
+    if more := groups[shown:]:
+        degrees = sum(group.count for group in more)
+        yield f"and {len(more)} more mechanism(s) of {degrees} degree(s) of freedom together: mecano check DECK --all"
+
+
+def _by_nodes(names):
+    """Names of unknowns ("node a: displacement x"); all of one sort of a node are one, all of a node, a member too."""
+    nodes, found, inside = {}, [], Counter()
+    for name in names:
+        nodes.setdefault(name.partition(": ")[0], []).append(name)
+    for node, own in nodes.items():
+        if len(own) < 6:
+            found += _by_sort(node, own)
+        elif "." in node:
+            inside[node.removeprefix("node ").rpartition(".")[0]] += 1
+        else:
+            found.append(f"{_few(node)}: all")
+    return found + [f"all of the {count} node(s) inside '{member}'" for member, count in inside.items()]
+
+
+def _by_sort(node, names):
+    """Names of some unknowns of a node; three displacements or rotations are one."""
+    sorts = {}
+    for name in names:
+        what = name.partition(": ")[2]
+        sorts.setdefault(what.rpartition(" ")[0], []).append(what)
+    for sort, own in sorts.items():
+        shown = [sort.removesuffix(" about material")] if len(own) == 3 else own
+        yield from (f"{_few(node)}: {what}" for what in shown)
+
+
+def _few(node):
+    """The first of the nodes that share an unknown, and how many more there are."""
+    names = node.split(", ")
+    return node if len(names) <= MOST_SHARING else f"{', '.join(names[:2])} and {len(names) - 2} more"
+
+
+def _statics(prepared):
+    """How equilibrium is reached, and how stable the start is."""
+    static = prepared.deck.values["static"]
+    what = "load factor" if static["over"] == "load_factor" else "time"
+    yield f"equilibrium      {what} up to {static['end']:g} by {static['method']}"
+    yield from _start(prepared)
+
+
+def _start(prepared):
+    for text in start_in_words(prepared):
+        yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
+def _counts(values):
+    for section in SECTIONS:
+        kinds = [d["type"] for d in values[section].values()]
+        counted = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        yield f"{section:<16} {len(kinds)}{': ' if kinds else ''}{counted}"
+
+
+def _gravity(vector):
+    """The gravity that acts."""
+    shown = ", ".join(f"{component + 0.0:.6g}" for component in vector)
+    return f"gravity          {f'[{shown}] m/s2' if any(vector) else 'none'}"
+
+
+def _amounts(prepared):
+    """Steps and saved times, with a warning where they are absurdly many."""
+    values = prepared.deck.values
+    time, count, saved = values["time"], steps(values), saved_times(values)
+    kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"
+    yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
+    yield f"saved times      {'every step' if saved is None else saved}"
+    if first := values["initial"]["static"]:
+        yield f"initial          the static equilibrium, found by {first['method']}"
+        yield from _start(prepared)
+    if values["initial"]["steady"]:
+        yield f"initial          {words_of_start(prepared.deck)}, found when it begins"
+    for text in amount_warnings(prepared):
+        yield from _labelled("warning", text)
+
+
+def _labelled(label, text):
+    return wrap(text, WIDTH, initial_indent=f"{label:<17}", subsequent_indent=INDENT)

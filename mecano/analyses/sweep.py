@@ -1,0 +1,276 @@
+"""Modes over one parameter of a deck, or over two: root loci, critical values, a map of stability."""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from mecano.analyses.modal import about, doubts, turning_of
+from mecano.analyses.sweep_text import lines
+from mecano.deck.read import read_deck
+from mecano.deck.wording import suggestion
+from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
+from mecano.process.interrupt import abandonable
+from mecano.results.lock import locked
+from mecano.results.provenance import Source
+from mecano.results.sweep_file import contents, write_sweep, write_tables
+from mecano.results.writer import refuse_existing
+from mecano.solve.modal.critical import critical
+from mecano.solve.modal.families import FAMILIES, families, running_axes
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import solve
+from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
+from mecano.solve.statics.stability import words
+
+MOST = 100_000  # states in one sweep
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
+ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not in a name
+LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
+STEADY = 1e-8  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
+FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A number of the deck and the values that it takes: ``path`` as of ``--set``, ``name`` for people."""
+
+    path: str
+    name: str
+    values: np.ndarray
+
+    @classmethod
+    def parse(cls, text, parameters):
+        """From "speed=10:80:1" or "tire_laws.rubber.radius=0.3,0.32"; a name without a dot is that of a parameter."""
+        path, equals, values = text.partition("=")
+        wanted = f"'{text}' cannot be understood; write --sweep speed=10:80:1 (from, to, step) or speed=10,20,40"
+        if not equals or not path:
+            raise UsageError(wanted)
+        if "." not in path and path not in parameters:
+            hint = suggestion(path, parameters)
+            raise UsageError(f"the deck has no parameter '{path}' to sweep over" + (f"; {hint}" if hint else ""))
+        full = path if "." in path else f"parameters.{path}"
+        if match := RANGE.fullmatch(values):
+            return cls(full, path.removeprefix("parameters."), _range(*map(float, match.groups()), text))
+        if LIST.fullmatch(values):
+            numbers = np.array(sorted({float(part) for part in values.split(",")}))
+            return cls(full, path.removeprefix("parameters."), numbers)
+        raise UsageError(wanted)
+
+
+def _range(first, last, step, text):
+    count = (last - first) / step if step else np.inf
+    if not 0 < count < MOST:
+        raise UsageError(f"'{text}' has no values, or more than {MOST}: the step must lead from the first to the last")
+    values = first + step * np.arange(int(count + 1e-9) + 1)
+    return np.sort(values)
+
+
+@dataclass
+class Locus:
+    """A sweep over one parameter: branches of eigenvalues and the critical values between them."""
+
+    axis: Axis
+    values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
+    motions: list  # (branches,) what moves most where it is least damped, in words
+    families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
+    converged: np.ndarray  # (branches, n) bool; True where a branch has none
+    critical: list  # of Critical
+    growth: np.ndarray  # (n,) largest real part [1/s] of what means more than zero; nan where nothing was found
+    count: np.ndarray  # (n,) how many branches grow; -1 where nothing was found
+    fastest: np.ndarray  # (n,) complex: the eigenvalue of that real part
+    least: np.ndarray  # (n,) [1/s]: smaller eigenvalues mean no more than zero
+    variation: np.ndarray  # (n,) that of a Linearization; 0 where nothing was found
+
+    @property
+    def family_names(self):
+        """Lists (branches, n) of the families of the modes, "" where a branch has none."""
+        return [["" if number < 0 else FAMILIES[number] for number in row] for row in self.families]
+
+    def of_instant(self, found):
+        """True where a Critical lies between states that are not steady, so that its modes are those of an instant."""
+        i = int(np.searchsorted(self.axis.values, found.place))
+        return bool(self.variation[max(i - 1, 0) : i + 1].max() > STEADY)
+
+
+@dataclass
+class Sweep:
+    """What a sweep found: a Locus for each value of the second axis (one, without a value, when there is none)."""
+
+    axes: tuple
+    loci: list
+    remarks: list
+    about: str
+    deck: object  # of the first values
+
+
+@dataclass
+class Case:
+    """The deck of a sweep and how its modes are found; remembers what it was told on the way."""
+
+    path: str
+    overrides: tuple = ()
+    number: int = 1_000_000
+    frame: str = "inertial"
+    method: str = "automatic"
+    remarks: dict = field(default_factory=dict)  # text without numbers -> (first text, in how many states)
+    about: str = ""
+    error: Exception | None = None  # of the last state that was not found
+    variation: float = 0.0  # largest of all states, as that of a Linearization
+    residual: float = 0.0  # largest of all modes
+
+    def deck(self, settings=()):
+        """The checked deck with some numbers set: (path, value) each."""
+        return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
+
+    def remark(self, text):
+        """Note a text, once more where it is known but for its numbers."""
+        key = ALONE.sub("#", text)
+        first, count = self.remarks.get(key, (text, 0))
+        self.remarks[key] = first, count + 1
+
+    def fail(self, error):
+        """Note the error of a state."""
+        self.error = error
+        self.remark(str(error).partition("\n")[0])
+
+    def spectrum(self, settings):
+        """(Spectrum, words(shape) -> text, variation) of a state."""
+        base = about(self.deck(settings))
+        prepared, system = base.prepared, base.prepared.system
+        turning = turning_of(system, base.state, self.frame)
+        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+        found = abandonable(solve, lin, self.number, self.method)
+        self.about = base.words.partition(" at [")[0]
+        self.variation = max(self.variation, lin.variation)
+        self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
+        for text in base.remarks:
+            self.remark(text)
+        length = float(lin.root.max(initial=1.0))
+
+        def motion(shape):
+            return words(system, base.state, (shape / lin.root).real, length, inertial=True, most=2)
+
+        of = families(lin, system.numbering.kind[: system.n_q], running_axes(system, base.state), found.shapes)
+        return Spectrum.of(found, lin.root, lin.pace, of), motion, lin.variation
+
+
+def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
+    """Find the modes of a deck file over one or two ``texts`` "parameter=from:to:step"; returns a Sweep.
+
+    ``progress(done, total, text)`` is told of every state.
+    Values where no state is found are left out, with a remark.
+    Raises UsageError, DeckError, and the error of the last state where none is found.
+    """
+    case = Case(path, tuple(overrides), number or 1_000_000, frame, method)
+    deck = case.deck()
+    if len(texts) > 2:
+        raise UsageError("--sweep may be given once, or twice for a map of stability")
+    axes = tuple(Axis.parse(text, deck.values["parameters"]) for text in texts)
+    if len(axes) == 2 and axes[0].path == axes[1].path:
+        raise UsageError(f"both sweeps are over '{axes[0].name}'")
+    others = [()] if len(axes) == 1 else [((axes[1].path, float(value)),) for value in axes[1].values]
+    first, total = axes[0], len(axes[0].values) * len(others)
+    found = []
+    for i, other in enumerate(others):
+        told = lambda done, text, i=i: progress(i * len(first.values) + done, total, text)  # noqa: E731
+        found.append(_locus(case, first, other, told))
+    if all(np.all(locus.count < 0) for locus in found):
+        raise case.error
+    told = case.remarks.values()
+    remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in told]
+    return Sweep(axes, found, [*remarks, *doubts(case.variation, case.residual)], case.about, deck)
+
+
+def _locus(case, axis, other, told):
+    """The Locus over ``axis`` with the other numbers set."""
+    spectra, motions, variations = [], [], []
+    for i, value in enumerate(axis.values):
+        settings = (*other, (axis.path, float(value)))
+        try:
+            spectrum, motion, variation = case.spectrum(settings)
+        except FAILED as error:
+            spectrum, motion, variation = None, None, 0.0
+            case.fail(error)
+        spectra.append(spectrum)
+        motions.append(motion)
+        variations.append(variation)
+        told(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
+    values, rows = loci(track(spectra, axis.values), spectra)
+    described = [_described(row, spectra, motions) for row in rows]
+    found = _criticals(case, axis, other, rows, spectra)
+    least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
+    own = [_along(row, spectra, name, none) for row in rows for name, none in (("families", -1), ("converged", True))]
+    kinds, sure = (np.array(own[i::2]).reshape(rows.shape) for i in (0, 1))
+    return Locus(axis, values, described, kinds, sure, found, *_growth(spectra), least, np.array(variations))
+
+
+def _along(row, spectra, name, none):
+    """What each mode of a branch has in its spectrum, (n,); ``none`` where the branch has no mode."""
+    return [getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)]
+
+
+def _described(row, spectra, motions):
+    """What moves most in a branch, where it is least damped."""
+    values = np.array([spectra[i].values[mode] if mode >= 0 else np.nan for i, mode in enumerate(row)])
+    i = least_damped(values, np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra]))
+    return motions[i](spectra[i].shapes[row[i]])
+
+
+def _growth(spectra):
+    """Largest real part, number of growing modes, and the eigenvalue of the largest real part, of each spectrum."""
+    growth, count = np.full(len(spectra), np.nan), np.full(len(spectra), -1)
+    fastest = np.full(len(spectra), np.nan, complex)
+    for i, spectrum in enumerate(spectra):
+        if spectrum is None:
+            continue
+        growth[i], count[i], fastest[i] = 0.0, 0, 0.0
+        values = spectrum.counting
+        if len(values):
+            fastest[i] = values[np.argmax(values.real)]
+            growth[i], count[i] = fastest[i].real, int(np.sum(unstable(values)))
+    return growth, count, fastest
+
+
+def _criticals(case, axis, other, rows, spectra):
+    """Where branches become unstable or stable, by place."""
+    found = []
+
+    def spectrum_at(place):
+        return case.spectrum((*other, (axis.path, float(place))))[0]
+
+    for branch, row in enumerate(rows):
+        known = (row[:-1] >= 0) & (row[1:] >= 0)
+        for i in np.flatnonzero(known & np.diff(growing(row, spectra))):
+            ends = [(float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)]
+            try:
+                found.append(critical(spectrum_at, *ends, branch))
+            except FAILED as error:
+                case.fail(error)
+    return _distinct(sorted((c for c in found if c is not None), key=lambda c: c.place))
+
+
+def _distinct(criticals):
+    """Without those that two branches, meeting as a pair there, both tell."""
+    kept = []
+    for c in criticals:
+        twin = any(abs(c.place - k.place) <= 1e-9 * abs(c.place) and c.destabilizes == k.destabilizes for k in kept)
+        if not twin or c.value.imag != 0.0 and not any(abs(c.value - k.value) < 1e-6 * abs(c.value) for k in kept):
+            kept.append(c)
+    return kept
+
+
+def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
+    """``sweep`` into a file, with ``columns`` into tables of comma-separated values beside it: (text, states)."""
+    with locked(file):
+        refuse_existing(file, force)
+        found = sweep(path, overrides, texts, **options)
+        deck, plain = found.deck, contents(found)
+        source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+                        remarks=found.remarks)  # fmt: skip
+        write_sweep(file, plain, source, force=force)
+        if columns:
+            write_tables(Path(file).with_suffix(".csv"), plain)
+    text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.remarks)])
+    return text, sum(len(locus.count) for locus in found.loci)

@@ -1,0 +1,120 @@
+"""What a sweep of modes found, as lines for a terminal."""
+
+import math
+
+import numpy as np
+
+from mecano.solve.modal.families import FAMILIES
+from mecano.solve.modal.tracking import damping, least_damped
+
+MOST_ROWS, MOST_DIGITS, INSTANT_DIGITS = 200, 11, 3
+
+
+def lines(sweep):
+    """Lines of the table: the least stable mode at each value, the modes, the critical values."""
+    first = sweep.axes[0]
+    yield f"modes over {first.name}, {len(first.values)} values from {first.values[0]:g} to {first.values[-1]:g}"
+    yield f"about: {sweep.about}"
+    if len(sweep.axes) == 1:
+        yield from _states(first, sweep.loci[0])
+        yield from _modes(first.name, sweep.loci[0])
+        yield from _families(first.name, sweep.loci[0])
+        yield from _critical(first.name, sweep.loci[0])
+        return
+    for value, locus in zip(sweep.axes[1].values, sweep.loci, strict=True):
+        yield f"{sweep.axes[1].name} {value:.6g}: {_stretches(first, locus)}"
+        yield from (f"  {text}" for text in _critical(first.name, locus))
+
+
+def _states(axis, locus):
+    """The value, how many modes grow, and the numbers of the least stable mode."""
+    rows = [(axis.name, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
+    for i, value in enumerate(axis.values):
+        if locus.count[i] < 0:
+            rows.append((f"{value:.9g}", "-", "-", "no state", "-", "-"))
+            continue
+        of = np.where(np.abs(locus.values[:, i]) > locus.least[i], locus.values[:, i], np.nan)
+        if not np.any(np.isfinite(of)):
+            rows.append((f"{value:.9g}", "0", "-", "-", "-", "-"))
+            continue
+        b = int(np.nanargmax(of.real))
+        mark = "" if locus.converged[b, i] else " not converged"
+        frequency, ratio = _numbers(of[b])
+        rows.append((f"{value:.9g}", str(locus.count[i]), str(b + 1), f"{of[b].real:.6g}", frequency, ratio + mark))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows[: MOST_ROWS + 1]:
+        yield "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))
+    if len(rows) > MOST_ROWS + 1:
+        yield f"... and {len(rows) - 1 - MOST_ROWS} more, which are in the file"
+
+
+def _modes(name, locus):
+    """Every mode: its family and numbers where it is least damped, and what moves most there."""
+    yield "modes, where they are least damped:"
+    rows = [("mode", "family", "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "what moves most")]
+    for b, values in enumerate(locus.values):
+        i, frequency = least_damped(values, locus.least), values.imag / (2.0 * np.pi)
+        unsure = int(np.sum(~locus.converged[b]))
+        mark = f" (not converged at {unsure} of {np.sum(np.isfinite(values))} values)" if unsure else ""
+        rows.append((
+            str(b + 1), FAMILIES[locus.families[b, i]], *_numbers(values[i]), f"{locus.axis.values[i]:.6g}",
+            f"{np.nanmin(frequency):.4g}", f"{np.nanmax(frequency):.4g}", locus.motions[b] + mark,
+        ))  # fmt: skip
+    yield from _aligned(rows)
+
+
+def _families(name, locus):
+    """The least damped mode of each family, over all values."""
+    yield "least damped of each family:"
+    rows = [("family", "mode", "damped [Hz]", "damping", f"at {name}")]
+    for number in np.unique(locus.families[locus.families >= 0]):
+        values = np.where(locus.families == number, locus.values, np.nan).ravel()
+        i = least_damped(values, np.broadcast_to(locus.least, locus.values.shape).ravel())
+        b, at = np.unravel_index(i, locus.values.shape)
+        mark = "" if locus.converged[b, at] else " not converged"
+        rows.append((FAMILIES[number], str(b + 1), *_numbers(values[i]), f"{locus.axis.values[at]:.6g}{mark}"))
+    yield from _aligned(rows)
+
+
+def _numbers(value):
+    """Damped frequency [Hz] and damping ratio of an eigenvalue."""
+    return f"{value.imag / (2.0 * np.pi):.6g}", f"{float(damping(value)) + 0.0:.5f}"
+
+
+def _aligned(rows):
+    """Rows of texts in columns; the last one to the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join([*(f"{text:>{width}}" for text, width in zip(row[:-1], widths, strict=False)), row[-1]])
+
+
+def _critical(name, locus):
+    """Where modes become unstable or stable."""
+    if not locus.critical:
+        yield "no mode becomes unstable or stable in between"
+    for c in locus.critical:
+        digits = INSTANT_DIGITS if locus.of_instant(c) else 6
+        what = f"oscillates at {c.value.imag / (2 * np.pi):.{digits}g} Hz" if c.value.imag else "diverges"
+        side = "above" if c.destabilizes else "below"
+        grows = f"mode {c.branch + 1} ({what}) grows {side} it"
+        if locus.of_instant(c):
+            about = f"critical {name} about {c.place:.{INSTANT_DIGITS}g}"
+            yield f"{about}: {grows}, of an instant only: the states there are not steady"
+        else:
+            yield f"critical {name} {known(c.place, c.error)}: {grows}"
+
+
+def known(value, error):
+    """The digits of a value that hold, at most 11: half a unit of the last one is no less than the ``error``."""
+    if not (value and error):
+        return f"{value:.{MOST_DIGITS}g}"
+    digits = math.floor(math.log10(abs(value))) - math.ceil(math.log10(2.0 * error)) + 1
+    return f"{value:.{min(max(digits, 1), MOST_DIGITS)}g}"
+
+
+def _stretches(axis, locus):
+    """Between which of the values some mode grows."""
+    grows = locus.count > 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))
+    parts = [f"{axis.values[a]:.6g} to {axis.values[b - 1]:.6g}" for a, b in edges.reshape(-1, 2)]
+    return f"unstable at {axis.name} {', '.join(parts)}" if parts else f"stable at all values of {axis.name}"

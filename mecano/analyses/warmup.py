@@ -1,0 +1,93 @@
+"""Compiling ahead: what all decks can contain, or what some decks do."""
+
+import os
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from pkgutil import walk_packages
+
+from mecano import constraints, elements
+from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import prepare
+from mecano.analyses.static import run as run_static
+from mecano.compiled import store
+from mecano.contract import Kind
+from mecano.deck.new import starters
+from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.errors import ResultsError
+from mecano.model.loops import PURPOSES, loop_of
+
+STEPS = 3
+BETWEEN = 0.7  # steps between two saved times, which are then interpolated
+
+
+def warmup(decks=(), overrides=()):
+    """Compile the loops of all kinds and what solves every model, or all that the ``decks`` need; yields texts.
+
+    Raises what reading and running a deck raises.
+    """
+    before = store.size()
+    if decks:
+        for path in decks:
+            yield f"running the beginning of {path}"
+            _begin(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
+    else:
+        kinds = all_kinds()
+        yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
+        _compile(kinds)
+        yield "running the beginnings of the decks of `mecano new`"
+        for name, text in starters().items():
+            file, data = f"{name}.yaml", text.encode()
+            _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
+    after = store.size()
+    yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
+
+
+def share(folder):
+    """Copy all compiled code of this user into a shared store below ``folder``; return what to do with it, as text.
+
+    Raises ResultsError where it cannot be written, or untrusted users can write there.
+    """
+    try:
+        target, size = store.share(folder)
+    except OSError as error:
+        raise ResultsError(f"cannot write compiled code to {folder}: {error.strerror or error}") from None
+    return (
+        f"{size / 1e6:.0f} MB of compiled code are in {target}: let users set {store.SHARED}={Path(folder).absolute()}"
+    )
+
+
+def all_kinds():
+    """All kinds, those of basic constraints and variants among them."""
+    found = {}
+    for package in (constraints, elements):
+        for module in walk_packages(package.__path__, f"{package.__name__}."):
+            kinds = [value for value in vars(import_module(module.name)).values() if isinstance(value, Kind)]
+            found |= {id(kind): kind for kind in kinds}
+    return list(found.values())
+
+
+def _shortened(deck):
+    """Overrides that leave some steps of a march, and save between them; an equilibrium has none to be left out."""
+    time = deck.values["time"]
+    if not time:
+        return []
+    end = [f"time.end={time['start'] + STEPS * time['step']!r}"] if _longer(time) else []
+    return [*end, f"output.every={BETWEEN * time['step']!r}"]
+
+
+def _longer(time):
+    return time["end"] - time["start"] > STEPS * time["step"]
+
+
+def _compile(kinds):
+    for kind in kinds:
+        for purpose in PURPOSES:
+            loop_of(kind, purpose)
+
+
+def _begin(deck):
+    """Compile all loops of the model, those that are called late as well, and run some steps."""
+    _compile(batch.kind for batch in prepare(deck).system.batches)
+    with tempfile.TemporaryDirectory() as folder:
+        (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))

@@ -1,0 +1,1 @@
+"""Bodies: point masses, rigid bodies and links, reduced parts."""

@@ -1,0 +1,278 @@
+r"""Superelement: a part of a mechanism by its reduced stiffness and mass, linear in a frame that follows its nodes.
+
+The coordinates are those of Craig & Bampton (1968): displacements and rotations of boundary nodes, then amplitudes of
+modes with fixed boundary. They are small, and seen from a frame that moves with the boundary nodes through any number
+of turns (Cardona & Geradin 1991).
+
+The file gives ``positions`` (one row for each boundary node), ``stiffness``, ``mass``, and perhaps ``damping``, with 6
+rows for each node in the order of ``nodes`` (displacements, rotations) and one for each mode, in the axes of the
+superelement: those of its first node at the start. ``mecano reduce`` makes such a file from a part of a deck, with the
+shapes that give the motion of the inner nodes again. The deck's nodes must stand as the ``positions`` do.
+
+Exact: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the balances of
+momentum and energy, small vibrations about a place at rest. Neglected: what deformations do to deformations (no
+stiffening by forces inside, no shortening by bending), and the velocities that the rotation of the frame gives to the
+inner modes: their share of the centrifugal and Coriolis forces. Cut a part into several superelements where that
+matters (docs/superelements.md).
+"""
+
+from functools import cache
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import give_back, take_zeros
+from mecano.compiled.nowhere import wanted
+from mecano.contract import Kind, Output, record
+from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
+from mecano.elements.bodies.superelement_force import (
+    add_forces,
+    add_product,
+    first_moment,
+    frame_moment,
+    mean_force,
+    of_motion,
+)  # fmt: skip
+from mecano.elements.bodies.superelement_frame import (
+    FORCE,
+    MOMENTUM,
+    ROWS,
+    U_RATE,
+    U,
+    V,
+    configuration,
+    turning,
+    velocities,
+)  # fmt: skip
+from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
+from mecano.maths.so3 import quaternion
+from mecano.maths.vector import dot, mat, put, vec
+from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
+
+RECORD = record(n_nodes="i", n_modes="i", table="i", damped="i", mass=(), square=(), moment=3, gravity=3)
+NODE_OUTPUTS = (
+    ("displacement", "m", "displacement of boundary node {} from its place in the frame, axes of the frame"),
+    ("rotation", "rad", "rotation vector of boundary node {} from its direction in the frame, axes of the frame"),
+    ("force", "N", "force of the rest of the model on boundary node {}, inertial; own inertia included"),
+    ("moment", "N m", "moment of the rest of the model on boundary node {}, inertial"),
+)
+
+MODE_OUTPUTS = (
+    (
+        "amplitude_{}",
+        "m",
+        "amplitude of mode {}; in metres where its shape has no unit, as mecano reduce makes it",
+        "amplitude_{}_rate",
+    ),
+    ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}", ""),
+)
+
+
+@kernel
+def force(p, at, f, K, C, M):
+    """Elastic forces, damping, weight and inertia; see contract.py for the arguments."""
+    n = 6 * p.n_nodes + p.n_modes
+    work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
+    R_f, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
+    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
+    of_motion(p, at.laws, load, work)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
+    mean = mean_force(p, load, work[FORCE])
+    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, f)
+    if wanted(K):
+        add_tangents(p, at.laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
+    give_back(work)
+    give_back(turns)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Frame, amplitudes, coordinates, resultants, energies."""
+    n = 6 * p.n_nodes + p.n_modes
+    work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
+    R_f, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
+    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
+    of_motion(p, at.laws, load, work)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
+    y[0], kinetic, dissipated = _energies(p, at.laws, work)
+    y[1] = kinetic
+    put(y, 2, centre)
+    w = quaternion(R_f)
+    for i in range(4):
+        y[5 + i] = w[i]
+    mean = mean_force(p, load, work[FORCE])
+    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, total)
+    for i in range(p.n_nodes):
+        j = 9 + 12 * i
+        put(y, j, vec(work[U], 6 * i))
+        put(y, j + 3, vec(work[U], 6 * i + 3))
+        put(y, j + 6, vec(total, 6 * i))
+        put(y, j + 9, mat(at.R[i]) @ vec(total, 6 * i + 3))
+    for i in range(p.n_modes):
+        y[9 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
+        y[10 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
+    e[0] = kinetic
+    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
+    e[2] = dissipated
+    give_back(work)
+    give_back(turns)
+    give_back(total)
+
+
+@kernel
+def _energies(p, laws, work):
+    """Elastic energy, kinetic energy, dissipated power; spoils the row INERTIA."""
+    n = work.shape[1]
+    stiffness = p.table + 12 * p.n_nodes + 3 * n
+    elastic, kinetic, dissipated = 0.0, 0.0, 0.0
+    scratch = take_zeros((2, n))
+    add_product(laws, stiffness, work[U], scratch[0])
+    if p.damped > 0:
+        add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
+    for i in range(n):
+        elastic += 0.5 * work[U, i] * scratch[0, i]
+        dissipated += work[U_RATE, i] * scratch[1, i]
+        kinetic += 0.5 * work[V, i] * work[MOMENTUM, i]
+    give_back(scratch)
+    return elastic, kinetic, dissipated
+
+
+def prepare(d, nodes, context):
+    """Record of one element; its matrices go to the flat table."""
+    reduced = d["file"]
+    K, M = (_symmetric(reduced[key]) for key in ("stiffness", "mass"))
+    mass, moment, _, loads = mass_moments(M, reduced["positions"])
+    X = np.array(reduced["positions"], float)
+    X -= X.mean(axis=0)
+    table = context.laws.append([])
+    for place, (_, R) in zip(X, nodes, strict=True):
+        context.laws.append(place)
+        context.laws.append(R.T @ nodes[0][1])
+    for block in (loads, K, M, _damping(d, K, M)):
+        context.laws.append(block)
+    return {
+        "n_nodes": len(X), "n_modes": len(K) - 6 * len(X), "table": table, "damped": int(_is_damped(d)),
+        "mass": mass, "square": np.mean(np.sum(X * X, axis=1)) or 1.0, "moment": moment, "gravity": context.gravity,
+    }  # fmt: skip
+
+
+def _symmetric(rows):
+    A = np.array(rows, float)
+    return 0.5 * (A + A.T)
+
+
+def _is_damped(d):
+    return d["file"].get("damping") is not None or d["mass_damping"] > 0.0 or d["stiffness_damping"] > 0.0
+
+
+def _damping(d, K, M):
+    """Damping matrix (n, n), or nothing."""
+    if not _is_damped(d):
+        return np.zeros(0)
+    given = d["file"].get("damping")
+    own = 0.0 * K if given is None else _symmetric(given)
+    return own + d["mass_damping"] * M + d["stiffness_damping"] * K
+
+
+def check(d, nodes):
+    """Matrices that can be, nodes that stand as those of the superelement."""
+    reduced = d["file"]
+    if len(nodes) != len(reduced["positions"]):
+        return [f"'nodes' has {len(nodes)} names, but the superelement has {len(reduced['positions'])} boundary nodes"]
+    found = [f"'file': {text}" for text in problems(reduced)]
+    off = misplaced(reduced, nodes)
+    return found or ([off] if off else [])
+
+
+def variant(d):
+    """The kind of a superelement with as many nodes and modes as these values have."""
+    n_nodes = len(d["file"]["positions"])
+    return _of_size(n_nodes, len(d["file"]["stiffness"]) - 6 * n_nodes)
+
+
+@cache
+def _of_size(n_nodes, n_modes):
+    numbers, modes = range(1, n_nodes + 1), range(1, n_modes + 1)
+    return Kind(
+        **DECLARED,
+        layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
+        scalars=tuple(f"amplitude_{i}" for i in modes),
+        outputs=(
+            *OUTPUTS,
+            *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
+            *(
+                Output(name.format(i), unit, doc.format(i), rate=rate.format(i))
+                for i in modes
+                for name, unit, doc, rate in MODE_OUTPUTS
+            ),
+        ),
+    )
+
+
+def sample(rng):
+    """One node alone; two and three nodes with modes, damped and not, oriented in any way."""
+    found = []
+    for n_nodes, n_modes, damping in ((1, 2, {}), (2, 3, {"stiffness_damping": 0.1}), (3, 0, {"mass_damping": 0.3})):
+        X, n = rng.normal(size=(n_nodes, 3)), 6 * n_nodes + n_modes
+        rigid = np.hstack(rigid_motions(X, n))
+        free = np.eye(n) - rigid @ np.linalg.pinv(rigid)
+        stiff, heavy = rng.normal(size=(2, n, n))
+        K = free @ stiff @ stiff.T @ free
+        M = _body_like(heavy @ heavy.T, rigid, rng)
+        reduced = {"positions": X.tolist(), "stiffness": K.tolist(), "mass": M.tolist()}
+        if n_nodes == 2:
+            reduced["damping"] = (0.5 * free @ heavy @ heavy.T @ free).tolist()
+        turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(n_nodes)]
+        turns = [A * np.linalg.det(A) for A in turns]
+        nodes = [(x @ turns[0].T + 0.3, A) for x, A in zip(X, turns, strict=True)]
+        found.append(({"file": reduced, **damping}, nodes, ""))
+    return found
+
+
+def _body_like(M, rigid, rng):
+    """M changed so that its rigid motions are those of a body: mass 2, some first moment and inertia."""
+    first = -np.cross(np.eye(3), 0.3 * rng.normal(size=3))
+    body = np.block([[2.0 * np.eye(3), first], [first.T, 2.0 * np.eye(3)]])
+    inverse = np.linalg.pinv(rigid)
+    free = np.eye(len(M)) - rigid @ inverse
+    return free @ M @ free + inverse.T @ body @ inverse
+
+
+OUTPUTS = (
+    Output("strain_energy", "J", "elastic energy"),
+    Output("kinetic_energy", "J", "kinetic energy"),
+    Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,)),
+    Output("frame_rotation", "-", "unit quaternion (w, x, y, z) from the axes of the frame to inertial axes", (4,)),
+)
+DECLARED_OUTPUTS = (
+    *OUTPUTS,
+    *(Output(f"{name}_1", unit, f"{doc.format('1')}; and so on", (3,)) for name, unit, doc in NODE_OUTPUTS),
+    *(
+        Output(name.format(1), unit, f"{doc.format(1)}; and so on", rate=rate.format(1))
+        for name, unit, doc, rate in MODE_OUTPUTS
+    ),
+)
+DECLARED = {
+    "name": "superelement",
+    "section": "elements",
+    "doc": __doc__,
+    "dtype": RECORD,
+    "fields": (
+        Field("nodes", NODES, "-", "its boundary nodes, in the order of the matrices"),
+        Field("file", REDUCED, "-", "its matrices: a file in the folder of the deck, or what would stand in it"),
+        Field("mass_damping", NUMBER, "1/s", "damping per mass, of deformations only", 0.0, not_negative),
+        Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
+    ),
+    "flexible": True,
+    "prepare": prepare,
+    "check": check,
+    "force": force,
+    "observe": observe,
+    "sample": sample,
+    "variant": variant,
+}
+SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS)

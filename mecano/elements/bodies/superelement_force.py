@@ -1,0 +1,142 @@
+r"""Forces of a superelement: elastic, damping, weight and inertia, from the motion seen from its frame.
+
+With the elastic coordinates u, the velocities :math:`v = (R^T \dot x_i, R^T \omega_i, \dot\eta)` of the boundary nodes
+in the axes of the frame, and :math:`\gamma = R^T g`,
+
+.. math::  V = \tfrac12 u^T K u - \gamma \cdot (S_0 + B^T u) - m\, g \cdot \bar x , \qquad T = \tfrac12 v^T M v
+
+where B = M r for the three rigid translations r, and :math:`\hat S_0` comes from M and the rigid rotations. The forces
+are those of Lagrange's equations of T and V without any neglect: with :math:`p = K u + C \dot u - B \gamma`,
+:math:`P = M v`, :math:`h = M \dot v` and the angular velocity Omega of the frame
+
+.. math::
+    \mu  &= -\sum_i (y_i \times p_{x,i} + E_i T_i^{-T} p_{r,i}) - (S_0 + B^T u) \times \gamma
+            - \sum_i (P_{x,i} \times v_i + P_{r,i} \times \omega_i) , \qquad \nu = D^{-1} \mu \\
+    R^T f_{x,i} &= p_{x,i} - \tfrac1n \left( \textstyle\sum_j p_{x,j} + m \gamma \right) + h_{x,i}
+            + \Omega \times P_{x,i} + \tfrac1n \nu \times X_i \\
+    f_{\Theta,i} &= T_i^{-T} p_{r,i} + E_i^T (h_{r,i} + \Omega \times P_{r,i} + P_{r,i} \times \omega_i)
+            + \tfrac{L^2}{n} (\mathrm{tr} E_i - E_i) \nu , \qquad f_\eta = p_\eta + h_\eta
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.elements.bodies.superelement_frame import (
+    FORCE,
+    INERTIA,
+    MOMENTUM,
+    U_RATE,
+    V_RATE,
+    U,
+    V,
+    axes,
+    place,
+    tail,
+)  # fmt: skip
+from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
+
+
+@kernel
+def add_product(laws, start, x, out):
+    """out += A x for the symmetric matrix (n, n) at ``start`` of the table; zeros in x cost nothing."""
+    n = x.shape[0]
+    for j in range(n):
+        s, row = x[j], start + j * n
+        if s != 0.0:
+            for i in range(n):
+                out[i] += s * laws[row + i]
+
+
+@kernel
+def first_moment(p, laws, u):
+    """B^T u, (3,)."""
+    total, start = ZERO, p.table + 12 * p.n_nodes
+    for i in range(u.shape[0]):
+        total = total + u[i] * vec(laws, start + 3 * i)
+    return total
+
+
+@kernel
+def products(p, laws, load, work, first, last):
+    """Forces on the coordinates, momenta and forces of inertia from the rows ``first`` ... of ``work`` (3 rows)."""
+    n = work.shape[1]
+    loads = p.table + 12 * p.n_nodes
+    stiffness = loads + 3 * n
+    force, momentum, inertia = work[last], work[last + 1], work[last + 2]
+    for i in range(n):
+        b = vec(laws, loads + 3 * i)
+        force[i] = -(b[0] * load[0] + b[1] * load[1] + b[2] * load[2])
+        momentum[i] = 0.0
+        inertia[i] = 0.0
+    add_product(laws, stiffness, work[first[0]], force)
+    add_product(laws, stiffness + n * n, work[first[2]], momentum)
+    add_product(laws, stiffness + n * n, work[first[3]], inertia)
+    if p.damped > 0:
+        add_product(laws, stiffness + 2 * n * n, work[first[1]], force)
+
+
+@kernel
+def of_motion(p, laws, load, work):
+    """Rows FORCE, MOMENTUM, INERTIA."""
+    products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
+
+
+@kernel
+def material_moment(turns, work, i):
+    """T_i^-T p_r, the moment of the elastic forces on node i in the axes A_i."""
+    return mat(turns[i, 1]).T @ vec(work[FORCE], 6 * i + 3)
+
+
+@kernel
+def rotary(spin, work, i):
+    """Moment of inertia forces on node i, in the axes of the frame."""
+    momentum = vec(work[MOMENTUM], 6 * i + 3)
+    turned = cross(spin - vec(work[V], 6 * i + 3), momentum)
+    return vec(work[INERTIA], 6 * i + 3) + turned
+
+
+@kernel
+def frame_moment(p, laws, load, moment, work, turns):
+    """The moment mu that works along rotations of the frame; ``moment`` is S_0 + B^T u."""
+    total = cross(moment, load)
+    for i in range(p.n_nodes):
+        y = place(p, laws, i) + vec(work[U], 6 * i)
+        total = total + cross(y, vec(work[FORCE], 6 * i))
+        total = total + mat(turns[i, 0]) @ material_moment(turns, work, i)
+        total = total + cross(vec(work[MOMENTUM], 6 * i), vec(work[V], 6 * i))
+        total = total + cross(vec(work[MOMENTUM], 6 * i + 3), vec(work[V], 6 * i + 3))
+    return -total
+
+
+@kernel
+def mean_force(p, load, force):
+    """The part of the forces that the mean of the nodes takes, (3,)."""
+    total = p.mass * load
+    for i in range(p.n_nodes):
+        total = total + vec(force, 6 * i)
+    return total / p.n_nodes
+
+
+@kernel
+def node_force(p, laws, spin, mean, nu, work, i):
+    """Force on node i in the axes of the frame."""
+    turned = vec(work[INERTIA], 6 * i) + cross(spin, vec(work[MOMENTUM], 6 * i))
+    own = vec(work[FORCE], 6 * i) - mean
+    return own + turned + cross(nu, place(p, laws, i)) / p.n_nodes
+
+
+@kernel
+def node_moment(p, spin, nu, work, turns, i):
+    """Moment on node i in the axes A_i."""
+    E = mat(turns[i, 0])
+    own = material_moment(turns, work, i) + E.T @ rotary(spin, work, i)
+    return own + p.square / p.n_nodes * (tail(E).T @ nu)
+
+
+@kernel
+def add_forces(p, laws, R_f, spin, mean, nu, work, turns, f):
+    """All forces into ``f`` (n,)."""
+    for i in range(p.n_nodes):
+        add_vec(f, 6 * i, 1.0, R_f @ node_force(p, laws, spin, mean, nu, work, i))
+        moment = node_moment(p, spin, nu, work, turns, i)
+        add_vec(f, 6 * i + 3, 1.0, axes(p, laws, i) @ moment)
+    for j in range(6 * p.n_nodes, f.shape[0]):
+        f[j] += work[FORCE, j] + work[INERTIA, j]

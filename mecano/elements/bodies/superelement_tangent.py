@@ -1,0 +1,232 @@
+r"""Exact tangents of the forces of a superelement, column by column: the variation of everything by one unknown.
+
+A variation of the nodes varies the frame by rho, the rotations seen from it by :math:`\psi_i = \phi_i - E_i^T \rho`,
+and with them all that superelement_force.py adds up. Columns of amplitudes cost one row of a matrix each.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.elements.bodies.superelement_force import first_moment, material_moment, mean_force, products, rotary
+from mecano.elements.bodies.superelement_frame import (
+    DFORCE,
+    DINERTIA,
+    DMOMENTUM,
+    DU,
+    DU_RATE,
+    DV,
+    DV_RATE,
+    FORCE,
+    INERTIA,
+    MOMENTUM,
+    ROWS,
+    A,
+    U,
+    V,
+    axes,
+    mean,
+    own_spin,
+    place,
+    stiffened,
+    tail,
+)  # fmt: skip
+from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
+from mecano.maths.vector import NO_MATRIX, ZERO, add_vec, cross, cross_columns, dot, mat, outer, put, vec
+
+PSI, COLUMN = ROWS, ROWS + 1
+TANGENT_ROWS = ROWS + 2
+
+
+@kernel
+def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, work, turns, K, C, M):
+    """K, C and M; ``work`` (TANGENT_ROWS, n) and the rest as the forces left them."""
+    n, nodes = work.shape[1], 6 * p.n_nodes
+    state = (spin, load, moment, force_mean, nu)
+    for column in range(n):
+        for level in range(3):
+            work[DU:] = 0.0
+            if column >= nodes:
+                rho, spin_change, D_change = ZERO, ZERO, NO_MATRIX
+                amplitude(level, column, work)
+            else:
+                rho, spin_change, D_change = unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns)
+            vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns)
+            for i in range(n):
+                if level == 0:
+                    K[i, column] += work[COLUMN, i]
+                elif level == 1:
+                    C[i, column] += work[COLUMN, i]
+                else:
+                    M[i, column] += work[COLUMN, i]
+
+
+@kernel
+def amplitude(level, column, work):
+    """Variation of an amplitude, its rate or its second rate."""
+    if level == 0:
+        work[DU, column] = 1.0
+    elif level == 1:
+        work[DU_RATE, column] = 1.0
+        work[DV, column] = 1.0
+    else:
+        work[DV_RATE, column] = 1.0
+
+
+@kernel
+def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
+    """Variation of a node's position or rotation, velocity or acceleration; the changes rho, of Omega and of D."""
+    k = column // 6
+    work[COLUMN, column] = 1.0
+    r, phi = R_f.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
+    work[COLUMN, column] = 0.0
+    none = NO_MATRIX
+    if level == 2:
+        put(work[DV_RATE], 6 * k, r)
+        put(work[DV_RATE], 6 * k + 3, mat(turns[k, 0]) @ phi)
+        return ZERO, ZERO, none
+    moving = cross(place(p, laws, k), r) + p.square * (tail(mat(turns[k, 0])) @ phi)
+    turn = D_inverse @ moving / p.n_nodes
+    if level == 1:
+        velocity(p, laws, k, r, phi, turn, spin, work, turns)
+        return ZERO, turn, none
+    D_change = position(p, laws, k, r, phi, turn, work, turns)
+    spin_change = frame_spin(p, laws, D_inverse, spin, D_change, work, turns)
+    rates(p, laws, turn, spin, spin_change, work, turns)
+    return turn, spin_change, D_change
+
+
+@kernel
+def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
+    """Variation by the velocities r and phi of node k."""
+    put(work[DV], 6 * k, r)
+    put(work[DV], 6 * k + 3, mat(turns[k, 0]) @ phi)
+    centre = r / p.n_nodes
+    for i in range(p.n_nodes):
+        y = place(p, laws, i) + vec(work[U], 6 * i)
+        put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + cross(y, spin_change))
+        relative = mat(turns[i, 0]).T @ (vec(work[DV], 6 * i + 3) - spin_change)
+        put(work[DU_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
+    velocity_rates(p, spin, spin_change, work)
+
+
+@kernel
+def velocity_rates(p, spin, spin_change, work):
+    """Subtract the variation of Omega x v from that of the rates of the velocities."""
+    for i in range(2 * p.n_nodes):
+        turned = cross(spin_change, vec(work[V], 3 * i)) + cross(spin, vec(work[DV], 3 * i))
+        add_vec(work[DV_RATE], 3 * i, -1.0, turned)
+
+
+@kernel
+def position(p, laws, k, r, phi, rho, work, turns):
+    """Variation of the coordinates, velocities and accelerations by r and phi of node k; the change of D."""
+    H, centre = NO_MATRIX, r / p.n_nodes
+    for i in range(p.n_nodes):
+        E, X = mat(turns[i, 0]), place(p, laws, i)
+        own = -(E.T @ rho)
+        y = cross(X + vec(work[U], 6 * i), rho) - centre
+        if i == k:
+            own, y = own + phi, y + r
+        put(work[PSI], 6 * i, own)
+        put(work[DU], 6 * i, y)
+        put(work[DU], 6 * i + 3, mat(turns[i, 1]) @ own)
+        H = H + (outer(y, X) + p.square * cross_columns(E, own))
+        turned = E @ own
+        put(work[DV], 6 * i, cross(vec(work[V], 6 * i), rho))
+        put(work[DV], 6 * i + 3, cross(turned, vec(work[V], 6 * i + 3)))
+        put(work[DV_RATE], 6 * i, cross(vec(work[A], 6 * i), rho))
+        put(work[DV_RATE], 6 * i + 3, cross(turned, vec(work[A], 6 * i + 3)))
+    return stiffened(H / p.n_nodes)
+
+
+@kernel
+def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
+    """Change of the angular velocity of the frame with the positions."""
+    total = ZERO
+    for i in range(p.n_nodes):
+        E = mat(turns[i, 0])
+        own = E.T @ vec(work[V], 6 * i + 3)
+        turned = tail(cross_columns(E, vec(work[PSI], 6 * i))) @ own
+        total = total + (cross(place(p, laws, i), vec(work[DV], 6 * i)) + p.square * turned)
+    return D_inverse @ (total / p.n_nodes - D_change @ spin)
+
+
+@kernel
+def rates(p, laws, rho, spin, spin_change, work, turns):
+    """Change of the rates of the coordinates and of the velocities with the positions."""
+    velocity_rates(p, spin, spin_change, work)
+    centre = mean(work[DV], p.n_nodes)
+    for i in range(p.n_nodes):
+        E, y = mat(turns[i, 0]), place(p, laws, i) + vec(work[U], 6 * i)
+        turned = cross(vec(work[DU], 6 * i), spin) + cross(y, spin_change)
+        put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + turned)
+        theta = vec(work[U], 6 * i + 3)
+        c, c1, _ = inverse_coefficients(dot(theta, theta))
+        relative = E.T @ (vec(work[V], 6 * i + 3) - spin)
+        change = cross(vec(work[PSI], 6 * i), E.T @ spin) - E.T @ spin_change
+        slope = first_derivative(theta, relative, -0.5, c, c1) @ vec(work[DU], 6 * i + 3)
+        put(work[DU_RATE], 6 * i + 3, slope + mat(turns[i, 1]) @ change)
+
+
+@kernel
+def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns):
+    """The column: change of all forces, from those of coordinates, velocities and their rates."""
+    spin, load, moment, force_mean, nu = state
+    n = p.n_nodes
+    load_change = cross(load, rho)
+    products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
+    moment_change = first_moment(p, laws, work[DU])
+    total = cross(moment_change, load) + cross(moment, load_change)
+    for i in range(n):
+        total = total + turning_moment(p, laws, work, turns, i)
+    nu_change = -(D_inverse @ (total + D_change @ nu))
+    mean_change = mean_force(p, load_change, work[DFORCE])
+    for i in range(n):
+        z, dz = frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i)
+        put(work[COLUMN], 6 * i, R_f @ (dz + cross(rho, z)))
+        change = moment_of(p, spin, spin_change, nu, nu_change, work, turns, i)
+        put(work[COLUMN], 6 * i + 3, axes(p, laws, i) @ change)
+    for j in range(6 * n, work.shape[1]):
+        work[COLUMN, j] = work[DFORCE, j] + work[DINERTIA, j]
+
+
+@kernel
+def moment_change_of(work, turns, i):
+    """Change of T_i^-T p_r."""
+    theta = vec(work[U], 6 * i + 3)
+    c, c1, _ = inverse_coefficients(dot(theta, theta))
+    slope = first_derivative(theta, vec(work[FORCE], 6 * i + 3), 0.5, c, c1)
+    return slope @ vec(work[DU], 6 * i + 3) + mat(turns[i, 1]).T @ vec(work[DFORCE], 6 * i + 3)
+
+
+@kernel
+def turning_moment(p, laws, work, turns, i):
+    """Change of what node i gives to the moment about the frame, with the sign of superelement_force.frame_moment."""
+    y = place(p, laws, i) + vec(work[U], 6 * i)
+    total = cross(vec(work[DU], 6 * i), vec(work[FORCE], 6 * i)) + cross(y, vec(work[DFORCE], 6 * i))
+    own = cross(vec(work[PSI], 6 * i), material_moment(turns, work, i))
+    total = total + mat(turns[i, 0]) @ (own + moment_change_of(work, turns, i))
+    for j in (6 * i, 6 * i + 3):
+        total = total + cross(vec(work[DMOMENTUM], j), vec(work[V], j))
+        total = total + cross(vec(work[MOMENTUM], j), vec(work[DV], j))
+    return total
+
+
+@kernel
+def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i):
+    """Force on node i in the axes of the frame and its change."""
+    X, share = place(p, laws, i), 1.0 / p.n_nodes
+    P, dP = vec(work[MOMENTUM], 6 * i), vec(work[DMOMENTUM], 6 * i)
+    inertia, change = vec(work[INERTIA], 6 * i), vec(work[DINERTIA], 6 * i)
+    z = vec(work[FORCE], 6 * i) - force_mean + (inertia + cross(spin, P))
+    dz = vec(work[DFORCE], 6 * i) - mean_change + (change + (cross(spin_change, P) + cross(spin, dP)))
+    return z + share * cross(nu, X), dz + share * cross(nu_change, X)
+
+
+@kernel
+def moment_of(p, spin, spin_change, nu, nu_change, work, turns, i):
+    """Change of the moment on node i, in the axes A_i."""
+    E, psi, j = mat(turns[i, 0]), vec(work[PSI], 6 * i), 6 * i + 3
+    P, dP, w, dw = vec(work[MOMENTUM], j), vec(work[DMOMENTUM], j), vec(work[V], j), vec(work[DV], j)
+    inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(spin - w, dP))
+    turned = E.T @ inertia - cross(psi, E.T @ rotary(spin, work, i))
+    tails = tail(cross_columns(E, psi)).T @ nu + tail(E).T @ nu_change
+    return moment_change_of(work, turns, i) + turned + p.square / p.n_nodes * tails

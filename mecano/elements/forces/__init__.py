@@ -1,0 +1,1 @@
+"""Forces and moments: loads at nodes, couples, brakes."""

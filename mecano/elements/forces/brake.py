@@ -1,0 +1,206 @@
+r"""Brake: a torque about the axle of a wheel against a reference node, the leg or arm that carries it.
+
+With the axis a carried by the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
+wheel's node, the torque that opposes W is
+
+    tau = min(T(t), B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
+
+A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of which sigma <= 1 is used, it is
+
+    B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
+    B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
+
+and ``anti_skid`` lets the brake go while the slip ratio of the ``wheel`` is large. The smaller of T
+and B is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A
+stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
+"""
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
+from mecano.contract import Kind, Output, record
+from mecano.elements.forces.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
+from mecano.elements.wheels.tire_law import TIRE_RECORD, prepare_tire_law
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, at_most, select, sqrt
+from mecano.maths.vector import add_vec, dot, mat, vec
+from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
+
+RECORD = record(
+    axis=3, torque="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
+    least_speed=(), **GROUND_RECORD, **TIRE_RECORD,
+)  # fmt: skip
+SMOOTH = 0.02  # s of the smaller of both
+REFERENCE = 0  # local unknowns: rotation of the reference node; then place and rotation of the wheel's
+
+
+@kernel
+def _least(T, B):
+    """The smaller of two torques >= 0, smooth."""
+    positive = at_least(T, 0.0) * at_least(B, 0.0)
+    difference = T - B
+    root = sqrt(difference * difference + 4.0 * SMOOTH * SMOOTH * positive)
+    return select(positive > 0.0, 0.5 * (T + B - root), 0.0)
+
+
+@kernel
+def _torque(p, at):
+    """Torque [N m] at full rate, and the Bound."""
+    T, bound = at_least(curve(at.laws, p.torque, at.t), 0.0), bound_of(p, at)
+    return bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B)), bound
+
+
+@kernel
+def _sign(rate, eps):
+    """Smooth sign of the rate."""
+    x = at_most(abs(rate) / eps, 1.0)
+    return select(rate < 0.0, -1.0, 1.0) * x * (2.0 - x)
+
+
+@kernel
+def _braking(p, at):
+    """Torque [N m], relative rate W [rad/s], axis in the axes of the reference node, the Bound."""
+    b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
+    rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
+    T, bound = _torque(p, at)
+    return T * _sign(rate, p.rate_regularization), rate, b, bound
+
+
+@kernel
+def residual(p, at, f):
+    """Add moments on both nodes."""
+    tau, _, b, _ = _braking(p, at)
+    add_vec(f, SPIN, tau, vec(p.axis, 0))
+    add_vec(f, REFERENCE, -tau, b)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Torque, bound, relative rate, power, slip ratio."""
+    tau, rate, _, bound = _braking(p, at)
+    y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
+    e[2] = tau * rate
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the wheel's frame, laws; ground and tyre of the wheel that it watches."""
+    bounded = BY_SPEED if d["bound"] is not None else BY_ADHESION if d["adhesion"] is not None else UNBOUNDED
+    law = d["bound"] if d["bound"] is not None else d["adhesion"]
+    values = {
+        "axis": carried_axis(d, nodes[1:]),
+        "torque": int(context.laws.add(d["torque"])),
+        "bound": int(context.laws.add(law)) if bounded else 0,
+        "bounded": bounded,
+        "rate_regularization": d["rate_regularization"],
+        "watches": float(d["wheel"] is not None),
+    }
+    if d["wheel"] is not None:
+        values |= prepare_ground(d["wheel"]["ground"], context) | prepare_tire_law(d["wheel"]["tire_law"], context)
+    if d["anti_skid"] is not None:
+        given = d["anti_skid"]
+        values |= {"slip_start": given["slip"], "slip_width": given["width"], "least_speed": given["least_speed"]}
+    return {"least_speed": LEAST_SPEED, **values}
+
+
+def check(d, nodes):
+    """Texts on a bound that needs a wheel, on what is no wheel with a tyre, or not the wheel that is braked."""
+    wheel, wanted = d["wheel"], [name for name in ("adhesion", "anti_skid") if d[name] is not None]
+    if wheel is None:
+        return [f"'{name}' needs 'wheel', the name of the wheel whose tyre is meant" for name in wanted]
+    if "tire_law" not in wheel:
+        return [f"'wheel' must be a wheel with a tire law, got a {wheel['type']}"]
+    texts = []
+    if not wanted:
+        texts.append("'wheel' is of no use without 'adhesion' or 'anti_skid'")
+    if d["bound"] is not None and d["adhesion"] is not None:
+        texts.append("'bound' and 'adhesion' exclude one another")
+    if wheel["node"] != d["nodes"][1]:
+        texts.append(f"'nodes' must end with '{wheel['node']}', the node of the wheel")
+    a, b = (np.array(axis, float) / np.linalg.norm(axis) for axis in (d["axis"], wheel["axis"]))
+    if np.linalg.norm(np.cross(a, b)) > PARALLEL:
+        texts.append("'axis' is not that of the wheel")
+    return texts
+
+
+def _wheel(rng, wave):
+    """Values of a large wheel that touches the ground from near the origin."""
+    ground, normal, level = slope_below(rng, wave)
+    rising = (("polynomial", {"coefficients": [0.0, 2e3, 3e2]}),)
+    falling = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+    return {
+        "node": "hub", "axis": level + 0.3 * normal, "ground": ground,
+        "tire_law": {"radius": 12.0, "radial": rising, "radial_damping": 0.02, "friction": falling,
+                     "friction_by_speed": 1.0, "slip_regularization": 0.1},
+    }  # fmt: skip
+
+
+def sample(rng):
+    """Bounded by the speed and not, turning and nearly stopped; by the grip of a wheel, by its slip, by both."""
+    falling = (("exponential", {"start": 3.0, "limit": 0.5, "rate": 0.3, "origin": 0.0}),)
+    rising = (("linear", {"slope": 1.0, "offset": 1.5}),)
+    large = (("linear", {"slope": 1e4, "offset": 8e3}),)
+    wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    skid = {"slip": -6.0, "width": 20.0, "least_speed": 2.0}
+    nodes = {"nodes": ["leg", "hub"]}
+    cases = [
+        ({"axis": rng.normal(size=3), "torque": rising, "bound": bound, "rate_regularization": eps, **nodes}, 2, "")
+        for bound, eps in ((falling, 0.1), (None, 0.1), (falling, 50.0))
+    ]
+    for height, bounds in ((wave, {"adhesion": falling}), (None, {"bound": falling, "anti_skid": skid}),
+                           (wave, {"adhesion": falling, "anti_skid": skid})):  # fmt: skip
+        wheel = _wheel(rng, height)
+        values = {"axis": wheel["axis"], "torque": large, "rate_regularization": 20.0, "wheel": wheel, **bounds}
+        cases.append((values | nodes, [(np.zeros(3), np.eye(3)), (np.zeros(3), np.eye(3))], ""))
+    return cases
+
+
+def slip_ratio(value):
+    """Check: between rolling and locked."""
+    return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
+
+
+LEAST_SPEED = 1.0  # m/s
+PARALLEL = 1e-6
+ANTI_SKID = mapping(
+    Field("slip", NUMBER, "-", "slip ratio from which on the torque is reduced", check=slip_ratio),
+    Field("width", NUMBER, "-", "further slip in which it falls to zero", 0.1, positive),
+    Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
+)
+
+BRAKE = Kind(
+    name="brake",
+    section="loads",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
+        Field("axis", DIRECTION, "-", "axle at the start, inertial"),
+        Field("torque", CURVE, "N m", "torque, a curve of the time; nothing where negative"),
+        Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
+        Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
+        Field(
+            "adhesion",
+            CURVE,
+            "-",
+            "never above this curve of the speed [m/s], times radial force and loaded radius of the wheel",
+            None,
+        ),
+        Field("anti_skid", ANTI_SKID, "-", "lets the brake go while the slip ratio of the wheel is large", None),
+        Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
+    ),
+    outputs=(
+        Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
+        Output("bound", "N m", "upper bound at present, without the anti-skid; zero without one"),
+        Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
+        Output("power", "W", "power taken from the wheel"),
+        Output("slip_ratio", "-", "slip ratio that the anti-skid counts; zero without 'wheel'"),
+    ),
+    prepare=prepare,
+    check=check,
+    residual=residual,
+    observe=observe,
+    sample=sample,
+)

@@ -1,0 +1,1 @@
+"""Joints, gears, guides, prescribed motions, contacts of points."""

@@ -1,0 +1,49 @@
+r"""Cylindrical joint: node b slides along an axis carried by node a and turns about it.
+
+With :math:`\mu_i` carried by a and :math:`\xi_3` the axis carried by b:
+
+.. math::  \mu_i \cdot \xi_3 = 0, \qquad \mu_i \cdot (x_b - x_a) - c_i = 0, \qquad i = 1, 2
+
+The constants c_i are those of the start: the axis goes through node b. The multipliers are the moments on b about
+:math:`+\mu_2` and :math:`-\mu_1`, then the forces on b along :math:`\mu_1` and :math:`\mu_2`; these are chosen as for
+the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
+
+Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
+rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it are rigid and may rebound
+(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid
+constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
+"""
+
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
+from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_places
+from mecano.constraints.uses.friction import LENGTH, radius
+from mecano.elements.joints.lower_pair import Friction, LowerPair, lower_pair
+
+RADIUS = radius("radius", "radius at which turning slides", 0.0)
+
+
+def sample(rng):
+    """A random axis beside the first node; every option."""
+    nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
+    laws = {"turning_law": SPRUNG, "natural_angle": 0.2, "sliding_law": SPRUNG}
+    return [
+        (d, nodes, ""),
+        ({**d, **SLIDE_ENDS}, nodes, ""),
+        ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
+        ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
+        ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
+    ]
+
+
+CYLINDRICAL = lower_pair(
+    "cylindrical",
+    __doc__,
+    LowerPair(
+        axis="axis at the start, inertial; it goes through node b",
+        held=("about_2", "about_1", "along_1", "along_2"),
+        ends=SLIDE,
+        friction=Friction(ROUND_FRICTION, round_record, (RADIUS, LENGTH)),
+    ),
+    sample,
+)

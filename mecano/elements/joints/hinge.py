@@ -1,0 +1,84 @@
+r"""Hinge: node b turns about an axis that it shares with node a.
+
+Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` carried by a,
+:math:`\xi_3` the axis carried by b and :math:`\mu_3` the axis carried by a (equations
+(11)-(17) of Cardona, Geradin & Doan 1991):
+
+.. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0
+
+The multiplier of the first is the moment on b about :math:`+\mu_2`, that of the second about :math:`-\mu_1`. Both
+equations also hold for :math:`\xi_3 = -\mu_3`: assembly refuses that solution. :math:`\mu_1` is ``axis_1``, or the
+inertial axis most perpendicular to the axis at the start, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
+
+Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
+``latch`` locks the hinge for good at an angle, ``stops`` are rigid and may rebound; both exchange momentum at the
+instant when they are met (docs/shocks.md).
+``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares nothing but has one
+multiplier, or the law in its place, for each. Force and moment are those of what holds b; law and friction have
+outputs of their own.
+"""
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
+from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
+from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
+from mecano.constraints.pair import triads_together
+from mecano.constraints.uses.friction import LENGTH, radius
+from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.maths.vector import mat, put, vec
+from mecano.schema import DIRECTION, Field
+
+HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
+AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
+COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.0)
+
+
+@kernel
+def _reactions(p, at, F, y, i):
+    """Write the force on b that its shared position hides, and the moment of two multipliers."""
+    put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
+    put(y, i + 3, (-at.q[13], at.q[12], 0.0))
+
+
+def _place(d, nodes, context):
+    """Axes of both nodes; those of b are mu_1, mu_2, mu_3 turned with the axis of a onto that of b."""
+    mu = triad(d["axis"], d["axis_1"])
+    axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
+    return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
+
+
+def sample(rng):
+    """Random axes."""
+    x = rng.normal(size=3)
+    nodes = [(x, rotation) for rotation in np.linalg.qr(rng.normal(size=(2, 3, 3)))[0]]
+    nodes = [(x, R * np.linalg.det(R)) for x, R in nodes]
+    radii, stops = {"radius": 0.3, "collar_radius": 0.4}, {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
+    d, law = {"axis": rng.normal(size=3)}, {"turning_law": SPRUNG}
+    return [
+        (d, nodes, ""),
+        ({"axis": (1, 0, 0), "axis_b": (1, 0.1, 0), "latch": {"angle": 1.5}}, nodes, ""),
+        ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
+        ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
+        ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
+    ]
+
+
+HINGE, HINGE_HELD = sharing_pair(
+    "hinge",
+    __doc__,
+    LowerPair(
+        axis="axis at the start, inertial",
+        held=HELD,
+        shared=Shared(one_position, ("about_2", "about_1"), _reactions, not_at_one_place),
+        ends=TWIST,
+        friction=Friction(
+            HINGE_FRICTION, hinge_friction_record, (radius("radius", "radius of the bearing"), COLLAR, LENGTH)
+        ),
+        fields=(AXIS_B,),
+        place=_place,
+    ),
+    sample,
+)

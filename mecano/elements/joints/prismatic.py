@@ -1,0 +1,65 @@
+r"""Prismatic joint: node b slides along an axis carried by node a and does not turn relative to it.
+
+Both nodes share one rotation (Boolean identification). With :math:`\mu_1, \mu_2` carried by a and perpendicular to
+the axis:
+
+.. math::  \mu_i \cdot (x_b - x_a) - c_i = 0, \qquad i = 1, 2
+
+The constants c_i are those of the start: the line of sliding goes through node b. The multipliers are the forces on
+b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments are what balances b.
+
+Options. ``sliding_law`` gives a force from the displacement and its rate. ``latch`` locks it for good at a
+displacement, ``stops`` are rigid and may rebound (docs/shocks.md). ``friction`` and ``compliance`` need the
+reactions along all five axes: the joint then shares nothing but has one multiplier, or the law in its place, for each.
+Force and moment are those of what holds b; law and friction have outputs of their own.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
+from mecano.constraints.joint_frame import not_parallel, one_rotation
+from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
+from mecano.constraints.uses.friction import LENGTH
+from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.maths.vector import mat, put, vec
+from mecano.schema import NUMBER, Field, positive
+
+HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
+KEY_RADIUS = Field(
+    "key_radius", NUMBER, "m",
+    "radius at which a key holds the moment about the axis; when absent that moment causes no friction", None, positive,
+)  # fmt: skip
+
+
+@kernel
+def _reactions(p, at, F, y, i):
+    """Write the force of two multipliers, and the moment on b that its shared rotation hides."""
+    put(y, i, (at.q[12], at.q[13], 0.0))
+    put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
+
+
+def sample(rng):
+    """A random axis beside both nodes; every option."""
+    nodes, d = two_parallel(rng), {"axis": rng.normal(size=3)}
+    law = {"sliding_law": SPRUNG, "natural_displacement": 0.2}
+    return [
+        (d, nodes, ""),
+        ({**d, **law, "friction": {**RUBBING, "key_radius": 0.3}}, nodes, ""),
+        ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
+        ({**d, **SLIDE_ENDS}, nodes, ""),
+        ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
+    ]
+
+
+PRISMATIC, PRISMATIC_HELD = sharing_pair(
+    "prismatic",
+    __doc__,
+    LowerPair(
+        axis="direction of sliding at the start, inertial; carried by a",
+        held=HELD,
+        shared=Shared(one_rotation, ("along_1", "along_2"), _reactions, not_parallel),
+        ends=SLIDE,
+        friction=Friction(KEYED_FRICTION, keyed_record, (LENGTH, KEY_RADIUS)),
+    ),
+    sample,
+)

@@ -1,0 +1,1 @@
+"""Members: beams, cables, springs, bushings."""

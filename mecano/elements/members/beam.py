@@ -1,0 +1,234 @@
+r"""Beam: geometrically exact, shear-deformable, two nodes; straight, curved or twisted at the start.
+
+Strains are those of a helix between the end sections, exact for rigid motions and independent of the path
+(Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, so that nothing
+locks; inertia and weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements
+leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other parts of the deck may name. docs/beams.md says how
+accurate it is.
+
+Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. Along an
+arc they are carried along, and ``twist`` turns them about axis 1. Nodes may be oriented in any way. Section forces are
+those that the part behind a section exerts on the part before it: N > 0 is tension, M_2 > 0 stretches the fibres
+towards axis 3, M_3 < 0 those towards axis 2. Damping is proportional to the stiffness, with the factor of the section.
+
+Stress is that of the elastic strains: E (elongation + kappa_2 z - kappa_3 y) in the outer fibres, G twist
+torsion_radius of torsion; the equivalent stress of von Mises takes both at one place, shear of the shear forces is left
+out.
+"""
+
+import math
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.contract import Kind, Output, record
+from mecano.elements.members.beam_elastic import (
+    add_elastic,
+    end_loads,
+    strain_rates,
+    strains,
+    stresses,
+    stretched,
+    unstretched,
+)
+from mecano.elements.members.beam_flexibility import elastic_constants, hat
+from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
+from mecano.elements.members.beam_line import check_line, screw, stations
+from mecano.elements.members.cross_section import MOST_POINTS, constants, is_round
+from mecano.maths.rotation_vector import first_derivative
+from mecano.maths.so3 import exp, tangent
+from mecano.maths.vector import cross, dot, mat, put
+from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
+
+MOST_ELEMENTS = 10_000
+RECORD = record(
+    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
+    mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
+    axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
+    E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
+)  # fmt: skip
+
+
+@kernel
+def force(p, at, f, K, C, M):
+    """Elastic forces, damping, inertia and weight; see contract.py for the arguments."""
+    R1, R2 = mat(at.R[0]), mat(at.R[1])
+    W = R1.T @ R2
+    add_elastic(p, at.q, at.v, W, R2, f, K, C)
+    add_inertia(p, at.v, at.a, R1, R2, f, K, C, M)
+
+
+@kernel
+def _at_ends(p, y, H, E, b, e_u, e_phi):
+    """Force and the moments at both ends, in section axes of node 2 and, of the first moment, of node 1."""
+    p_u, p_phi = stresses(p, e_u, e_phi)
+    P, _, m_1, m_2 = end_loads(p, y, H, E, unstretched(p, p_u, b), p_phi)
+    return P, -(mat(p.S).T @ m_1), m_2
+
+
+@kernel
+def _section_forces(p, phi, y, H, force, first, second):
+    """Force and moment in the middle, force at both ends, in the section axes of the place."""
+    axes = mat(p.axes)
+    half = exp(0.5 * phi)
+    ahead = 0.5 * (tangent(0.5 * phi).T @ (H @ y))  # from the first end to the middle, in its axes
+    first_force = exp(phi) @ force
+    moment = first - cross(ahead, first_force)
+    middle_force, middle_moment = half.T @ first_force, half.T @ moment
+    return (
+        axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
+        axes.T @ first, axes.T @ second,
+    )  # fmt: skip
+
+
+@kernel
+def _local_strains(p, N, M):
+    """Strains and curvatures of a section force and moment."""
+    F_up = mat(p.F_up)
+    return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
+
+
+@kernel
+def _stress(p, N, M):
+    """Largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
+    strain, curvature = _local_strains(p, N, M)
+    largest = abs(strain[0]) + p.radius * math.sqrt(curvature[1] ** 2 + curvature[2] ** 2)
+    for i in range(p.points.shape[0]):
+        fibre = strain[0] + curvature[1] * p.points[i, 1] - curvature[2] * p.points[i, 0]
+        largest = max(largest, abs(fibre))
+    normal, shear = p.E * largest, p.G * p.torsion_radius * abs(curvature[0])
+    return normal, shear, math.sqrt(normal * normal + 3.0 * shear * shear)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Section forces, strains, stress, energies."""
+    R1, R2 = mat(at.R[0]), mat(at.R[1])
+    W = R1.T @ R2
+    phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2)
+    E, b = first_derivative(phi, d, -0.5, c, c1), mat(p.B) @ e_u
+    u_rate, phi_rate, _ = strain_rates(p, at.v, d, R2, H, E)
+    e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, 2.0 * b)
+    p_u, p_phi = stresses(p, e_u, e_phi)
+    rate_u, rate_phi = stresses(p, u_rate, phi_rate)
+    elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
+    dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
+    N, first, second = _at_ends(p, d, H, E, b, e_u, e_phi)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
+    strain, curvature = _local_strains(p, N, M)
+    normal, shear, equivalent = _stress(p, N, M)
+    for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
+        n_end, s_end, e_end = _stress(p, N_end, M_end)
+        normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
+    total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
+    N, first, second = _at_ends(p, d, H, E, b, total_u, total_phi)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
+    for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
+        put(y, i, value)
+    kinetic, weight = energies(p, at.q, at.v, R1, R2)
+    y[18], y[19], y[20] = normal, shear, equivalent
+    y[21], y[22] = elastic, kinetic
+    e[0] = kinetic
+    e[1] = elastic + weight
+    e[2] = dissipated
+
+
+def divide(d, nodes):
+    """Nodes (x, R) between the elements of a member, oriented as its first node, and the values of each element."""
+    at, common = stations(d, nodes), {**d, "mesh": 1, "constants": constants(d["section"])}
+    inner = [(x, nodes[0][1]) for x, _ in at[1:-1]]
+    return inner, [{**common, "stations": pair} for pair in zip(at[:-1], at[1:], strict=True)]
+
+
+def prepare(d, nodes, context):
+    """Record of one element."""
+    (_, A_1), (_, A_2) = ends = d.get("stations") or stations(d, nodes)
+    section = d.get("constants") or constants(d["section"])
+    S_1, S_2 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2
+    h0, c = screw(*ends), section.center
+    u, phi = h0[:3], h0[3:]
+    K_uu, K_up, K_pp, B, F = elastic_constants(section.C, h0)
+    length, tangent = np.linalg.norm(u), u + hat(phi) @ c
+    points = np.zeros((MOST_POINTS, 2))
+    points[: len(section.points)] = np.reshape(section.points, (-1, 2))
+    return {
+        "S": S_1 @ S_2.T, "K_uu": S_2 @ K_uu @ S_2.T, "K_up": S_2 @ K_up @ S_2.T, "K_pp": S_2 @ K_pp @ S_2.T,
+        "B": S_2 @ B @ S_2.T,
+        "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
+        "damping": d["section"]["damping"], "gravity": context.gravity,
+        **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
+        "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,
+        "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
+    }  # fmt: skip
+
+
+def check(d, nodes):
+    """Nodes apart, 'up' across, an arc that can be, elements that turn by less than half a turn."""
+    return check_line(d, nodes, is_round(constants(d["section"])))
+
+
+def check_mesh(n):
+    """Check: a number of elements."""
+    return None if 1 <= n <= MOST_ELEMENTS else f"must be 1 to {MOST_ELEMENTS}"
+
+
+def sample(rng):
+    """Straight; twisted and damped; curved, twisted, full matrices with an offset mass, nodes oriented anyhow."""
+    material = {"E": 60.0, "nu": 0.3, "G": None, "density": 0.7, "damping": 0.0}
+    tube = {"type": "tube", "diameter": 0.6, "thickness": 0.1, **material}
+    plank = {"type": "rectangle", "width": 0.5, "height": 0.3, **material, "damping": 0.2}
+    A, B = rng.normal(size=(2, 6, 6))
+    c = rng.normal(size=3) * 0.2
+    first = -1.3 * np.cross(np.eye(3), c)
+    mass = np.block([[1.3 * np.eye(3), first], [first.T, 0.3 * (B @ B.T)[:3, :3] + 0.5 * np.eye(3)]])
+    general = {
+        "type": "matrix", "stiffness": 5.0 * np.eye(6) + A @ A.T, "mass": mass, "E": 3.0, "G": 1.0,
+        "torsion_radius": 0.2, "points": [[0.1, 0.2], [-0.3, 0.1]], "damping": 0.1,
+    }  # fmt: skip
+    x, axis, across = rng.normal(size=(3, 3))
+    axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
+    R = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(2)]
+    nodes = [(x, R[0] * np.linalg.det(R[0])), (x + 1.4 * axis, R[1] * np.linalg.det(R[1]))]
+    bow = {"via": x + 0.7 * axis + 0.55 * across, "twist": 0.8, "up": across + 0.5 * axis}
+    return [
+        ({"section": tube}, 2, ""),
+        ({"section": plank, "up": across, "twist": -1.1}, nodes, ""),
+        ({"section": general, **bow}, nodes, ""),
+    ]
+
+
+BEAM = Kind(
+    name="beam",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "its ends"),
+        Field("section", SECTION, "-", "cross section"),
+        Field("mesh", INTEGER, "-", "number of elements", 1, check_mesh),
+        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; not needed if it is round", None),
+        Field("via", POINT, "m", "point through which it bends as a circular arc; straight when absent", None),
+        Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
+    ),
+    outputs=(
+        Output("force", "N", "section force (N, V_2, V_3) in the middle, section axes", (3,)),
+        Output("moment", "N m", "section moment (T, M_2, M_3) in the middle, section axes", (3,)),
+        Output("moment_start", "N m", "section moment at the first node, section axes there", (3,)),
+        Output("moment_end", "N m", "section moment at the second node, section axes there", (3,)),
+        Output("strain", "-", "elongation and shear strains in the middle", (3,)),
+        Output("curvature", "1/m", "twist and curvatures in the middle, beyond those at the start", (3,)),
+        Output("normal_stress", "Pa", "largest normal stress of the outer fibres, at the ends and in the middle"),
+        Output("torsion_stress", "Pa", "largest shear stress of torsion"),
+        Output("stress", "Pa", "largest stress of von Mises, from the normal stress and the shear stress of torsion"),
+        Output("strain_energy", "J", "strain energy"),
+        Output("kinetic_energy", "J", "kinetic energy"),
+    ),
+    flexible=True,
+    prepare=prepare,
+    divide=divide,
+    check=check,
+    force=force,
+    observe=observe,
+    sample=sample,
+)  # fmt: skip

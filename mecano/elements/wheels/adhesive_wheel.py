@@ -1,0 +1,76 @@
+r"""Flexible wheel whose patch does not slip, whatever the force: the limit of ``flexible_wheel`` without any creep.
+
+The same unknowns y and psi, forces and tyre law (47)-(51), but the two components of the patch velocity v_C vanish as
+constraints on velocities (Cardona, Geradin and Doan, CMAME 89 (1991), section 3.4):
+
+    v_C.t = 0,   v_C.l = 0          reactions: the driving and the lateral force on the wheel
+
+The friction law of the tyre is not used; the friction coefficient that would be needed is an output. In mode "air"
+the patch is let go. At a touch-down the wheel is spun up at once: the velocities jump to the nearest, by kinetic
+energy, that do not slip. The impulse of this shock is that of the driving force, and its energy is lost
+(docs/shocks.md). Sideways there is no shock, since y has no inertia.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.rolling import ROWS
+from mecano.constraints.tire_patch import patch
+from mecano.contract import GRIP, Event
+from mecano.elements.wheels.lateral_force import relax
+from mecano.elements.wheels.patch_load import add_load, load_of
+from mecano.elements.wheels.patch_wheel import patch_wheel, put_patch
+from mecano.elements.wheels.tire_wheel import AIR, LIFT_OFF
+from mecano.maths.surface import directions
+from mecano.maths.vector import dot, norm
+
+MULTIPLIERS = 9  # driving, lateral
+
+
+@kernel
+def residual(p, at, f):
+    """Add the forces of ground and tyre law, and the constraints; see the contract."""
+    if at.phase == AIR:
+        relax(p, at, f)
+        for row in range(MULTIPLIERS, MULTIPLIERS + 2):
+            f[row] -= at.q[row]
+        return
+    k = patch(p, at)
+    t, l = directions(k.a, k.g)
+    along, across = dot(t, k.v_C), dot(l, k.v_C)
+    f[MULTIPLIERS] -= at.k * along
+    f[MULTIPLIERS + 1] -= at.k * across
+    driving, lateral = at.penalty * along - at.q[MULTIPLIERS], at.penalty * across - at.q[MULTIPLIERS + 1]
+    add_load(f, at, k, load_of(p, at, k), driving * t + lateral * l)
+
+
+@kernel
+def velocity_constraints(p, at, g):
+    """Write the velocity of the patch along t and l."""
+    g[0], g[1] = 0.0, 0.0
+    if at.phase == AIR:
+        return
+    k = patch(p, at)
+    t, l = directions(k.a, k.g)
+    g[0], g[1] = dot(t, k.v_C), dot(l, k.v_C)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Outputs and energies; see OUTPUTS and the contract."""
+    k = patch(p, at)
+    load = load_of(p, at, k)
+    t, l = directions(k.a, k.g)
+    reaction = at.q[MULTIPLIERS] * t + at.q[MULTIPLIERS + 1] * l
+    grip = norm(reaction) / load.N if load.N > 0.0 else 0.0
+    put_patch(p, at, k, load, reaction, grip, 0.0, y, e)
+
+
+ADHESIVE_WHEEL = patch_wheel(
+    "adhesive_wheel",
+    __doc__,
+    ("psi", "bow"),
+    residual,
+    observe,
+    events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP), LIFT_OFF),
+    multipliers=ROWS,
+    velocity_constraints=velocity_constraints,
+)

@@ -1,0 +1,62 @@
+r"""Wheel that deforms radially, sideways and in torsion, and slips on the ground, at any lean and heading.
+
+Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Unknowns of its own: the patch is
+displaced by y against the wheel plane (contact at x + r c - y a, on the ground) and turned by psi; with Q = 1 + psi
+hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced by y:
+
+    radial deformation   w = radius - r                  dw_0/dt = -n.(v + omega x rho)/q
+    normal force         N = F_r(w, dw_0/dt)/q
+    patch velocity       v_C = (I - n n^T)[v + Q (omega x rho) - Q a dy/dt] - dpsi/dt y (n x a)
+    friction             F_fr = mu(|v_0|) sigma(u) phi(|v_C|) N v_C/|v_C|
+    tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}
+
+y and psi have no inertia. So that their rates are unique, radial damping and the coefficient of friction are those of
+the wheel with its patch held: dw_0/dt and v_0 are dw/dt and v_C without dy/dt and dpsi/dt (docs/tyres.md).
+
+A third one, the bow of the contact line, has an equation X = 0 of its own, trivial but for the tyre law of a string.
+v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling
+straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
+
+    x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G - s N_d      psi: M - y (n x a).F_fr
+
+with N_d the part of N by damping. Upright this is the paper's (51) and the overturning moment y N about t, which it
+leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The law stores the energy of
+the symmetric part of A0; the rest of its power counts as dissipated or, where negative (its unsymmetric part draws on
+the rolling), as given.
+
+In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
+"""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.tire_patch import patch
+from mecano.elements.wheels.lateral_force import relax
+from mecano.elements.wheels.patch_load import add_load, load_of
+from mecano.elements.wheels.patch_wheel import SCALARS, patch_wheel, put_patch
+from mecano.elements.wheels.tire_law import gripping
+from mecano.elements.wheels.tire_wheel import AIR
+from mecano.maths.vector import dot, norm
+
+
+@kernel
+def residual(p, at, f):
+    """Add the forces of ground and tyre law; see the contract."""
+    if at.phase == AIR:
+        relax(p, at, f)
+        return
+    k = patch(p, at)
+    load = load_of(p, at, k)
+    b = gripping(p, at.laws, norm(k.v_0), norm(k.v_C), load.speed)
+    add_load(f, at, k, load, load.N * b * k.v_C)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Outputs and energies; see OUTPUTS and the contract."""
+    k = patch(p, at)
+    load, speed = load_of(p, at, k), norm(k.v_C)
+    b = gripping(p, at.laws, norm(k.v_0), speed, load.speed)
+    friction = load.N * b * k.v_C
+    put_patch(p, at, k, load, -friction, b * speed, dot(friction, k.v_C), y, e)
+
+
+FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, residual, observe)

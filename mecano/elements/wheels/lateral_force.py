@@ -1,0 +1,61 @@
+"""Forces of the lateral law of a tyre (lateral_law.py) on (y, psi, bow) of its patch."""
+
+from typing import NamedTuple
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.tire_patch import Y
+from mecano.elements.wheels.string_law import NO_PACE, OF_STRING, pace
+from mecano.laws.table import curve
+from mecano.maths.vector import Vec3, add_vec, dot, mat, vec
+
+
+class Lateral(NamedTuple):
+    """Forces of a lateral law."""
+
+    f: tuple  # F [N], M [N m], X [N]
+    turn: float  # aligning moment [N m]
+
+
+@kernel
+def lateral_law(p, laws, q, v, rolled, N, u, turning):
+    """The Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate.
+
+    ``rolled`` [m/s] is dy/dt of a patch that does not slip sideways: it takes the place of dy/dt in the law of a
+    string, whose contact line is laid down by rolling.
+    """
+    k = curve(laws, p.stiffness_by_load, N) * curve(laws, p.stiffness_by_speed, u)
+    d = curve(laws, p.damping_by_load, N) * curve(laws, p.damping_by_speed, u)
+    if p.pace != NO_PACE:  # its rates are those of rolling, no damping
+        d = k
+    g0, g1 = pace(p, u)
+    b, lays = p.aligning, 1.0 if p.pace == OF_STRING else 0.0
+    rates = Vec3(v[0] + lays * (rolled - v[0]), v[1], v[2])
+    still, moved = mat(p.A0) @ q, mat(p.A1) @ rates + turning * vec(p.turning, 0)
+    own = b[0] * q[0] + b[1] * q[1] + b[2] * v[0] + b[3] * v[1]
+    return Lateral(_paced(k, g0, still) + _paced(d, g1, moved), own + k * dot(vec(p.moment, 0), q))
+
+
+@kernel
+def _paced(k, g, a):
+    """k diag(1, g, g) a"""
+    return Vec3(k * a[0], k * g * a[1], k * g * a[2])
+
+
+@kernel
+def relax(p, at, f):
+    """Add F = M = X = 0 of the air to the equations of y, psi and bow."""
+    add_vec(f, Y, 1.0, mat(p.A0) @ vec(at.q, Y) + mat(p.A1_air) @ vec(at.v, Y))
+
+
+@kernel
+def lateral_energy(p, y, psi):
+    """Energy of the symmetric part of A0 for y and psi [J]: what the law may be said to store."""
+    A = p.A0
+    return 0.5 * (A[0, 0] * y * y + (A[0, 1] + A[1, 0]) * y * psi + A[1, 1] * psi * psi)
+
+
+@kernel
+def lateral_energy_rate(p, y, psi, y1, psi1):
+    """Rate of ``lateral_energy`` [W]."""
+    mixed = 0.5 * (p.A0[0, 1] + p.A0[1, 0])
+    return (p.A0[0, 0] * y + mixed * psi) * y1 + (mixed * y + p.A0[1, 1] * psi) * psi1

@@ -1,0 +1,172 @@
+r"""Lateral law of a tyre: force F along y and moment M along psi of its patch, linear in both and their rates.
+
+(47) of Cardona, Geradin and Doan 1991, after Moreland 1954 and Collins and Black 1968:
+
+    {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt},      A0, A1 in general not symmetric
+
+each multiplied, where the deck says so, by curves of the normal force N and of the speed u of the axle over the ground.
+Rolling freely a patch bears no moment, M = 0, which is Moreland's yaw equation psi + C1 dpsi/dt = C F, F = K y + D
+dy/dt, with
+
+    A0 = [[K, 0], [-kap C K, kap]],   A1 = [[D, 0], [-kap C D, kap C1]]
+
+for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. Under braking kap matters.
+
+The law with a relaxation length sigma, F = K y and psi = y/sigma, has A0 of this form without D and C1. Its psi is the
+slip angle of a patch at a point (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), no
+twist against a stiffness: a change of psi does not carry a displaced patch along, and the longitudinal force does not
+turn it (``twist`` = 0, docs/tyres.md). Its kap, K sigma^2, only scales the equation. The same holds for Moreland's law
+without C1.
+
+Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that depends on the speed u and on the
+turning rate omega_n of the wheel about n too, and an aligning moment of their own. The string has a third own unknown,
+the bow b of its contact line, with an equation X = 0 (string_law.py). In general, with q = (y, psi, b),
+
+    (F, M, X) = diag(1, g_0, g_0) A0 q + diag(1, g_1, g_1) (A1 dq/dt + A_n omega_n)
+
+where g_0 and g_1 depend on u and are 1 in laws without a contact length; their bow is zero.
+
+In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the time ``relaxation_in_air``, with A1 +
+T A0 in place of A1 (in laws with a contact length T A0).
+
+An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
+"""
+
+import numpy as np
+
+from mecano.elements.wheels.string_law import STRING_TYPE, TANGENT_TYPE, prepare_string
+from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
+
+SINGULAR = 1e-12  # of the sizes of its rows, below which a determinant counts as zero
+
+
+def four(numbers):
+    """Check: a matrix of two rows and two columns, or four coefficients."""
+    return None if len(numbers) == 4 else "must hold 4 numbers"
+
+
+MATRICES = mapping(
+    Field("stiffness", NUMBERS, "N/m, N, N, N m", "A0 by rows: [F/y, F/psi, M/y, M/psi]", check=four),
+    Field("damping", NUMBERS, "N s/m, N s, N s, N m s", "A1 by rows, by the rates of y and psi", check=four),
+)
+MORELAND = mapping(
+    Field("lateral_stiffness", NUMBER, "N/m", "K in F = K y + D dy/dt", check=positive),
+    Field("lateral_damping", NUMBER, "N s/m", "D", 0.0, not_negative),
+    Field(
+        "yaw_coefficient",
+        NUMBER,
+        "rad/N",
+        "C in psi + C1 dpsi/dt = C F; 1/C is the cornering stiffness",
+        check=positive,
+    ),
+    Field("yaw_time", NUMBER, "s", "C1", 0.0, not_negative),
+    Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive),
+)
+RELAXATION = mapping(
+    Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
+    Field("relaxation_length", NUMBER, "m", "way in which the force builds up", check=positive),
+)
+FACTOR = "factor on {}, a curve of {}"
+LATERAL_FIELDS = (
+    Field("matrices", MATRICES, "-", "A0 and A1 in full", None),
+    Field("moreland", MORELAND, "-", "Moreland's constants", None),
+    Field("relaxation", RELAXATION, "-", "cornering stiffness and relaxation length", None),
+    Field("string", STRING_TYPE, "-", "stretched string (von Schlippe, Dietrich), its contact line a cubic", None),
+    Field("straight_tangent", TANGENT_TYPE, "-", "stretched string, its contact line the tangent at the front", None),
+    Field("stiffness_by_load", CURVE, "-", FACTOR.format("A0", "the normal force [N]"), 1.0),
+    Field("stiffness_by_speed", CURVE, "-", FACTOR.format("A0", "the speed of the axle [m/s]"), 1.0),
+    Field("damping_by_load", CURVE, "-", FACTOR.format("A1", "the normal force [N]"), 1.0),
+    Field("damping_by_speed", CURVE, "-", FACTOR.format("A1", "the speed of the axle [m/s]"), 1.0),
+    Field(
+        "aligning_moment", NUMBERS, "N, N m/rad, N s, N m s/rad", "moment on the wheel about n by y, psi, their rates",
+        [0.0, 0.0, 0.0, 0.0], four,
+    ),
+    Field("relaxation_in_air", NUMBER, "s", "time in which y and psi decay where A1 is singular", 1.0e-3, positive),
+)  # fmt: skip
+LATERAL_TYPE = mapping(*LATERAL_FIELDS)
+CURVES = "stiffness_by_load", "stiffness_by_speed", "damping_by_load", "damping_by_speed"
+LATERAL_RECORD = {
+    "A0": (3, 3), "A1": (3, 3), "A1_air": (3, 3), "aligning": 4, "turning": 3, "moment": 3, "pace": (),
+    "least_speed": (), "twist": (), **dict.fromkeys(CURVES, "i"),
+}  # fmt: skip
+FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
+
+
+def matrices(law):
+    """A0, A1 (2, 2) of a law without a contact length."""
+    if law["matrices"]:
+        return tuple(np.array(law["matrices"][name], float).reshape(2, 2) for name in ("stiffness", "damping"))
+    if law["relaxation"]:
+        d = law["relaxation"]
+        C, kap = 1.0 / d["cornering_stiffness"], d["cornering_stiffness"] * d["relaxation_length"]
+        K, D, C1 = d["cornering_stiffness"] / d["relaxation_length"], 0.0, 0.0
+    else:
+        d = law["moreland"]
+        C, kap = d["yaw_coefficient"], d["torsional_stiffness"]
+        K, D, C1 = d["lateral_stiffness"], d["lateral_damping"], d["yaw_time"]
+    return np.array([[K, 0.0], [-kap * C * K, kap]]), np.array([[D, 0.0], [-kap * C * D, kap * C1]])
+
+
+def prepare_lateral(law, context):
+    """Values of LATERAL_RECORD."""
+    values = prepare_string(law) or _prepare_matrices(law)
+    curves = {name: int(context.laws.add(law[name])) for name in CURVES}
+    return {"aligning": law["aligning_moment"], **values, **curves}
+
+
+def _prepare_matrices(law):
+    """A0, A1 and A1 of the air of a law without a contact length, whose bow is zero."""
+    A0, A1 = matrices(law)
+    singular = abs(np.linalg.det(A1)) <= SINGULAR * np.abs(A1).sum(axis=1).prod()
+    wait = law["relaxation_in_air"]
+    air, stiff = A1 + wait * A0 if singular else A1, abs(A0[0, 0])
+    twist = 1.0 if twists(law) else 0.0
+    return {"A0": _with(A0, stiff), "A1": _with(A1, 0.0), "A1_air": _with(air, wait * stiff), "twist": twist}
+
+
+def twists(law):
+    """True where psi is a twist of the patch against a stiffness, False where it is but the slip angle y/sigma, C F."""
+    return not (law["relaxation"] or law["straight_tangent"] or (law["moreland"] and not law["moreland"]["yaw_time"]))
+
+
+def _with(A, own):
+    """The matrix (3, 3) of A (2, 2) and the diagonal entry ``own``."""
+    out = np.zeros((3, 3))
+    out[:2, :2], out[2, 2] = A, own
+    return out
+
+
+def runaway(law):
+    """Return (field, text) where the rates of a patch that slides may run away, or None.
+
+    They are bounded as long as the symmetric part of A1 is not negative: of Moreland's law where C1 >= kap C^2 D/4.
+    """
+    if law["string"] or law["straight_tangent"] or not twists(law):
+        return None
+    _, A1 = matrices(law)
+    if np.linalg.eigvalsh(A1 + A1.T)[0] >= -SINGULAR * np.abs(A1).max():
+        return None
+    what = "the rates of its patch may run away where it slides (docs/tyres.md)"
+    if law["matrices"]:
+        return "matrices.damping", f"'lateral.matrices.damping' has a negative symmetric part: {what}"
+    d = law["moreland"]
+    least = 0.25 * d["torsional_stiffness"] * d["yaw_coefficient"] ** 2 * d["lateral_damping"]
+    text = f"'lateral.moreland.yaw_time' is {d['yaw_time']:g} s, less than torsional_stiffness yaw_coefficient^2 "
+    return "moreland.yaw_time", f"{text}lateral_damping/4 = {least:.3g} s: {what}"
+
+
+def check_lateral(law):
+    """Texts on what is wrong with a lateral law, None where the tyre law has none."""
+    if law is None:
+        return ["'tire_law.lateral' is missing: how the patch gives way sideways"]
+    if sum(bool(law[name]) for name in FORMS) != 1:
+        return ["'tire_law.lateral' must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
+    if law["string"] or law["straight_tangent"]:
+        return []
+    A0, A1 = matrices(law)
+    texts = []
+    if abs(np.linalg.det(A0)) <= SINGULAR * np.abs(A0).sum(axis=1).prod():
+        texts.append("'tire_law.lateral' has a singular stiffness A0")
+    elif np.linalg.eigvals(np.linalg.solve(A0, A1)).real.min() < -1e-12 * np.abs(np.linalg.solve(A0, A1)).max():
+        texts.append("'tire_law.lateral' lets y and psi grow in the air: A0 and A1 do not fit together")
+    return texts

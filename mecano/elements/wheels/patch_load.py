@@ -1,0 +1,41 @@
+"""Load in the patch of a wheel: radial force and lateral law.
+
+The friction F in the ground is left to the kind of wheel: it slips, or it is held.
+"""
+
+from typing import NamedTuple
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.tire_patch import Y, add_patch_force
+from mecano.elements.wheels.lateral_force import Lateral, lateral_law
+from mecano.elements.wheels.tire_law import elastic_force, radial_force, speed_over_ground
+from mecano.maths.vector import add_vec, dot, mat, vec
+
+
+class Load(NamedTuple):
+    """Forces in the patch but its friction."""
+
+    radial: float  # F_r [N]
+    N: float  # normal force [N]
+    damping: float  # its part by radial damping [N]
+    speed: float  # of the axle over the ground [m/s]
+    law: Lateral
+
+
+@kernel
+def load_of(p, at, k):
+    """The Load of the Patch ``k``."""
+    w = p.radius - k.g.r
+    radial, speed = radial_force(p, at.laws, w, k.w1), speed_over_ground(k.g.n, vec(at.v, 0))
+    N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q
+    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, speed, dot(k.g.n, k.omega))
+    return Load(radial, N, damping, speed, law)
+
+
+@kernel
+def add_load(f, at, k, load, F):
+    """Add the forces of a Load and of the friction F (3,) [N] in the ground."""
+    R = mat(at.R[0])
+    add_patch_force(f, R, k, F, load.N, load.damping)
+    add_vec(f, 3, -load.law.turn, R.T @ k.g.n)
+    add_vec(f, Y, 1.0, load.law.f)

@@ -1,0 +1,180 @@
+"""What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.ground import GROUND_RECORD, ends, touch
+from mecano.constraints.tire_patch import PSI, Y
+from mecano.contract import Kind, Output, record
+from mecano.elements.wheels.lateral_force import lateral_energy, lateral_energy_rate
+from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
+from mecano.elements.wheels.tire_law import TIRE_RECORD
+from mecano.elements.wheels.tire_wheel import (
+    CONTACT,
+    EVENTS,
+    MODES,
+    Grip,
+    check_wheel,
+    large_wheel,
+    prepare_wheel,
+    put_tire,
+    range_of_law,
+)
+from mecano.elements.wheels.tire_wheel import FIELDS as WHEEL_FIELDS
+from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
+from mecano.maths.vector import dot, mat, put, vec
+from mecano.schema import NUMBER, Field, mapping
+
+INITIAL = mapping(
+    Field("y", NUMBER, "m", "lateral displacement of the patch", 0.0),
+    Field("psi", NUMBER, "rad", "torsion of the patch, where the lateral law has a rate of psi", 0.0),
+)
+FIELDS = (*WHEEL_FIELDS, Field("initial", INITIAL, "-", "the patch at the start", {}))
+SCALARS = ("y", "psi", "bow")
+OUTPUTS = (
+    *TIRE_OUTPUTS,
+    Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a", rate="y_rate"),
+    Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n", rate="psi_rate"),
+    Output(
+        "bow",
+        "m",
+        "curvature of the contact line of a string: its second Legendre coefficient; else zero",
+        rate="bow_rate",
+    ),
+    Output("tire_force", "N", "force F of the lateral law along y"),
+    Output("tire_moment", "N m", "moment M of the lateral law along psi"),
+    Output("aligning_moment", "N m", "aligning moment on the wheel about n"),
+    Output("y_rate", "m/s", "rate of y"),
+    Output("psi_rate", "rad/s", "rate of psi"),
+    Output("bow_rate", "m/s", "rate of bow"),
+    Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
+)
+DIVERGENT = (
+    "braking exceeds what the torsional stiffness of the tyre bears: its patch runs away sideways; a greater "
+    "'torsional_stiffness' is needed"
+)
+STRING = {
+    "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,
+    "least_speed": 1.0,
+}  # fmt: skip
+MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
+
+
+@kernel
+def put_patch(p, at, k, load, force, coefficient, lost, y, e):
+    """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
+
+    ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work; ``lost`` [W] what
+    friction dissipates.
+    """
+    q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
+    grip = Grip(load.radial, force, coefficient, k.v_C, lost, k.w1)
+    arm = k.rho if contact else p.radius * k.g.c
+    touching = put_tire(p, at.laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
+    put(y, 18, vec(q, Y))
+    put(y, 24, vec(v, Y))
+    if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
+        y[27] = y[3] / p.A0[1, 0]
+    f = mat(p.A0) @ vec(q, Y) + mat(p.A1_air) @ vec(v, Y)
+    if contact:
+        f = law.f
+        put(y, 21, (f[0], f[1], law.turn))
+    e[1] += lateral_energy(p, q[Y], q[PSI])
+    lost_aside = dot(f, vec(v, Y)) - lateral_energy_rate(p, q[Y], q[PSI], v[Y], v[PSI])
+    if contact:
+        lost_aside -= law.turn * dot(k.g.n, k.omega)
+    e[2] += max(lost_aside, 0.0)
+    e[3] = max(-lost_aside, 0.0)
+
+
+@kernel
+def event_values(p, at, g):
+    """Write w for the touch-down, -w for the lift-off [m]."""
+    axis = mat(at.R[0]) @ vec(p.axis, 0)
+    contact = touch(p, at.laws, vec(at.q, 0) - at.q[Y] * axis, axis)
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def prepare(d, nodes, context):
+    """Record: that of a wheel with a tyre law, the lateral law, the start."""
+    return {
+        **prepare_wheel(d, nodes, context),
+        **prepare_lateral(d["tire_law"]["lateral"], context),
+        "start": [d["initial"].get("y", 0.0), d["initial"].get("psi", 0.0), 0.0],
+    }
+
+
+def start(p):
+    """y, psi and bow at the start."""
+    return p["start"]
+
+
+def check(d, nodes):
+    """Texts of a wheel with a tyre law, and on its lateral law."""
+    return check_wheel(d, nodes) + check_lateral(d["tire_law"]["lateral"])
+
+
+def limits(d):
+    """The range of the radial law, braking at which the patch gives way sideways on its own."""
+    found, lateral = range_of_law(d), d["tire_law"]["lateral"]
+    return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
+
+
+def remedies(d):
+    """Return what to try where a run fails in the equations of the patch: greater values of what holds or damps it."""
+    law, lateral = d["tire_law"], d["tire_law"]["lateral"]
+    (form,) = (name for name in FORMS if lateral[name])
+    units = {"torsional_stiffness": "N m/rad", "yaw_time": "s", "lateral_damping": "N s/m"}
+    given = [(name, lateral[form][name], unit) for name, unit in units.items() if name in lateral[form]]
+    found = [f"a greater 'tire_law.lateral.{form}.{name}' (now {value:g} {unit})" for name, value, unit in given]
+    return [*found, f"a greater 'tire_law.slip_regularization' (now {law['slip_regularization']:g} m/s)"]
+
+
+def _sample(rng, profile, eps, mode, form):
+    """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
+    growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
+    falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
+    lateral = {
+        **dict.fromkeys(FORMS), form: MATRICES if form == "matrices" else STRING,
+        "stiffness_by_load": growing, "stiffness_by_speed": falling,
+        "damping_by_load": growing, "damping_by_speed": falling, "aligning_moment": [20.0, -30.0, 4.0, 5.0],
+        "relaxation_in_air": 0.01,
+    }  # fmt: skip
+    return large_wheel(rng, profile, eps, falling, falling, lateral), 1, mode
+
+
+def sample(rng):
+    """Large wheels that touch the ground from near the origin: plane, profile, air; with all forms of lateral law."""
+    cases = (
+        (False, 0.05, "contact", "matrices"), (True, 50.0, "contact", "matrices"), (True, 0.05, "air", "matrices"),
+        (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
+        (True, 0.05, "contact", "relaxation"),
+    )  # fmt: skip
+    return [_sample(rng, *case) for case in cases]
+
+
+def patch_wheel(name, doc, relaxing, residual, observe, events=EVENTS, **constraints):
+    """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
+    return Kind(
+        name=name,
+        section="elements",
+        doc=doc,
+        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+        layout=("x0", "R0"),
+        scalars=SCALARS,
+        relaxing=relaxing,
+        fields=FIELDS,
+        outputs=OUTPUTS,
+        modes=MODES,
+        events=events,
+        prepare=prepare,
+        start=start,
+        check=check,
+        limits=limits,
+        remedies=remedies,
+        ends=ends,
+        residual=residual,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+        **constraints,
+    )

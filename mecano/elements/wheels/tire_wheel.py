@@ -1,0 +1,107 @@
+"""What the wheels with a tyre law have in common: deck fields, outputs, energies, modes and events, checks, samples."""
+
+from typing import NamedTuple
+
+from mecano.compiled.kernel import kernel
+from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
+from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
+from mecano.contract import Event, Output
+from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
+from mecano.maths.surface import directions
+from mecano.maths.vector import dot
+from mecano.schema import TIRE_LAW, Field
+
+AIR, CONTACT = 0, 1
+MODES = ("air", "contact")
+MOST_DEFORMATION = 0.5  # of the radius: at the start, of a law that does not say how far it holds
+LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
+EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)
+FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
+OUTPUTS = (
+    *CONTACT_OUTPUTS,
+    Output("deformation", "m", "radial deformation w of the tyre; zero in the air"),
+    Output("radial_force", "N", "radial force F_r in the plane of the wheel"),
+    Output("longitudinal_slip", "m/s", "slip velocity v_C along t; in the air, of the lowest point of the rim"),
+    Output("lateral_slip", "m/s", "slip velocity v_C along l; in the air, of the lowest point of the rim"),
+    Output("friction_coefficient", "-", "tangential over normal force; zero in the air"),
+)
+
+
+class Grip(NamedTuple):
+    """What the ground does to a wheel, by the laws of its tyre; 3-vectors in the inertial frame."""
+
+    radial: float  # F_r [N]
+    force: tuple  # of the ground on the wheel, tangential [N]
+    coefficient: float  # tangential over normal force
+    v_C: tuple  # slip velocity [m/s]
+    lost: float  # power of the friction [W]
+    w1: float  # dw/dt [m/s]
+
+
+@kernel
+def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
+    """Write OUTPUTS, and to ``e`` the energies of radial force and friction; True if the ground pushes.
+
+    ``contact``: in that mode or in the air; ``g`` Contact of surface.py, ``arm`` (3,) [m] from the centre to the point
+    of contact or the lowest point of the rim, ``spin`` [rad/s], ``grip`` the Grip of the mode "contact".
+    """
+    # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
+    touching = contact and grip.radial > 0.0
+    t, l = directions(axis, g)
+    radius = g.r if contact else p.radius
+    w = max(0.0, p.radius - radius)
+    F = grip.radial if touching else 0.0
+    push = (F / g.q, dot(grip.force, t), dot(grip.force, l)) if touching else (0.0, 0.0, 0.0)
+    put_contact(y, q, push, (g.n, t, l), g.r * g.q, radius, arm, spin, lean_of(g))
+    y[13], y[14] = w, F
+    y[15], y[16] = dot(grip.v_C, t), dot(grip.v_C, l)
+    if touching:
+        y[17] = grip.coefficient
+    if contact:
+        e[1] = elastic_energy(p, laws, w)
+        e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(p, laws, w)) * grip.w1
+    return touching
+
+
+def prepare_wheel(d, nodes, context):
+    """Record: axis in the node's frame, ground, tyre law."""
+    return {
+        "axis": carried_axis(d, nodes),
+        **prepare_ground(d["ground"], context),
+        **prepare_tire_law(d["tire_law"], context),
+    }
+
+
+def check_wheel(d, nodes):
+    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
+    place = d["ground"], nodes[0][0], d["axis"]
+    texts = check_ground(d["ground"]) + check_axle(*place)
+    return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
+
+
+def _check_deformation(law, ground, x, axis):
+    """Texts on a deformation at the start that the tyre law is not meant for."""
+    gap, along_normal = rim_above(ground, law["radius"], x, axis)
+    valid = law["valid_deformation"]
+    if -gap <= (valid or MOST_DEFORMATION * law["radius"]):
+        return []
+    most = f"its radial law holds up to {valid:g} m ('valid_deformation')" if valid else "more than half of its radius"
+    return [too_low(-gap, -along_normal, f", {most}")]
+
+
+def range_of_law(d):
+    """The ``limits`` of a wheel: the range of its radial law."""
+    valid = d["tire_law"]["valid_deformation"]
+    return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
+
+
+def large_wheel(rng, profile, eps, friction, by_speed, lateral):
+    """For samples: deck values of a wheel that touches the ground, with a ``profile`` or not, from near the origin."""
+    wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
+    ground, normal, level = slope_below(rng, wave if profile else None)
+    tire_law = {
+        "radius": 12.0, "radial": (("polynomial", {"coefficients": [0.0, 2e3, 3e2, -4.0, 0.5]}),),
+        "radial_damping": 0.02, "friction": friction, "friction_by_speed": by_speed, "slip_regularization": eps,
+        "valid_deformation": None, "lateral": lateral,
+    }  # fmt: skip
+    return {"axis": level + rng.uniform(-0.5, 0.5) * normal, "tire_law": tire_law, "ground": ground}

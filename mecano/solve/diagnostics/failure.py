@@ -1,0 +1,159 @@
+"""What a user is told when a march cannot go on: when, the worst equations, the elements in them, and what to try."""
+
+import numpy as np
+
+from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION, motion_name
+from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
+
+REPORTED = 5  # equations named, the worst of each node, joint or element
+NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
+NAMED = 6  # elements named of one equation
+NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
+MOVES = 0.1  # of the largest entry of a null vector: what moves with it
+NOT_FINITE = "not finite"
+TRY = {  # what a message says: what to try
+    NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a "
+    "smaller time.step or time.adaptive, if the motion so far is not what it should be",
+    "contradict": "leave one of these constraints out, or let their laws of time agree",
+    "singular": "a mass, an inertia or a stiffness for what is named and has none; `mecano check` for mechanisms",
+    "": "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; `mecano check` for "
+    "redundant constraints and mechanisms",
+}
+
+
+def no_step(system, info, t, h):
+    """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
+    force, constraint, increment = info.norms
+    infinite, worst = NOT_FINITE in info.message, unresisted(system) if "singular" in info.message else ""
+    rows = [] if worst else worst_rows(system)
+    if rows:
+        worst = f"worst equations:\n{worst_equations(system)}"
+    error = (NonFiniteError if infinite else ConvergenceError)(
+        f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
+        f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
+        + (f"{worst}\n" if worst else "")
+        + f"what to try: {next(text for said, text in TRY.items() if said in info.message)}"
+    )
+    return _of_equations(error, system, rows)
+
+
+def _of_equations(error, system, rows):
+    """Return the ``error`` with the elements that act in the equations ``rows``."""
+    error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
+    return error
+
+
+def no_restart(error, t):
+    """Return the error when the motion cannot go on from ``t`` after an event: why, and what to try."""
+    text = str(error) if str(error).startswith("at t = ") else f"at t = {t:.9g} s {error}"
+    return ConvergenceError(f"{text}\nwhat to try: {next(advice for said, advice in TRY.items() if said in text)}")
+
+
+def not_finite(system, data, t):
+    """Return the error where ``data``, the values of the matrix of masses and constraints, are not finite at ``t``."""
+    rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
+    places = {system.numbering.name[i].partition(": ")[0]: i for i in rows[::-1]}
+    lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
+    text = "\n".join([f"at t = {t:.9g} s masses or constraints are not finite:", *lines])
+    return NonFiniteError(f"{text}\nwhat to try: {TRY[NOT_FINITE]}")
+
+
+def unresisted(system):
+    """Return the motions and reactions that the singular tangent of the last assembly leaves undetermined; or empty.
+
+    They are the null vector of the tangent which the residual drives, a line for each node, joint or element.
+    """
+    from mecano.solve.linear.equilibrated import Equilibrated  # no ordinary run needs it (docs/architecture.md, Start)
+
+    n, of, places = system.n, system.numbering, {}
+    try:
+        matrix = Equilibrated(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
+        x = np.abs(matrix.driven_null_vector(system.residual[:n]))
+    except (RuntimeError, ValueError):  # exactly singular all the same, or not finite
+        return ""
+    if not np.isfinite(x).all():
+        return ""
+    for i in np.argsort(-x, kind="stable"):
+        if x[i] >= MOVES * x.max():
+            places.setdefault(of.name[i].partition(": ")[0], i)
+    lines = (f"  {motion_name(of.name[i])}{acting(system, i)}" for i in list(places.values())[:REPORTED])
+    return "nothing resists:\n" + "\n".join(lines)
+
+
+def worst_rows(system):
+    """Return the numbers of the worst equations of the last assembly, one for each node, joint or element."""
+    of, r = system.numbering, np.abs(system.residual[: system.n])
+    with np.errstate(all="ignore"):
+        relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+    least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
+    for i in np.argsort(-relative, kind="stable"):
+        if relative[i] >= least:
+            places.setdefault(of.name[i].partition(": ")[0], i)
+    return list(places.values())[:REPORTED]
+
+
+def worst_equations(system):
+    """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
+    name, r = system.numbering.name, np.abs(system.residual)
+    return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system))
+
+
+def _scales(system):
+    """Sizes (5,) that residuals of each kind of equation are judged by, as in ``norms``; of constraints as forces."""
+    kind, size, length = system.numbering.kind, system.size, length_scale(system.nodes)
+    force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
+    f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
+    scales = np.full(5, m / length**2)
+    scales[[TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT]] = f, m, max(own, ANGULAR_SHARE * f), f
+    return scales
+
+
+def titles(system, i):
+    """Return the titles of the elements that act on the unknown ``i``; none of a constraint."""
+    if i >= system.n_q:
+        return []
+    found = dict.fromkeys(
+        name
+        for batch in system.batches
+        if batch.kind.acts
+        for name, dofs in zip(batch.names, batch.dofs, strict=True)
+        if i in dofs
+    )
+    return list(found)
+
+
+def acting(system, i):
+    """The elements that act on the unknown ``i``, as a clause, for the equation of a node; "" for a constraint."""
+    names = titles(system, i)
+    if not names:
+        return ""
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f"; on it act {', '.join(names[:NAMED])}{more}"
+
+
+def minimum_step(system, before, after, error, t, h):
+    """The error when a step of the least size, ``h`` [s], is too rough: ``error`` over its share of the tolerance.
+
+    ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
+    """
+    worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
+    where = motion_name(system.numbering.name[worst])
+    failed = ConvergenceError(
+        f"at t = {t:.9g} s a step of {h:.3g} s, the least that is allowed, has {error:.3g} times the error allowed\n"
+        f"the acceleration changes most in {where}{acting(system, worst)}\n"
+        "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
+        "this state"
+    )
+    return _of_equations(failed, system, [worst])
+
+
+def standstill(happening, count, t):
+    """The error when the same event happens again and again while time stands still."""
+    return ConvergenceError(
+        f"time stands still at t = {t:.9g} s: {happening.element} has met '{happening.name}' ({happening.before} -> "
+        f"{happening.after}) {count} times there\n"
+        "what to try: laws of this element without jumps, some damping at its stops, or nodes a little farther from "
+        "where two of its modes meet; for a wheel that cannot slip, a flexible one: without slip it may be able "
+        "neither to stay on the ground nor to leave it"
+    )

@@ -1,0 +1,83 @@
+r"""What can move where all that is flexible is held stiff: the mechanism behind the deformations.
+
+The nodes of flexible members that hang together move as one body then, with six unknowns for each,
+:math:`\delta x = t + \varphi \times (x - o)` and :math:`\delta\Theta = R^T \varphi`, and the own unknowns of members
+and tyres rest. Unknowns that two bodies share, and those of the ground, are further constraints. Held stiff, a
+structure is judged by lengths alone; its stiffness would not do: the softest bending of 64 beams is 1e-9 of the
+hardest.
+"""
+
+import numpy as np
+
+from mecano.maths.vector import skew
+from mecano.model.numbering import SCALAR, Classes
+from mecano.solve.diagnostics.analysis import RANK_TOLERANCE, groups
+
+
+def stiff_mechanisms(system, s, length, analysis):
+    """Groups of unknowns of ``system`` at ``s`` that can move together with all that is flexible held stiff.
+
+    None where nothing is flexible, or too much can move to tell. ``analysis`` is that of the constraints, in which
+    rotations count by the length scale.
+    """
+    bodies, resting = _bodies(system), _resting(system)
+    if not (bodies or resting.any()) or not analysis.small:
+        return None
+    T, ties = _as_bodies(system, s, length, bodies, resting)
+    rows = np.vstack([ties, analysis.gradient.dense(np.arange(analysis.gradient.shape[0])) @ T])
+    _, sigma, Vt = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+    Q, _ = np.linalg.qr(T @ Vt[int(np.sum(sigma > RANK_TOLERANCE)) :].T)
+    return groups(Q @ Q.T, analysis.motions)
+
+
+def _bodies(system):
+    """Nodes of each body as {(first of its position, first of its rotation, its rotation)}."""
+    nodes, pairs = {}, []
+    for b in system.batches:
+        if b.kind.flexible:
+            for dofs, rots in zip(b.dofs, b.rots, strict=True):
+                found = [(int(dofs[6 * i]), int(dofs[6 * i + 3]), int(R)) for i, R in enumerate(rots)]
+                numbers = [nodes.setdefault(node, len(nodes)) for node in found]
+                pairs += [(numbers[0], other) for other in numbers[1:]]
+    classes, bodies = Classes(len(nodes)), {}
+    for i, j in pairs:
+        classes.join(i, j)
+    for node, i in nodes.items():
+        bodies.setdefault(classes.find(i), []).append(node)
+    return list(bodies.values())
+
+
+def _resting(system):
+    """Own unknowns (n_q,) of flexible members, and of tyres, which are what has unknowns that relax."""
+    resting = np.zeros(system.n_q, bool)
+    for b in system.batches:
+        if b.kind.flexible or b.kind.relaxing:
+            own = b.dofs[:, 3 * len(b.kind.layout) :]
+            own = own[own < system.n_q]
+            resting[own[system.numbering.kind[own] == SCALAR]] = True
+    return resting
+
+
+def _as_bodies(system, s, length, bodies, resting):
+    """T (n_q, m) from the unknowns of bodies and what belongs to none, and what ties the former (k, m)."""
+    n_q, first = system.n_q, 6 * len(bodies)
+    own = np.ones(n_q, bool)
+    for x, r, _ in (node for body in bodies for node in body):
+        own[[d + i for d in (x, r) for i in range(3) if d < n_q]] = False
+    own = np.flatnonzero(own & ~resting)
+    T, ties, placed = np.zeros((n_q, first + len(own))), [], np.zeros(n_q, bool)
+    T[own, first + np.arange(len(own))] = 1.0
+    for number, body in enumerate(bodies):
+        origin = s.z[body[0][0] : body[0][0] + 3]
+        for x, r, rotation in body:
+            arm = s.z[x : x + 3] - origin
+            moves = np.hstack([np.eye(3), -np.array(skew(arm / length))])
+            turns = np.hstack([np.zeros((3, 3)), s.R[rotation].T])
+            for d, rows in ((x, moves), (r, turns)):
+                whole = np.zeros((3, T.shape[1]))
+                whole[:, 6 * number : 6 * number + 6] = rows
+                if d < n_q and not placed[d]:
+                    T[d : d + 3], placed[d] = whole, True
+                else:
+                    ties.append(whole - T[d : d + 3] if d < n_q else whole)
+    return T, np.vstack([np.zeros((0, T.shape[1])), *ties])

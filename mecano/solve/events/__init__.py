@@ -1,0 +1,1 @@
+"""Events and shocks: what happens at one instant."""

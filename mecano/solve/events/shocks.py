@@ -1,0 +1,276 @@
+r"""Shocks: what the events of a contract with ``Event.shock`` do to velocities, modes and energy (docs/shocks.md).
+
+At frozen positions, with the constraints that hold and those that begin to (rates :math:`w = B v + \Phi_t`):
+
+.. math::  M (v^+ - v^-) = B^T \Lambda, \qquad w^+ = 0 \text{ (held)}, \qquad
+   0 \le \Lambda \perp w^+ + e\, w^- \ge 0 \text{ (contacts that close or are closed)}
+
+What is held costs one factorization; contacts add the dense matrix of their responses to one another.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.solve.events.catches import catches
+from mecano.solve.events.complementarity import solve_complementarity
+from mecano.solve.events.events import Happening
+from mecano.solve.events.redundancy import consistent_in
+
+TOGETHER = 1e-6  # of a step: shocks that are no farther apart are one
+NEAR = 10.0  # times the tolerance of constraints: neither are those of contacts that are no farther apart
+STILL = 1e-10  # of the largest approach: a rate that is none
+MASSLESS = 1e-14  # of the largest: a contact with less response moves nothing that has mass
+ADHESIVE = 1e-9  # of the largest: an impulse that pulls
+DEPARTING = -1e-300  # in the place of the event value of what stands at its contact and leaves
+
+
+@dataclass(frozen=True)
+class Shock:
+    """What a shock left: velocities and modes, what happened, energy lost and given [J]."""
+
+    state: object
+    happenings: list
+    lost: float
+    given: float
+    impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
+    consistent: object  # Consistent of this state
+    compliance: object  # Compliance of redundant constraints from now on, or None
+    redundant: tuple  # Groups of constraints that are new to it
+
+
+class Shocks:
+    """The shocks of a system; ``rest`` (n_l,) approach speeds below which nothing rebounds [m/s, rad/s]."""
+
+    def __init__(self, system, method, watch, rest):
+        self.system, self.linear, self.watch, self.length = system, method.linear, watch, method.length
+        of = system.numbering
+        scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
+        self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self.rest = self._least
+        self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
+        self.catches = list(catches(system))
+        self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
+        self.events = np.array([catch.event for catch in self.catches], np.int64)
+
+    def tire(self, elements):
+        """Let the contacts of some elements, and of no others, not rebound at any speed."""
+        self.rest = self._least.copy()
+        self.rest[[catch.lead for catch in self.catches if catch.element in elements]] = np.inf
+
+    def among(self, hit):
+        """True when some of the events ``hit`` (n_events,) bool comes with a shock."""
+        return bool(hit[self.events].any())
+
+    def departing(self, s, g):
+        """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
+        if not self.catches:  # asked at every step
+            return g
+        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].opened >= 0]
+        if not at:
+            return g
+        g, catches = g.copy(), [self.catches[i] for i in at]
+        levels = self.system.levels(self.moded(s, catches, "through"))
+        for catch in catches:
+            rate, second = levels[catch.lead, 1:]
+            if rate > 0.0 or (rate >= -self.rest[catch.lead] and second > 0.0):
+                g[catch.event] = DEPARTING
+        return g
+
+    def together(self, s, hit, h):
+        """The events ``hit`` and the shocks that the next millionth of a step ``h`` [s] would bring.
+
+        Equal parts of a model differ by the rounding of its motion: this is what lets them lock together.
+        """
+        hit, g = hit.copy(), self.watch.values(s)
+        due = [c for c in self.catches if not hit[c.event] and -np.inf < g[c.event] < 0.0]
+        latest = list({c.mode: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
+        if latest:
+            rates = self.system.levels(self.moded(s, latest, "through"))[:, 1]
+            for c in latest:
+                rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
+                hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
+        return hit
+
+    def strike(self, s, hit, compliance=None, h=np.inf, at_once=False):
+        """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
+
+        ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go
+        on, so what does not move away fast enough to be seen has closed.
+        """
+        plain = hit.copy()
+        plain[self.events] = False
+        s, others = self.watch.apply(s, plain)
+        closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
+        if not at_once:
+            rates = self.system.levels(self.moded(s, closing, "through"))[:, 1]
+            closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
+        resting = [c for c in self.catches if c.rests(s.modes)]
+        lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
+        tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
+        held = self.moded(s, closing, "through")
+        all_held = self.moded(held, lone, "through")
+        w = self.system.levels(all_held)[:, 1]
+        e = self._restitution(closing, w)
+        while True:
+            solution = _Solution(self, self.moded(held, lone, "opened"), all_held, lone, e, compliance)
+            pulled = [c for c in tied if solution.pulls(c)]
+            if not pulled:
+                break
+            tied = [c for c in tied if c not in pulled]
+            held, all_held = self.moded(held, pulled, "before"), self.moded(all_held, pulled, "before")
+        return solution.shock(s, closing, resting, others, h)
+
+    def consistent(self, s, compliance):
+        """Consistent, Compliance and redundant Groups in the modes of ``s`` (redundancy.py)."""
+        return consistent_in(self.system, self.linear, s, compliance, self.length)
+
+    def _restitution(self, closing, w):
+        """The one coefficient of all that close together: the least of those that approach faster than at rest."""
+        fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
+        return max(min((c.restitution for c in fast), default=0.0), 0.0)
+
+    def moded(self, s, catches, which):
+        """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
+        modes = s.modes.copy()
+        for catch in catches:
+            modes[catch.mode] = getattr(catch, which)
+        self.system.follow(modes)
+        return replace(s, modes=modes)
+
+
+class _Solution:
+    """Velocities and impulses with the contacts ``lone`` in complementarity, and everything else held."""
+
+    def __init__(self, shocks, held, all_held, lone, e, compliance):
+        self.shocks, self.system, self.e = shocks, shocks.system, e
+        self.lone = {c: i for i, c in enumerate(lone)}
+        self.held, self.all_held = held.copy(), all_held
+        self.leads = np.array([c.lead for c in lone], np.int64)
+        self.before = self._rates(held.v)
+        self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
+        change, reactions = self.consistent.exchange(-self.system.levels(held)[:, 1])
+        if lone:
+            self._gather_responses()
+            free = self._rates(self._moved(change))[self.leads]
+            pushes = self._solve(free + e * self.before[self.leads])
+            change = change + self.responses @ pushes
+            reactions = reactions + self.reactions @ pushes
+        self.held.v = self._moved(change)
+        self.after = self._rates(self.held.v)
+        reached = self.system.levels(self.held)[:, 1] - self.system.levels(held)[:, 1]
+        self.impulses = reactions - self.consistent.k * reached
+        if lone:
+            self.impulses[self.leads] = pushes
+
+    def _rates(self, v):
+        """Rates (n_l,) of all constraints, contacts as if closed, at velocities v (n_all,)."""
+        return self.system.levels(replace(self.all_held, v=v))[:, 1]
+
+    def _moved(self, change):
+        v = self.all_held.v.copy()
+        v[: self.system.n_q] += change
+        return v
+
+    def _gather_responses(self):
+        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n).
+
+        What has neither mass nor constraint gives way to any impulse: contacts of it are ``light``.
+        """
+        system, n_q = self.system, self.system.n_q
+        bare = replace(self.all_held, z=self.all_held.z.copy())
+        bare.z[n_q : system.n] = 0.0
+        data = np.zeros(system.nnz + 1)
+        system.add_constraints(bare, 1.0, 0.0, data)
+        distinct, which = np.unique(n_q + self.leads, return_inverse=True)
+        at = np.flatnonzero(np.isin(system.cols, distinct) & (system.rows < n_q))
+        gradient = np.zeros((n_q, len(distinct)))
+        gradient[system.rows[at], np.searchsorted(distinct, system.cols[at])] = -data[at]
+        gradient = gradient[:, which]
+        answers = [self.consistent.respond(force) for force in gradient.T]
+        self.responses = np.array([change for change, _ in answers]).T
+        self.reactions = np.array([reaction for _, reaction in answers]).T
+        self.W = gradient.T @ self.responses
+        self.light = gradient[self.consistent.loose].any(axis=0)
+
+    def _solve(self, b, at=None):
+        """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass.
+
+        ``at`` (n,) are the contacts that it is about; all of them when absent.
+        """
+        at = np.arange(len(self.leads)) if at is None else np.asarray(at)
+        W, weight = self.W[np.ix_(at, at)], np.diag(self.W)[at]
+        massive = np.flatnonzero((weight > MASSLESS * weight.max(initial=0.0)) & ~self.light[at])
+        x, unit = np.zeros(len(b)), self.shocks.unit[self.leads[at]]
+        x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
+        return x
+
+    def pulls(self, catch):
+        """True when a contact that holds more than its normal direction would need an adhesive impulse."""
+        return self.impulses[catch.lead] < -ADHESIVE * np.abs(self.impulses).max()
+
+    def shock(self, s, closing, resting, happenings, h):
+        """The Shock from the state ``s`` before, for steps of h [s]."""
+        lost = -0.5 * self.impulses * (self.before + self.after)
+        still = self.system.levels(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
+        new = set(closing)
+        stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order
+        gone = [c for c in resting if c not in stay]
+        end = self.shocks.moded(replace(s, v=self.held.v), stay, "after")
+        happened = [*happenings, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
+        leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after], h)
+        happened += [_opened(s.t, c) for c in [*gone, *leaving]]
+        end = self.shocks.moded(end, [*gone, *leaving], "opened")
+        found = [self.consistent, self.compliance, self.redundant]
+        if not np.array_equal(end.modes, self.held.modes):
+            *found, redundant = self.shocks.consistent(end, self.compliance)
+            found.append((*self.redundant, *redundant))
+        of = self.system.numbering
+        rows = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}
+        found[2] = tuple(group for group in found[2] if rows & set(group.names))
+        given = -float(self.impulses @ still)
+        return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
+
+    def _stays(self, catch, closes):
+        """True when it is closed after the shock."""
+        if catch.restitution < 0.0:
+            return True
+        if catch not in self.lone:
+            return self.held.modes[catch.mode] == catch.through
+        before, after, rest = self.before[catch.lead], self.after[catch.lead], self.shocks.rest[catch.lead]
+        if closes and before >= -rest:
+            return after <= max(before, rest)
+        rebounds = closes and self.e > 0.0 and self.impulses[catch.lead] > 0.0
+        largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
+        return not rebounds and after <= STILL * largest
+
+    def _meets(self, catch, stay):
+        return catch in stay or self.impulses[catch.lead] != 0.0
+
+    def _met(self, t, catch, stays, lost):
+        name, before, after = catch.names[:3]
+        return Happening(
+            t, catch.element, name, before, after if stays else before, float(self.impulses[catch.lead]),
+            catch.unit, float(lost[catch.rows].sum()),
+        )  # fmt: skip
+
+    def _leaving(self, stay, h):
+        """Of the contacts that stay closed, those that the accelerations part at once; they tell none of light ones."""
+        stay = [c for c in stay if not self.light[self.lone[c]]]
+        if not stay:
+            return []
+        moving = self.held.copy()
+        self.consistent.accelerate(moving)
+        second = self.system.levels(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
+        at = [self.lone[c] for c in stay]
+        of_these = self.leads[at]
+        forces = self._solve(second[of_these], at)
+        parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
+        least = np.maximum(STILL * np.abs(second[of_these]).max(), STILL * self.shocks.rest[of_these] / h)
+        return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
+
+
+def _opened(t, catch):
+    _, _, after, back, opened = catch.names
+    return Happening(t, catch.element, back, after, opened)

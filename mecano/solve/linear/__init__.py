@@ -1,0 +1,1 @@
+"""The sparse linear solver and Newton's iteration on it."""

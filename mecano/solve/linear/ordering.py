@@ -1,0 +1,294 @@
+"""Symbolic analysis of a fixed pattern for the multifrontal LU factorization: done once, in NumPy.
+
+The pattern is made symmetric and compressed to *blocks*. A block holds either the unknowns of one node, which
+are eliminated together, or the multipliers that tie the same nodes. The nodes are ordered by minimum degree.
+Each block of multipliers follows the **last** of the nodes it ties: only then has elimination filled its zero
+diagonal with ``-B S^-1 B^T``, and no null pivot is met although the order is fixed. A multiplier placed after
+the first of its nodes meets a pivot that lacks the other nodes: backward errors of order 0.1.
+
+The elimination tree of the blocks is cut into *fronts*, dense matrices that eliminate a few blocks at once and
+hand the rest, the contribution, to their parent (Duff & Reid 1983, "The multifrontal solution of indefinite
+sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
+"""
+
+import hashlib
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.maths.distinct import distinct
+from mecano.solve.linear.least_degree import least_degree
+
+# Columns of the table of fronts
+FIRST = 0  # position, in elimination order, of the first unknown that the front eliminates
+PIVOTS = 1  # number of unknowns that it eliminates
+SIZE = 2  # number of rows: pivots, then the border
+BORDER = 3  # offset in links: positions of the border rows (SIZE - PIVOTS), ascending
+PARENT_ROWS = 4  # offset in links: rows of the parent front that the border rows are
+LAST_CHILD = 5  # front, or -1
+ELDER = 6  # the child before this one of the same parent, or -1
+ENTRIES = 7  # offset in links: pairs (index in data, index in the front)
+ENTRY_COUNT = 8
+CONTRIBUTION = 9  # offset in the stack of contributions
+FACTOR = 10  # offset in the factors
+COLUMNS = 11
+
+STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
+
+FRONT_WORK = 2000.0  # floating point operations worth the handling of one front
+MOST_ENTRIES = 1_000_000  # placed at a time
+
+
+class Analysis(NamedTuple):
+    """What the compiled factorization needs to know about the pattern, all of it constant."""
+
+    order: np.ndarray  # (n,) unknown at each position of the elimination
+    fronts: np.ndarray  # (n_fronts, COLUMNS), children before parents
+    links: np.ndarray  # index lists of the fronts, one after the other
+    equations: np.ndarray  # (n + 1 + 2 nnz,) row starts, then columns and indices in data of the entries by rows
+    factor_length: int
+    stack_length: int
+    largest: int  # rows of the largest front
+
+
+def analyse(n, rows, cols, groups, n_q):
+    """Order the unknowns and lay out the fronts.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns; those from n_q on are multipliers.
+    rows, cols : (nnz,) int
+        The pattern, each entry once, in any order.
+    groups : (n_q,) int
+        Unknowns with the same number (one node) are eliminated together.
+    n_q : int
+        Number of unknowns that are not multipliers.
+
+    Raises ValueError if the pattern holds an entry twice.
+    """
+    nodes = np.unique(groups, return_inverse=True)[1].reshape(-1)
+    n_nodes = int(nodes.max()) + 1 if n_q else 0
+    ties = _ties(rows, cols, nodes, n_q, n_nodes)
+    own = (rows < n_q) & (cols < n_q)
+    position = least_degree(_neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes))
+    block, n_blocks = _insert_multipliers(n, nodes, n_nodes, position, ties)
+    structures, parent = _structures(_neighbours(block[rows], block[cols], n_blocks))
+    final = _postorder(parent)
+    structures = [np.sort(final[structures[b]]) for b in np.argsort(final)]
+    block = final[block]
+    sizes = np.bincount(block, minlength=n_blocks)
+    ends, borders = _join(structures, sizes)
+    return _tables(n, rows, cols, block, sizes, ends, borders)
+
+
+def _ties(rows, cols, nodes, n_q, n_nodes):
+    """Which multiplier (numbered from 0) ties which node: two arrays, of distinct pairs."""
+    below = (rows >= n_q) & (cols < n_q)
+    right = (cols >= n_q) & (rows < n_q)
+    multiplier = np.concatenate([rows[below], cols[right]]) - n_q
+    node = nodes[np.concatenate([cols[below], rows[right]])]
+    pairs = np.sort(multiplier * n_nodes + node)
+    return np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], max(n_nodes, 1))
+
+
+def _neighbours(block_rows, block_cols, n_blocks):
+    """Symmetric graph of blocks, without loops: for each an array of the others that it meets, ascending."""
+    off = block_rows != block_cols
+    pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # some 36 entries each, of nodes with 6 unknowns
+    i, j = np.divmod(pairs, max(n_blocks, 1))
+    i, j = np.divmod(distinct(np.concatenate([pairs, j * n_blocks + i])), max(n_blocks, 1))
+    return np.split(j, np.searchsorted(i, np.arange(1, n_blocks)))[:n_blocks]
+
+
+def _insert_multipliers(n, nodes, n_nodes, position, ties):
+    """Block of each unknown in elimination order, and the number of blocks."""
+    n_q = len(nodes)
+    last = np.full(n - n_q, -1)
+    np.maximum.at(last, ties[0], position[ties[1]])
+    last[last < 0] = n_nodes
+    # multipliers that tie the same nodes share a block: sets of nodes are compared by a sum of marks without a pattern
+    marks = np.frombuffer(hashlib.shake_128().digest(8 * n_nodes), np.uint64)  # numpy.random takes 5 ms to import
+    mark = np.zeros(n - n_q, dtype=np.uint64)
+    np.add.at(mark, ties[0], marks[ties[1]])
+    _, first, label = np.unique(mark, return_index=True, return_inverse=True)
+    label = np.argsort(np.argsort(first))[label.reshape(-1)]  # in the order of the multipliers, not of the marks
+    block_last = np.empty(len(first), dtype=np.int64)
+    block_last[label] = last
+    keys = np.concatenate([2 * position, 2 * block_last + 1])
+    rank = np.empty(len(keys), dtype=np.int64)
+    rank[np.argsort(keys, kind="stable")] = np.arange(len(keys))
+    return rank[np.concatenate([nodes, n_nodes + label])], len(keys)
+
+
+def _structures(neighbours):
+    """For each block, the later blocks that its elimination couples (ascending), and the elimination tree."""
+    n = len(neighbours)
+    structures, parent = [], np.full(n, -1)
+    children = [[] for _ in range(n)]
+    for j, own in enumerate(neighbours):
+        parts = [own[own > j]] + [structures[c][1:] for c in children[j]]
+        structure = distinct(np.concatenate(parts)) if children[j] else parts[0]
+        structures.append(structure)
+        if len(structure):
+            parent[j] = structure[0]
+            children[structure[0]].append(j)
+    return structures, parent
+
+
+def _postorder(parent):
+    """Rank of each vertex of a forest when every parent follows directly on its last child's subtree."""
+    n = len(parent)
+    rank = np.empty(n, dtype=np.int64)
+    size = np.ones(n, dtype=np.int64)
+    for v in range(n):
+        if parent[v] >= 0:
+            size[parent[v]] += size[v]
+    begin = np.zeros(n + 1, dtype=np.int64)  # next free rank below each vertex; the last one: of the roots
+    for v in range(n - 1, -1, -1):
+        start = begin[parent[v]]
+        begin[parent[v]] += size[v]
+        begin[v] = start
+        rank[v] = start + size[v] - 1
+    return rank
+
+
+def _join(structures, sizes):
+    """Join blocks into fronts: each block with the one before it, its child, where that saves time.
+
+    Returns the number of the block after each front, and the border of each front (blocks, ascending).
+    """
+    widths = [int(sizes[s].sum()) for s in structures]
+    ends, borders = [], []
+    pivots, last = int(sizes[0]), 0
+    for j in range(1, len(sizes)):
+        size = int(sizes[j])
+        if len(structures[last]) and structures[last][0] == j:
+            apart = _work(pivots, widths[last]) + _work(size, widths[j])
+            if _work(pivots + size, widths[j]) <= apart + FRONT_WORK:
+                pivots, last = pivots + size, j
+                continue
+        ends.append(j)
+        borders.append(structures[last])
+        pivots, last = size, j
+    return np.array([*ends, len(sizes)]), [*borders, structures[last]]
+
+
+def _work(pivots, width):
+    """Floating point operations that eliminate the pivots of a front with a border of that width."""
+    return pivots * (pivots * (2.0 / 3.0 * pivots + 2.0 * width) + 2.0 * width**2)
+
+
+def _ranges(starts, lengths):
+    """The integers starts[i] ... starts[i] + lengths[i] - 1 for every i, one after the other."""
+    offsets = np.cumsum(lengths) - lengths
+    return np.arange(int(lengths.sum())) + np.repeat(starts - offsets, lengths)
+
+
+def _offsets(lengths):
+    """Where each of consecutive pieces begins, and the end of the last one."""
+    return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+
+
+def _tables(n, rows, cols, block, sizes, ends, borders):
+    """Number the unknowns within the blocks and write the tables of the fronts."""
+    order = np.argsort(block, kind="stable")
+    place = np.empty(n, dtype=np.int64)
+    place[order] = np.arange(n)
+    starts = _offsets(sizes)
+    first = starts[np.r_[0, ends[:-1]]]
+    pivots = starts[ends] - first
+    counts = np.array([len(b) for b in borders])
+    border_blocks = np.concatenate(borders).astype(np.int64)
+    border_rows = _ranges(starts[border_blocks], sizes[border_blocks])
+    border_of = np.repeat(np.arange(len(ends)), counts)
+    widths = np.bincount(border_of, weights=sizes[border_blocks], minlength=len(ends)).astype(np.int64)
+    fronts = np.empty((len(ends), COLUMNS), dtype=np.int64)
+    fronts[:, FIRST], fronts[:, PIVOTS], fronts[:, SIZE] = first, pivots, pivots + widths
+    parent = _family(fronts, border_rows, _offsets(widths))
+    links = _link(fronts, parent, border_rows, place[rows], place[cols])
+    factor_length, stack_length = _storage(fronts)
+    return Analysis(
+        order, fronts, links, _by_rows(n, rows, cols), factor_length, stack_length, int(fronts[:, SIZE].max())
+    )
+
+
+def _family(fronts, border_rows, border_starts):
+    """Fill in LAST_CHILD and ELDER; return the parent of each front, -1 for roots."""
+    widths = np.diff(border_starts)
+    parent = np.full(len(fronts), -1)
+    inner = widths > 0
+    parent[inner] = np.searchsorted(fronts[:, FIRST], border_rows[border_starts[:-1][inner]], side="right") - 1
+    fronts[:, LAST_CHILD] = fronts[:, ELDER] = -1
+    for f in np.flatnonzero(inner):
+        fronts[f, ELDER] = fronts[parent[f], LAST_CHILD]
+        fronts[parent[f], LAST_CHILD] = f
+    return parent
+
+
+def _link(fronts, parent, border_rows, row_place, col_place):
+    """Write the index lists: border rows, their rows in the parent, entries of the matrix."""
+    n_fronts = len(fronts)
+    n = int(fronts[-1, FIRST] + fronts[-1, PIVOTS])
+    widths = fronts[:, SIZE] - fronts[:, PIVOTS]
+    border_of = np.repeat(np.arange(n_fronts), widths)
+    border_starts = _offsets(widths)
+
+    def row_in(front, place):
+        """Row of a front at which the unknown of that place stands."""
+        offset = place - fronts[front, FIRST]
+        found = np.searchsorted(border_of * n + border_rows, front * n + place) - border_starts[front]
+        return np.where(offset < fronts[front, PIVOTS], offset, fronts[front, PIVOTS] + found)
+
+    def target_of(entries):
+        """Where in their fronts some entries of the matrix stand."""
+        at = front[entries]
+        found = row_in(at, row_place[entries]) * padded(fronts[at, SIZE]) + row_in(at, col_place[entries])
+        return found.astype(np.uint32)
+
+    parent_rows = row_in(parent[border_of], border_rows)
+    front = np.searchsorted(fronts[:, FIRST], np.minimum(row_place, col_place), side="right") - 1
+    by_front = np.argsort(front, kind="stable")
+    parts = np.array_split(by_front, 1 + len(by_front) // MOST_ENTRIES)  # for the memory of large models
+    target = np.concatenate([target_of(part) for part in parts])
+    entry_starts = _offsets(np.bincount(front, minlength=n_fronts))
+    fronts[:, BORDER] = border_starts[:-1]
+    fronts[:, PARENT_ROWS] = border_starts[:-1] + len(border_rows)
+    fronts[:, ENTRIES] = 2 * (len(border_rows) + entry_starts[:-1])
+    fronts[:, ENTRY_COUNT] = np.diff(entry_starts)
+    pairs = np.column_stack([by_front.astype(np.uint32), target]).ravel()
+    return np.concatenate([border_rows.astype(np.uint32), parent_rows.astype(np.uint32), pairs])
+
+
+def _storage(fronts):
+    """Fill in CONTRIBUTION and FACTOR; return the lengths of the factors and of the stack."""
+    widths = fronts[:, SIZE] - fronts[:, PIVOTS]
+    stride = padded(fronts[:, SIZE])
+    lengths = padded(fronts[:, PIVOTS]) * stride + fronts[:, PIVOTS] * (stride - fronts[:, PIVOTS])
+    offsets = _offsets(lengths)
+    fronts[:, FACTOR] = offsets[:-1]
+    top = peak = 0
+    for f in range(len(fronts)):
+        child = fronts[f, LAST_CHILD]
+        while child >= 0:
+            top = fronts[child, CONTRIBUTION]
+            child = fronts[child, ELDER]
+        fronts[f, CONTRIBUTION] = top
+        top += widths[f] ** 2
+        peak = max(peak, top)
+    return int(offsets[-1]), int(peak)
+
+
+def padded(count):
+    """The count rounded up to a multiple of STRIP."""
+    return (count + STRIP - 1) // STRIP * STRIP
+
+
+def _by_rows(n, rows, cols):
+    """The pattern by rows, for the residual: row starts, columns of the entries, their indices in data."""
+    keys = rows * n + cols
+    by_row = np.argsort(keys, kind="stable")
+    if not np.all(np.diff(keys[by_row])):
+        raise ValueError("the pattern of the matrix holds an entry twice")
+    starts = _offsets(np.bincount(rows, minlength=n))
+    return np.concatenate([starts, cols[by_row], by_row]).astype(np.uint32)

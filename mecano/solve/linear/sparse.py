@@ -1,0 +1,151 @@
+"""The linear solver: fixed pattern, factored at every iteration, every solution judged by its residual."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.solve.linear.multifrontal import MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
+from mecano.solve.linear.ordering import analyse, padded
+from mecano.solve.linear.sparse import multifrontal
+
+ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
+SINGULAR_BELOW = 1e-15  # reciprocal condition number of the equilibrated matrix
+
+
+class LinearStatus(NamedTuple):
+    """How a solution was found and how good it is; true if it is good."""
+
+    ok: bool  # x solves all equations, to a backward error below ACCEPT_BELOW
+    backward_error: float  # max |A x - b| / max(|A| |x| + |b|)
+    singular: bool = False  # the matrix is, to working precision; ok tells whether the equations have a solution
+    finite: bool = True  # no infinity and no nan in the matrix and in b
+    null_pivots: int = 0  # equations left out of the factorization, their unknowns set to zero
+    refined: bool = False
+    fallback: bool = False  # by SuperLU, with row exchanges everywhere
+
+    def __bool__(self):
+        return self.ok
+
+
+class LinearSolver:
+    """Solves A x = b for many matrices of one pattern."""
+
+    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1):
+        """Analyse the pattern; raises ValueError if it holds an entry twice.
+
+        Parameters
+        ----------
+        n : int
+            Number of equations and unknowns, at least 1.
+        rows, cols : (nnz,) int
+            The pattern: each entry once, in any order. Structural symmetry is not required.
+        groups : (n_q,) int
+            Unknowns with the same number (those of one node) are eliminated together.
+        n_q : int
+            Equations n_q ... n - 1 are those of multipliers; each follows the last of the unknowns that it ties.
+        tolerance : float
+            Rows are exchanged within a front where a pivot is smaller than this times the largest entry of its
+            column; 0 never exchanges, so that ``pivots`` belong to equations, too.
+        """
+        rows, cols = np.asarray(rows, dtype=np.int64), np.asarray(cols, dtype=np.int64)
+        self.n, self.tolerance = n, float(tolerance)
+        self._pattern = rows, cols
+        analysis = analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q)
+        self.order = analysis.order
+        self._equations = analysis.equations
+        self._tables = analysis.order, analysis.fronts, analysis.links
+        self._factors = np.zeros(analysis.factor_length)
+        self._vectors = np.zeros((VECTORS, padded(n)))
+        self._exchanges = np.zeros(n, dtype=np.int64)
+        largest = analysis.largest
+        scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
+        self._solve_arguments = (
+            *self._tables, self._equations, self.tolerance,
+            scratch, self._factors, self._vectors, self._exchanges,
+        )  # fmt: skip
+        self._substitute_arguments = (*self._tables, self._factors, self._exchanges, self._vectors)
+        self._other = None  # the factorization by SuperLU, if the last matrix needed it
+        self.label = None  # what the caller of the last ``solve`` called its matrix
+
+    def solve(self, data, b, x_out, label=None):
+        """Factor the matrix and solve A x = b; returns a LinearStatus.
+
+        data (>= nnz,): values of the entries, in the order of the pattern. b (n,), x_out (n,): different arrays.
+        All are contiguous arrays of floats. x_out holds the best attempt, which may be useless if not ok.
+        """
+        self._other, self.label = None, label
+        null, refined, error = multifrontal.solve(data, b, *self._solve_arguments, x_out)
+        if error <= ACCEPT_BELOW:
+            return LinearStatus(True, error, null > 0, True, null, refined)
+        return self._solve_otherwise(data, b, x_out, null)
+
+    @property
+    def nbytes(self):
+        """Memory of the factors and of what makes them [B]."""
+        arrays = (*self._tables, self._equations, *self._solve_arguments[5:9])
+        return sum(array.nbytes for array in arrays)
+
+    @property
+    def factor(self):
+        """What ``multifrontal.substitute`` takes between b and x."""
+        return self._substitute_arguments
+
+    @property
+    def kept(self):
+        """True when the last ``solve`` left a factor there."""
+        return self._other is None
+
+    def resolve(self, b, x_out):
+        """Solve with the matrix of the last ``solve``, unguarded; b and x_out may be the same array."""
+        if self._other is None:
+            multifrontal.substitute(b, *self._substitute_arguments, x_out)
+        else:
+            x_out[:] = self._other.solve(b)
+
+    def pivots(self):
+        """The diagonal of U of the last ``solve`` (n,), in the numbering of the unknowns."""
+        return self._original(self._vectors[PIVOT])
+
+    def cancellation(self):
+        """The pivots over the largest value that elimination gave their diagonal (n,): about 1e-16 if dependent.
+
+        Unlike the pivots it does not change when rows or columns of the matrix are scaled.
+        """
+        size = self._original(self._vectors[MAGNITUDE])
+        return np.abs(self.pivots()) / np.where(size > 0.0, size, 1.0)
+
+    def null_equations(self):
+        """Unknowns (and equations, unless exchanged) that the last factorization left out."""
+        pivot, size = np.abs(self._original(self._vectors[PIVOT])), self._original(self._vectors[MAGNITUDE])
+        return np.flatnonzero(pivot <= NULL_PIVOT * size)
+
+    def _original(self, values):
+        out = np.empty(self.n)
+        out[self.order] = values[: self.n]
+        return out
+
+    @np.errstate(all="ignore")  # overflow shows in the backward error
+    def _solve_otherwise(self, data, b, x_out, null):
+        """What the fixed order could not solve: SuperLU with row exchanges, or a reason why not."""
+        values = data[: len(self._pattern[0])]
+        if not (np.isfinite(values).all() and np.isfinite(b).all()):
+            return LinearStatus(False, np.inf, finite=False, null_pivots=null)
+        from mecano.solve.linear.equilibrated import (
+            Equilibrated,  # no ordinary run needs it (docs/architecture.md, Start)
+        )
+
+        try:
+            self._other = Equilibrated(self.n, *self._pattern, values)
+        except RuntimeError:  # exactly singular
+            return LinearStatus(False, np.inf, singular=True, null_pivots=null, fallback=True)
+        x_out[:] = self._other.solve(b)
+        error = self._backward_error(data, b, x_out)
+        if error < np.inf:
+            x_out += self._other.solve(self._vectors[RESIDUAL, : self.n])
+            error = self._backward_error(data, b, x_out)
+        singular = self._other.reciprocal_condition() < SINGULAR_BELOW
+        ok = error <= ACCEPT_BELOW and not singular
+        return LinearStatus(ok, error, singular, True, null, True, True)
+
+    def _backward_error(self, data, b, x):
+        return multifrontal.residual(data, self._equations, b, x, self._vectors[RESIDUAL])

@@ -1,0 +1,124 @@
+"""Values of a parameter at which a mode becomes unstable or stable, found between two neighbouring values.
+
+How well they are known is measured. Close to a root of the real part this is a parabola, and what it scatters about it
+is rounding, of the eigenvalues as of the states. Where growth sets in as (p - p0)^n, two places beyond give n, and so
+how far from p0 growth can be told from rounding.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from mecano.solve.modal.tracking import GROWS, unstable
+
+TOLERANCE = 1e-11  # of the value of the parameter
+BISECTIONS = 60
+JUMP = 0.1  # an eigenvalue ten times farther off than the ends of the branch are from one another is another one
+SMALL = 1e-5  # of the eigenvalue: its real part at the value found, else the branches were mixed up
+NEAR = 1e-6  # of the distance of the ends: how far from the value found its surroundings are looked at
+LEAST = 1e-8  # of the value found, the same
+AROUND = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
+SURE = 3.0  # times the scatter
+
+
+@dataclass(frozen=True)
+class Critical:
+    """A mode whose growth changes sign: where, its eigenvalue there [1/s], its branch, the way it goes."""
+
+    place: float
+    value: complex
+    branch: int
+    destabilizes: bool  # as the parameter grows
+    error: float  # of the place, at most
+
+
+def critical(spectrum_at, left, right, branch):
+    """The Critical between two ends of a branch, or None where the branch does not go through.
+
+    ``spectrum_at(place)`` gives a Spectrum; ``left``, ``right``: (place, eigenvalue, shape), the ends, of which one is
+    unstable. Where the other is damped, the root of the real part, where it is neutral, the border of growth.
+    """
+    trace = _Trace(spectrum_at, left, right)
+    low, high = left[0], right[0]
+    xtol = TOLERANCE * max(abs(low), abs(high))
+    ends = [0.0 if not unstable(v) and not unstable(-v.real + 1j * v.imag) else v.real for _, v, _ in (left, right)]
+    if ends[0] * ends[1] < 0.0:
+        place = brentq(lambda p: trace(p).real, low, high, xtol=xtol, rtol=4e-16 + TOLERANCE)
+        value = trace(place)
+        if abs(value.real) > SMALL * max(abs(value), abs(left[1]), abs(right[1])):
+            return None
+        place, error = _refined(trace, place, low, high, xtol)
+    else:
+        place, value = _border(trace, low, high, xtol)
+        error = _doubt(trace, place, low, high) + xtol
+    return Critical(place, complex(value.real, abs(value.imag)), branch, bool(unstable(right[1])), error)
+
+
+def _refined(trace, place, low, high, xtol):
+    """The root of the parabola through the real parts around ``place``, and its error.
+
+    It is better than ``place``: where a real eigenvalue passes zero, free motions hide it from both sides.
+    """
+    reach = min(max(NEAR * (high - low), LEAST * abs(place)), 0.1 * min(place - low, high - place))
+    if reach <= 4.0 * np.spacing(abs(place)):
+        return place, xtol
+    growth = [trace(place + reach * k).real for k in AROUND]
+    (value, slope, _), scatter, *_ = np.linalg.lstsq(np.vander(AROUND, 3, increasing=True), growth, rcond=None)
+    deviation = math.sqrt(float(scatter[0]) / (len(AROUND) - 3))
+    shift = -value / slope if slope else math.inf
+    if not abs(shift) < AROUND[-1]:
+        return place, max(xtol, AROUND[-1] * reach)
+    return float(place + reach * shift), float(reach * SURE * deviation / abs(slope) + 2.0 * np.spacing(abs(place)))
+
+
+def _doubt(trace, place, low, high):
+    """How far from the border of growth found the true one may be."""
+    side = 1.0 if unstable(trace(high)) else -1.0
+    reach = NEAR * (high - low)
+    near, far = (trace(min(max(place + side * k * reach, low), high)) for k in (1.0, 2.0))
+    if not (unstable(near) and far.real > near.real):
+        return 2.0 * reach
+    order = math.log2(far.real / near.real)
+    return 2.0 * reach * (GROWS * abs(near) / near.real) ** (1.0 / order)
+
+
+def _border(trace, low, high, xtol):
+    """Where growth sets in, by bisection, and the eigenvalue on the neutral side."""
+    grows, value = bool(unstable(trace(low))), 0j
+    for _ in range(BISECTIONS):
+        if abs(high - low) <= xtol:
+            break
+        middle = 0.5 * (low + high)
+        value = trace(middle)
+        if bool(unstable(value)) == grows:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high), value
+
+
+class _Trace:
+    """The eigenvalue of a branch between two ends, by what interpolates them."""
+
+    def __init__(self, spectrum_at, left, right):
+        self.spectrum_at, self.known = spectrum_at, [left, right]
+
+    def __call__(self, place):
+        for p, value, _ in self.known:
+            if p == place:
+                return value
+        below = max((k for k in self.known if k[0] < place), key=lambda k: k[0])
+        above = min((k for k in self.known if k[0] > place), key=lambda k: k[0])
+        share = (place - below[0]) / (above[0] - below[0])
+        spectrum = self.spectrum_at(place)
+        if not len(spectrum.values):
+            return 0j
+        guess, shape = below[1] + share * (above[1] - below[1]), (below, above)[share > 0.5][2]
+        i = spectrum.nearest(guess, shape)
+        value, reach = spectrum.values[i], abs(above[1] - below[1])
+        if abs(guess) <= reach < JUMP * abs(value - guess):  # the branch went to zero, among the free motions
+            return 0j
+        self.known.append((place, value, spectrum.shapes[i]))
+        return value

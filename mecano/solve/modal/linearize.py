@@ -1,0 +1,141 @@
+r"""The equations of small motions about a state, at rest or moving, with their constraints.
+
+The elements give the derivatives K, C, M of the residual by material rotations, by velocities and by accelerations
+(contract.py). Small motions are counted in a frame that turns with a constant angular velocity w (zero: inertial axes):
+displacements :math:`\delta x = Q \xi`, rotations :math:`\delta R = \widehat{Q \varphi}\, R`, with
+:math:`\dot Q = \hat w Q` and Q = 1 now. With the angular velocity :math:`\omega = R \Omega` of a node,
+
+.. math::
+   \delta\Theta = R^T \varphi, \quad
+   \delta\Omega = R^T (\dot\varphi + \hat w \varphi), \quad
+   \delta\alpha = R^T (\ddot\varphi + (2 \hat w - \hat\omega) \dot\varphi + (\hat w - \hat\omega) \hat w \varphi), \\
+   \delta v = \dot\xi + \hat w \xi, \quad
+   \delta a = \ddot\xi + 2 \hat w \dot\xi + \hat w^2 \xi,
+
+so that, with P = diag(1, R^T) and the three block-diagonal matrices G of these formulas,
+
+.. math::  M' = P^T M P, \quad C' = P^T (C P + M P G_2), \quad K' = P^T (K P + C P G_1 + M P G_3)
+
+are those of :math:`M' \ddot y + C' \dot y + K' y = 0`, exactly. They are constant where the state is an equilibrium
+relative to the frame: a top that only spins, a wheel that rolls straight (w = 0), a rotor seen from the rotor.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from mecano.model.numbering import ROTATION
+from mecano.solve.time.increments import displaced, moved
+
+PROBE = 1e-6  # rad, by which the state is moved on to see whether the matrices are constant
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """M, C, K (n, n), sparse: n_q motions, then multipliers, bordered by -B and -B^T (B' in C for velocities)."""
+
+    M: sp.csr_matrix
+    C: sp.csr_matrix
+    K: sp.csr_matrix
+    n_q: int
+    groups: np.ndarray  # (n_q,) motions of one node have one number
+    root: np.ndarray  # (n_q,) 1, or the length scale [m] of rotations: makes motions comparable
+    variation: float = 0.0  # relative change of the matrices by a turn of one radian; zero for an equilibrium
+    pace: float = 0.0  # [1/s] at which the matrices change: what moves more slowly has no eigenvalue of any meaning
+
+
+def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
+    """Linearization of ``system`` at ``s`` with its velocities, accelerations and multipliers.
+
+    ``frame`` (3,) [rad/s] is the angular velocity of the axes, inertial; ``assemble`` takes the place of that of the
+    system (loading.py); ``compliance`` that of redundant constraints.
+    """
+    assemble = assemble or system.assemble
+    w = np.asarray(frame, float)
+    base = displaced(s, np.zeros(system.n_q), system.numbering)
+    matrices = _matrices(system, base, w, np.eye(3), assemble)
+    rate = _fastest(system, base, w)
+    variation = _variation(system, base, w, rate, assemble, matrices)
+    M, C, K = matrices
+    if compliance is not None:
+        corner = sp.coo_matrix(compliance.matrix)
+        at = corner.row + system.n_q, corner.col + system.n_q
+        K = (K - sp.csr_matrix((corner.data, at), shape=K.shape)).tocsr()
+    root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
+    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate)
+
+
+def _matrices(system, s, w, Q, assemble):
+    """M', C', K' in the axes Q that turn with w."""
+    parts = []
+    for weights in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
+        assemble(s, 1.0, 0.0, *weights)
+        values = system.data[: system.nnz].copy()
+        parts.append(sp.csr_matrix((values, (system.rows, system.cols)), shape=(system.n, system.n)))
+    M, C, K = parts
+    P, G1, G2, G3 = _blocks(system, s, w, Q)
+    left = P.T.tocsr()
+    M, C, K = left @ M @ P, left @ (C @ P + M @ P @ G2), left @ (K @ P + C @ P @ G1 + M @ P @ G3)
+    return M.tocsr(), C.tocsr(), K.tocsr()
+
+
+def _blocks(system, s, w, Q):
+    """P, G1, G2, G3 (n, n): identity and zeros for scalars and multipliers."""
+    of, n = system.numbering, system.n
+    w_hat = _hat(Q.T @ w)
+    places, blocks = [], []
+    for first in np.unique(of.x[of.x < of.n_q]):
+        places.append(first)
+        blocks.append((Q, w_hat, 2.0 * w_hat, w_hat @ w_hat))
+    for r, first in enumerate(of.rotation_dof):
+        if first < of.n_q:
+            omega = _hat(Q.T @ s.R[r] @ s.v[first : first + 3])
+            places.append(first)
+            blocks.append((s.R[r].T @ Q, w_hat, 2.0 * w_hat - omega, (w_hat - omega) @ w_hat))
+    rest = np.setdiff1d(np.arange(n), (np.array(places, int)[:, None] + np.arange(3)).ravel())
+    return [_diagonal(n, places, [b[i] for b in blocks], rest, 1.0 if i == 0 else 0.0) for i in range(4)]
+
+
+def _diagonal(n, places, blocks, rest, value):
+    """Block-diagonal (n, n) with 3x3 blocks at ``places`` and ``value`` at ``rest``."""
+    first = np.array(places, int)[:, None, None]
+    shape = (len(places), 3, 3)
+    rows = np.broadcast_to(first + np.arange(3)[:, None], shape).ravel()
+    cols = np.broadcast_to(first + np.arange(3), shape).ravel()
+    data = np.array(blocks, float).reshape(-1)
+    rows, cols = np.concatenate([rows, rest]), np.concatenate([cols, rest])
+    return sp.csr_matrix((np.concatenate([data, np.full(len(rest), value)]), (rows, cols)), shape=(n, n))
+
+
+def _fastest(system, s, w):
+    """Largest angular velocity [rad/s] of all bodies and of the axes."""
+    return max([np.linalg.norm(w), *(np.linalg.norm(s.v[d : d + 3]) for d in system.numbering.rotation_dof)])
+
+
+def _variation(system, s, w, rate, assemble, now):
+    """Largest relative change of the matrices by a turn of one radian, or a displacement by one length unit of time."""
+    of = system.numbering
+    if rate == 0.0:
+        return 0.0
+    dt = PROBE / rate
+    later = moved(s, dt, of)
+    Q = _turn(w * dt)
+    for first in np.unique(of.x):
+        later.a[first : first + 3] = Q @ s.a[first : first + 3]
+    for r, first in enumerate(of.rotation_dof):
+        later.a[first : first + 3] = later.R[r].T @ Q @ s.R[r] @ s.a[first : first + 3]
+    then = _matrices(system, displaced(later, np.zeros(system.n_q), of), w, Q, assemble)
+    sizes = [sp.linalg.norm(A) for A in now]
+    changes = [sp.linalg.norm(B - A) / size for A, B, size in zip(now, then, sizes, strict=True) if size > 0.0]
+    return float(max(changes, default=0.0)) / PROBE
+
+
+def _hat(a):
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def _turn(a):
+    """Rotation matrix of the rotation vector a (3,), after Rodrigues."""
+    angle, H = np.linalg.norm(a), _hat(a)
+    return np.eye(3) + np.sinc(angle / np.pi) * H + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * H @ H

@@ -1,0 +1,142 @@
+r"""Modes of small motions under constraints: complex eigenvalues and shapes of
+
+.. math::  (\lambda^2 M + \lambda C + K)\, y + D \mu = 0, \qquad B y = 0, \qquad (\lambda E + F)\, y = 0.
+
+All of them for small models (modes_dense.py), those nearest to zero for large ones (modes_sparse.py).
+Every pair is judged by what it leaves of the equations above, relative to the sizes of their terms.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.solve.modal.modes_dense import dense
+from mecano.solve.modal.modes_sparse import sparse
+from mecano.solve.modal.small_motions import SmallMotions
+
+DENSE = 400  # motions up to which all eigenvalues are computed
+FREE = 1e-9  # of the sizes of its terms, that K y may leave for a motion without stiffness
+REAL = 1e-9  # of an eigenvalue, that its imaginary part is rounding
+CONVERGED = 1e-6  # residual up to which a mode counts as found
+GROWS = 1e-7  # of an eigenvalue, above which a positive real part counts
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes, natural frequencies ascending: of a conjugate pair the one with the positive imaginary part."""
+
+    values: np.ndarray  # (m,) complex eigenvalues [1/s]; zero for motions without stiffness
+    shapes: np.ndarray  # (m, n_q) complex; displacements inertial [m], rotations inertial [rad], scalars
+    residuals: np.ndarray  # (m,) relative to the sizes of the terms
+    method: str
+    found: int  # how many modes there are; of a sparse solution, how many were computed
+
+    @property
+    def frequency(self):
+        """Damped frequencies (m,) [Hz]."""
+        return np.abs(self.values.imag) / (2.0 * np.pi)
+
+    @property
+    def natural_frequency(self):
+        """Moduli of the eigenvalues over 2 pi (m,) [Hz]."""
+        return np.abs(self.values) / (2.0 * np.pi)
+
+    @property
+    def damping_ratio(self):
+        """Minus the real part over the modulus (m,); nan for free motions."""
+        size = np.abs(self.values)
+        return np.where(size > 0.0, -self.values.real / np.where(size > 0.0, size, 1.0), np.nan)
+
+    @property
+    def converged(self):
+        """(m,) bool: False for a mode that does not fulfil the equations."""
+        return self.residuals <= CONVERGED
+
+    @property
+    def kinds(self):
+        """(m,) texts: free, oscillation, flutter, decay or divergence."""
+        return [_kind(value) for value in self.values]
+
+
+def _kind(value):
+    if value == 0.0:
+        return "free"
+    grows = value.real > GROWS * abs(value)
+    if value.imag:
+        return "flutter" if grows else "oscillation"
+    return "divergence" if grows else "decay"
+
+
+def solve(lin, number=10, method="automatic"):
+    """The ``number`` modes of lowest natural frequency of a Linearization, and all unstable ones that were computed.
+
+    ``method`` dense, sparse or automatic (by size). Shapes have the largest displacement 1, rotations counted by the
+    length scale, real there. Raises ConvergenceError when ARPACK fails.
+    """
+    if method == "automatic":
+        method = "dense" if lin.n_q <= DENSE else "sparse"
+    scaled = SmallMotions(lin)
+    values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
+    exact = method == "dense" and scaled.on_velocity.any()  # there free motions have the eigenvalue zero already
+    values, shapes = _told(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
+    order = np.argsort(np.abs(values), kind="stable")
+    growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
+    chosen = np.array([*order[:number], *growing], int)
+    residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
+    shapes = np.array([_normal(shapes[i]) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
+    return Modes(values[chosen], shapes, residuals, text, len(values))
+
+
+def _normal(shape):
+    """The shape with its largest component 1."""
+    largest = shape[np.argmax(np.abs(shape))]
+    return shape / largest if largest else shape
+
+
+def _with_free(scaled, values, shapes):
+    """The pairs with those that have no stiffness replaced by a basis of them, with the eigenvalue zero."""
+    largest = np.abs(values).max(initial=0.0)
+    still = np.array([_is_free(scaled, value, y, largest) for value, y in zip(values, shapes, strict=True)], bool)
+    if not still.any():
+        return values, shapes
+    basis = np.array([part for y in shapes[still] for part in (y.real, y.imag)]).T
+    U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300), full_matrices=False)
+    free = _plain(U[:, sigma > 1e-3 * sigma[0]].T)
+    moving = ~still
+    return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
+
+
+def _plain_zeros(values, shapes):
+    """The pairs, those with the eigenvalue zero with plainer shapes."""
+    free, shapes = values == 0.0, shapes.astype(complex)
+    if free.any():
+        shapes[free] = _plain(shapes[free].real)
+    return values, shapes
+
+
+def _plain(basis):
+    """The same space (f, n_q) by motions of which each has a place of its own where the others vanish."""
+    _, _, order = la.qr(basis, pivoting=True, mode="economic")
+    return np.linalg.solve(basis[:, order[: len(basis)]], basis)
+
+
+def _is_free(scaled, value, y, largest):
+    """Whether the pair is a motion at rest anywhere along it: nothing in the equations but rounding."""
+    size = np.linalg.norm(abs(scaled.K) @ abs(y))
+    if not size:
+        return abs(value) <= 1e-7 * largest
+    if max(np.linalg.norm(value**2 * (scaled.M @ y)), np.linalg.norm(value * (scaled.C @ y))) > FREE * size:
+        return False
+    r = scaled.K @ y
+    if scaled.D.shape[1]:
+        r = r + scaled.D @ scaled.least(r)
+    return np.linalg.norm(r) <= FREE * size
+
+
+def _told(values, shapes):
+    """One of each conjugate pair, imaginary parts of rounding removed."""
+    real = np.abs(values.imag) <= REAL * np.abs(values)
+    values = np.where(real, values.real + 0j, values)
+    keep = values.imag >= 0.0
+    return values[keep], shapes[keep]

@@ -1,0 +1,127 @@
+r"""All modes of a small model, by dense matrices.
+
+Holonomic constraints leave the motions y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
+comes from a constraint, redundant or not. Constraints on velocities leave :math:`\dot p = N r + G p`, with N the null
+space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and damping are condensed. A symmetric undamped
+problem is solved as one (eigh), any other in first order: by QR, where motions without inertia follow from their
+damping, or by QZ where that is singular, too.
+"""
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.solve.statics.stability import null_space
+
+MASSLESS = 1e-13  # of the largest inertia
+ZERO, SINGULAR = 1e-12, 1e-9  # of the largest: singular values that are rounding; inertia that is none
+EXACT_ZERO = 2e-14  # of the largest, where stiff and soft motions stand side by side and nothing but rounding is zero
+INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
+
+
+def dense(scaled):
+    """All eigenvalues and shapes: (values, shapes (m, n_q), text)."""
+    Z = null_space(scaled.B.toarray())
+    M, C, K = (Z.T @ A @ Z for A in (scaled.M.toarray(), scaled.C.toarray(), scaled.K.toarray()))
+    if not Z.shape[1]:
+        return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing moves"
+    if scaled.on_velocity.any():
+        values, p = _on_velocities(scaled, Z, M, C, K)
+        return values, p @ Z.T, "dense, first order, with constraints on velocities"
+    M, C, K, back = _condensed(M, C, K)
+    if scaled.undamped:
+        squares, vectors = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+        values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
+        both = np.concatenate([values, -values[squares < 0.0]])
+        return both, (np.concatenate([vectors.T, vectors.T[squares < 0.0]]) @ back.T) @ Z.T, "dense, undamped"
+    values, p = _first_order(M, C, K)
+    return values, (p @ back.T) @ Z.T, "dense, first order"
+
+
+def _condensed(M, C, K):
+    """M, C, K without the motions that have neither inertia nor damping, and the matrix that gives back all."""
+    w, U = la.eigh(0.5 * (M + M.T))
+    U2 = U[:, w <= MASSLESS * w[-1]]
+    drag = np.vstack([C @ U2, C.T @ U2])
+    least = ZERO * max(np.sqrt(np.abs(M).max() * np.abs(K).max()), np.abs(C).max())
+    _, sigma, Vt = np.linalg.svd(drag)
+    U2 = U2 @ Vt[int(np.sum(sigma > least)) :].T
+    if not U2.shape[1]:
+        return M, C, K, np.eye(len(M))
+    U1 = null_space(U2.T)
+    follow = -np.linalg.lstsq(U2.T @ K @ U2, U2.T @ K @ U1, rcond=1e-13)[0]
+    back = U1 + U2 @ follow
+    lead = U1.T - (np.linalg.lstsq((U2.T @ K @ U2).T, (U1.T @ K @ U2).T, rcond=1e-13)[0]).T @ U2.T
+    return U1.T @ M @ U1, U1.T @ C @ U1, lead @ K @ back, back
+
+
+def _first_order(M, C, K):
+    """Eigenvalues and position parts (m, r) of the vectors of M y'' + C y' + K y = 0."""
+    r = len(M)
+    rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0  # makes positions and velocities comparable
+    M, C, K = M * rate**2, C * rate, K
+    w, U = la.eigh(0.5 * (M + M.T))
+    U1, U2 = U[:, w > MASSLESS * w[-1]], U[:, w <= MASSLESS * w[-1]]
+    drag = U2.T @ C @ U2
+    sigma = np.linalg.svd(drag, compute_uv=False)
+    if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
+        eye, zero = np.eye(r), np.zeros((r, r))
+        values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
+        return values * rate, vectors[:r].T
+    rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v): what has no inertia moves as its damping lets it
+    rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
+    forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
+    A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
+    values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
+    return values * rate, vectors[:r].T
+
+
+def _all(A, E):
+    """Eigenvalues of A x = value E x and their vectors, by QR; E is regular and well conditioned."""
+    return la.eig(np.linalg.solve(E, A))
+
+
+def _finite(A, E):
+    """Finite eigenvalues of A x = value E x and their vectors, by QZ."""
+    (alpha, beta), vectors = la.eig(A, E, homogeneous_eigvals=True)
+    size = np.hypot(np.abs(alpha), np.abs(beta))
+    finite = np.abs(beta) > INFINITE * size
+    return alpha[finite] / beta[finite], vectors[:, finite]
+
+
+def _on_velocities(scaled, Z, M, C, K):
+    """Eigenvalues and p (m, r) where constraints hold velocities, too."""
+    E, F = scaled.E @ Z, scaled.F @ Z
+    N, G = null_space(E), -np.linalg.pinv(E, rcond=1e-12) @ F
+    L = null_space((Z.T @ scaled.D[:, scaled.on_velocity]).T).T
+    M, C, K = L @ M, L @ (C + M @ G), L @ (M @ G @ G + C @ G + K)
+    mass = np.abs(M).max(initial=0.0) or 1.0
+    rate = np.sqrt(np.abs(K).max(initial=0.0) / mass) or 1.0  # makes the rows, and p and r, comparable
+    A = np.block([[G / rate, N], [-K / (mass * rate**2), -C @ N / (mass * rate)]])
+    E = la.block_diag(np.eye(len(G)), M @ N / mass)
+    values, vectors = _without_zeros(A, E, ZERO * np.linalg.norm(A, 2), _finite)
+    return values * rate, vectors[: len(G)].T
+
+
+def _without_zeros(A, E, least, solve, chains=False):
+    """Finite eigenvalues of A x = value E x and their vectors; zeros are taken out first, in exact zeros.
+
+    Positions and headings that nothing determines come as chains (what turns runs away): vectors of the eigenvalue
+    zero for which A x is E times another one. Left in, they blur all small eigenvalues to the root of the rounding.
+    Vectors of the eigenvalue zero proper are returned; those further up the chains are not, with ``chains`` none.
+    Singular values up to ``least`` are zero; ``solve(A, E)`` finds the eigenvalues that are left.
+    """
+    _, sigma, Vt = np.linalg.svd(A)
+    rank = int(np.sum(sigma > least))
+    X1, X2 = Vt[rank:].T, Vt[:rank].T
+    Q, R = np.linalg.qr(E @ X1, mode="complete")
+    count = X1.shape[1]
+    if not count or np.abs(np.diag(R)).min() <= SINGULAR * np.abs(R).max():
+        return solve(A, E)
+    Q1, Q2, E1 = Q[:, :count], Q[:, count:], R[:count]
+    values, y = np.zeros(0), np.zeros((0, 0))
+    if rank:
+        values, y = _without_zeros(Q2.T @ A @ X2, Q2.T @ E @ X2, least, solve, chains=True)
+    x = X1 @ np.linalg.solve(E1, (Q1.T @ A @ X2) @ y / values - (Q1.T @ E @ X2) @ y) + X2 @ y
+    if chains:
+        return values, x
+    return np.concatenate([np.zeros(count), values]), np.hstack([X1, x])

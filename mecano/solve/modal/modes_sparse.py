@@ -1,0 +1,107 @@
+r"""Some modes of a large model: the eigenvalues nearest to a real shift, by ARPACK.
+
+The bordered matrix :math:`K + \sigma C + \sigma^2 M` is factored once (linear.py), the shift is zero where K is
+regular. Lanczos' method where the problem is symmetric and undamped, else Arnoldi's on
+
+.. math::  (y, u) \to (y', y + \sigma y'), \qquad y' = -(K + \sigma C + \sigma^2 M)^{-1} (M u + C y + \sigma M y),
+
+whose eigenvalues are :math:`1/(\lambda - \sigma)`.
+"""
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from mecano.errors import ConvergenceError
+from mecano.solve.linear.sparse import LinearSolver
+from mecano.solve.modal.modes_dense import dense
+
+CANCELLED = 1e-12  # a pivot cancelled to less than this asks for a shift
+FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved dense
+EXTRA = 6  # eigenvalues asked of ARPACK beyond those wanted
+SHIFTS = (-6, -5, -4, -3, -2)  # powers of ten of the mean frequency
+INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
+
+
+def sparse(scaled, number):
+    """The eigenvalues nearest to a small shift: (values, shapes (m, n_q), text)."""
+    mobility = scaled.n_q - scaled.B.shape[0]  # at least
+    if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
+        return dense(scaled)
+    inverse, shift = _shifted(scaled)
+    wanted = max(min(number + EXTRA, mobility - 2), 1)
+    try:
+        if scaled.undamped:
+            return _lanczos(scaled, inverse, shift, wanted)
+        return _arnoldi(scaled, inverse, shift, 2 * wanted)
+    except spla.ArpackError as error:
+        raise ConvergenceError(f"the modes were not found: {error}") from error
+
+
+def _shifted(scaled):
+    """The solver of K + s C + s^2 M, bordered, and the shift s: zero where K is regular."""
+    M, C, K = scaled.full
+    rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
+    k = float(abs(K.diagonal()[: scaled.n_q]).mean()) or 1.0
+    n_q = scaled.n_q
+    border = sp.diags(np.concatenate([np.ones(n_q), np.full(K.shape[0] - n_q, k)]))
+    for shift in (0.0, *(rate * 10.0**power for power in SHIFTS)):
+        matrix = sp.coo_matrix(border @ (K + shift * C + shift**2 * M) @ border + _penalty(scaled, k))
+        solver = LinearSolver(K.shape[0], matrix.row, matrix.col, scaled.groups, n_q)
+        x, b = np.zeros(K.shape[0]), np.random.default_rng(2).normal(size=K.shape[0])
+        status = solver.solve(np.ascontiguousarray(matrix.data), b, x)
+        if status.ok and not status.null_pivots and solver.cancellation().min() > CANCELLED:
+            return (lambda b, solver=solver: _resolved(solver, border, b)), shift
+    raise ConvergenceError("the modes were not found: the bordered stiffness is singular at any shift")
+
+
+def _penalty(scaled, k):
+    """k B^T B, which changes no motion that the constraints allow, and the full diagonal of the pattern."""
+    n = scaled.full[2].shape[0]
+    top = k * (scaled.B.T @ scaled.B)
+    corner = sp.csr_matrix((n - scaled.n_q,) * 2)
+    return sp.block_diag([top, corner]) if n > scaled.n_q else top
+
+
+def _resolved(solver, border, b):
+    x = np.empty(len(b))
+    solver.resolve(np.ascontiguousarray(border @ b), x)
+    return border @ x
+
+
+def _lanczos(scaled, inverse, shift, wanted):
+    n, n_q = scaled.full[2].shape[0], scaled.n_q
+    pad = np.zeros(n - n_q)
+
+    def apply(b):
+        return inverse(np.concatenate([b, pad]))[:n_q]
+
+    start = apply(scaled.M @ np.random.default_rng(3).normal(size=n_q))
+    operator = spla.LinearOperator((n_q, n_q), matvec=apply, dtype=float)
+    squares, vectors = spla.eigsh(
+        scaled.K, wanted, M=scaled.M, sigma=-(shift**2), OPinv=operator, v0=start, ncv=min(n_q, 3 * wanted + 20)
+    )
+    K, M = (vectors.T @ (A @ vectors) for A in (scaled.K, scaled.M))  # vectors that Lanczos mixed are told apart
+    squares, mixed = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+    vectors = vectors @ mixed
+    values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
+    return values, vectors.T.astype(complex), f"sparse (Lanczos), undamped, about -({shift:.3g}/s)^2"
+
+
+def _arnoldi(scaled, inverse, shift, wanted):
+    M, C, _ = scaled.full
+    n, n_q = M.shape[0], scaled.n_q
+
+    def apply(x):
+        y, u = x[:n], x[n:]
+        moved = -inverse(M @ u + C @ y + shift * (M @ y))
+        return np.concatenate([moved, y + shift * moved])
+
+    start = apply(apply(np.random.default_rng(3).normal(size=2 * n)))
+    operator = spla.LinearOperator((2 * n, 2 * n), matvec=apply, dtype=float)
+    wanted = min(wanted, 2 * n - 2)
+    inverses, vectors = spla.eigs(operator, wanted, v0=start, ncv=min(2 * n, 3 * wanted + 20))
+    finite = np.abs(inverses) > INFINITE * np.abs(inverses).max()
+    values = shift + 1.0 / inverses[finite]
+    return values, vectors[:n_q, finite].T, f"sparse (Arnoldi), about {shift:.3g}/s"

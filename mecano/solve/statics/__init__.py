@@ -1,0 +1,1 @@
+"""Equilibria: one point, paths of them, their stability."""

@@ -1,0 +1,267 @@
+r"""Along a path by its length, past limit points: the load factor is an unknown like the displacements.
+
+A step of length :math:`\Delta s` from the point n ends where the path meets the plane
+
+.. math::  t_q^T S (q - q_n) + t_\mu (\mu - \mu_n) = \Delta s
+
+perpendicular to its tangent t (Riks, Int. J. Solids Structures 15 (1979) 529-551; Keller 1977). The bordered system is
+solved with two right-hand sides of one factor, :math:`K x = -r` and :math:`K y = -\partial r/\partial\mu`. Of the two
+senses of a tangent the one that goes on is taken, :math:`t_n^T S t_{n-1} > 0`. S makes a displacement count as much as
+the load factor that would cause it at the start.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.errors import ConvergenceError
+from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
+from mecano.solve.statics.continuation import SHRINK
+from mecano.solve.statics.stability import freedom
+from mecano.solve.statics.static import CLOSED, MODE_CHANGES
+
+WANTED = 5  # iterations of a step
+SHARPEST = 0.5  # cosine between successive tangents of the path
+LONGEST = 5.0  # steps over the first one
+HALVINGS = 8  # of a step in which stability is lost
+MOST_TRIES = 30  # to meet an end of the path
+MET = 1e-9  # of what the end is about
+
+
+@dataclass
+class Target:
+    """A displacement of a node along an inertial direction at which a path ends."""
+
+    name: str
+    place: int  # first entry of the position in z
+    direction: np.ndarray  # (3,) unit vector
+    origin: np.ndarray  # (3,) [m]
+    value: float  # [m]
+
+    def gap(self, s):
+        """Displacement beyond the value, over it."""
+        moved = float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
+        return moved / self.value - 1.0
+
+
+@dataclass
+class Trial:
+    """The end of a step of length ``ds``: state, load factor, what the search says, the tangent and rate there."""
+
+    state: object
+    mu: float
+    ds: float
+    found: object
+    tangent: np.ndarray | None = None  # (n_q + 1,), the load factor last
+    rate: np.ndarray | None = None  # (n,) of displacements and multipliers by the load factor
+
+
+@dataclass
+class ArcLength:
+    """Until the load factor reaches ``end`` or falls to ``lowest``, or a node reaches a displacement."""
+
+    end: float
+    count: int  # steps in which the end would be reached if the stiffness stayed that of the start
+    minimum: float  # of the first step
+    most: int  # steps
+    lowest: float = -np.inf
+    target: Target | None = None
+    hint: str = "more steps; method: relaxation, which lets a mechanism fall into place"
+    more_steps: str = "a larger static.maximum_steps; fewer static.steps, which makes them longer"
+
+    def follow(self, follower, point):
+        """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
+        arc = Arc(follower.statics, point)
+        if arc.rate is None:
+            raise self._failure(follower, point, point.parameter, arc.singular)
+        first = ds = np.sqrt(2.0) * (self.end - point.parameter) / self.count
+        for _ in range(self.most):
+            point, ds = self._advance(follower, arc, point, ds, self.minimum * first)
+            if reason := self._arrived(point):
+                return point, reason
+            ds = min(ds * min(max(np.sqrt(WANTED / max(point.iterations, 1)), 0.5), 1.5), LONGEST * first)
+        why = f"{self.most} steps were made, as many as static.maximum_steps allows"
+        free = freedom(follower.statics.system, point.state, point.stability, follower.statics.length)
+        raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
+
+    def _stopped(self, point):
+        """Where the path stopped before it reached an end, in words."""
+        ends = [f"load factor {self.end:g}"]
+        ends += [f"or {self.lowest:g}, falling"] if np.isfinite(self.lowest) else []
+        ends += [f"or node '{self.target.name}' displaced by {self.target.value:g} m"] if self.target else []
+        at = f"load factor {point.parameter:.6g}, {point.place:.6g} along it"
+        last = f", after a step of {point.step:.3g}" if point.step else ""
+        return f"the path did not reach its end ({' '.join(ends)}); it stopped at {at}{last}"
+
+    def _failure(self, follower, point, mu, found):
+        """The error for a step from ``point`` towards the load factor mu that could not be taken."""
+        error = follower.failure(mu, found, point.state, point.parameter, self.hint)
+        return type(error)(f"{self._stopped(point)}\n{error}")
+
+    def _arrived(self, point):
+        at = np.abs(self._gaps(point.state, point.parameter)) <= MET
+        ends = ("the end was reached", f"the load factor fell to {self.lowest:g}", "")
+        if at[2]:
+            return f"node '{self.target.name}' was displaced by {self.target.value:g} m"
+        return ends[int(np.argmax(at))] if at.any() else ""
+
+    def _gaps(self, s, mu):
+        """What changes its sign where the path ends; -1 for ends that are not asked for."""
+        low = (self.lowest - mu) / abs(self.end) if np.isfinite(self.lowest) else -1.0
+        return np.array([mu / self.end - 1.0, low, self.target.gap(s) if self.target else -1.0])
+
+    def _advance(self, follower, arc, point, ds, minimum):
+        """The next Point and the length of the step that led to it."""
+        rejected, before = 0, self._gaps(point.state, point.parameter)
+        while not (trial := arc.step(point, ds)).found.ok:
+            if ds * SHRINK < minimum:
+                raise self._failure(follower, point, trial.mu, trial.found)
+            ds, rejected = ds * SHRINK, rejected + 1
+        if np.any((before < 0.0) & (self._gaps(trial.state, trial.mu) > 0.0)):
+            trial = self._meet(arc, point, before, trial)
+        critical = self._critical(follower, arc, point, trial)
+        arc.tangent, arc.rate = trial.tangent, trial.rate
+        mu = self.end if abs(trial.mu / self.end - 1.0) <= MET else trial.mu
+        new = follower.accept(trial.state, mu, point.place + trial.ds, trial.ds, trial.found, rejected, critical)
+        return new, trial.ds
+
+    def _critical(self, follower, arc, point, trial):
+        """Load factor at which stability is lost within the step, by halving it and the least stiffness; or None."""
+        unstable = point.stability.unstable
+        reached = follower.stability(trial.state, trial.mu)
+        ends = [(0.0, point.parameter, point.stability), (trial.ds, trial.mu, reached)]
+        if not 0 <= unstable < ends[1][2].unstable:
+            return None
+        for _ in range(HALVINGS):
+            new = arc.step(point, 0.5 * (ends[0][0] + ends[1][0]))
+            if not new.found.ok:
+                break
+            there = follower.stability(new.state, new.mu)
+            ends[there.unstable > unstable] = (new.ds, new.mu, there)
+        (_, stable_mu, stable), (_, unstable_mu, soft) = ends
+        crossed = stable.stiffness > 0.0 > soft.stiffness
+        share = stable.stiffness / (stable.stiffness - soft.stiffness) if crossed else 0.5
+        return stable_mu + share * (unstable_mu - stable_mu)
+
+    def _meet(self, arc, point, before, trial):
+        """The trial step that ends where the first end is crossed, by false position on its length (Illinois)."""
+        g = self._gaps(trial.state, trial.mu)
+        crossed = np.flatnonzero((before < 0.0) & (g > 0.0))
+        i = crossed[np.argmax(g[crossed] / (g[crossed] - before[crossed]))]
+        low, high, g_low, g_high, side = 0.0, trial.ds, before[i], g[i], 0
+        for _ in range(MOST_TRIES):
+            new = arc.step(point, low - g_low * (high - low) / (g_high - g_low))
+            if not new.found.ok:
+                return trial
+            trial, gap = new, self._gaps(new.state, new.mu)[i]
+            if abs(gap) <= 0.1 * MET:
+                break
+            if gap > 0.0:
+                high, g_high, g_low = new.ds, gap, g_low * (0.5 if side == 1 else 1.0)
+            else:
+                low, g_low, g_high = new.ds, gap, g_high * (0.5 if side == -1 else 1.0)
+            side = 1 if gap > 0.0 else -1
+        return trial
+
+
+class Arc:
+    """Steps of one ``statics`` along its path; keeps tangent and rate at the last point."""
+
+    def __init__(self, statics, point):
+        self.statics, self.tangent = statics, None
+        self.metric = statics.weight / statics.length**2
+        s = statics.begin(point.state)
+        self.rate = self._rate(s, point.parameter)
+        self.singular = statics.judged(Iterated(False, 0, (), SINGULAR), s, s)
+        if self.rate is None:
+            return
+        q = self.rate[: statics.system.n_q]
+        size = float(q @ (self.metric * q))
+        self.metric = self.metric / size if np.isfinite(size) and size > 0.0 else self.metric
+        self.tangent = self._direction(self.rate)
+
+    def _rate(self, s, mu):
+        """Displacements and multipliers by the load factor (n,), or None where the tangent is singular."""
+        k, penalty = self.statics.scales(s)
+        slope = self.statics.loading.slope(s, mu)
+        self.statics.evaluate(s, mu, k, penalty, True)
+        x = self.statics.factor(-slope)
+        if x is None:
+            return None
+        rate = x.copy()
+        rate[self.statics.system.n_q :] *= k
+        return rate
+
+    def _direction(self, rate):
+        """Unit tangent (n_q + 1,) of the path, going on as before."""
+        tangent = np.append(rate[: self.statics.system.n_q], 1.0)
+        tangent /= np.sqrt(self._product(tangent, tangent))
+        return tangent if self.tangent is None or self._product(tangent, self.tangent) >= 0.0 else -tangent
+
+    def _product(self, t, u):
+        return float(t[:-1] @ (self.metric * u[:-1]) + t[-1] * u[-1])
+
+    def step(self, point, ds):
+        """The Trial of a step of length ds from ``point``, whose tangent and rate are those kept."""
+        statics = self.statics
+        s, mu = statics.begin(point.state), point.parameter + ds * self.tangent[-1]
+        k, penalty = statics.scales(s)
+        guess = ds * self.tangent[-1] * self.rate
+        guess[statics.system.n_q :] /= k
+        statics.move(s, point.state, guess, k)
+        told = []
+        for _ in range(MODE_CHANGES):
+            mu, result = self._correct(point, s, mu, ds, k, penalty)
+            hit = statics.watch.values(s) > CLOSED * statics.length
+            if not result.ok or not hit.any():
+                break
+            s, happenings = statics.watch.apply(s, hit)
+            told += happenings
+        trial = Trial(s, mu, ds, statics.judged(result, s, point.state))
+        trial.found.happenings = tuple(told)
+        return self._finished(trial) if trial.found.ok else trial
+
+    def _finished(self, trial):
+        """The trial with tangent and rate at its end; refused where the path has turned too sharply."""
+        trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
+        if trial.rate is None:
+            trial.found.ok, trial.found.message = False, SINGULAR
+            return trial
+        trial.tangent = self._direction(trial.rate)
+        if self._product(trial.tangent, self.tangent) < SHARPEST:
+            trial.found.ok, trial.found.message = False, "the path turns too sharply"
+        return trial
+
+    def _correct(self, point, s, mu, ds, k, penalty):
+        """Newton in the plane of the step, which moves ``s``: (load factor, Iterated)."""
+        statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
+        by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
+        slope, rate, change = np.zeros(n), np.zeros(n), 0.0
+        step = statics.step(point.state, s.modes)
+
+        def evaluate(tangent):
+            if tangent:
+                slope[:] = statics.loading.slope(s, mu)
+            return statics.evaluate(s, mu, k, penalty, tangent, step)
+
+        def solve(fresh):
+            """The correction (n,), or None where the tangent is singular; ``fresh``: the tangent is a new one."""
+            nonlocal change
+            r, x = statics.system.residual[:n].copy(), np.empty(n)
+            if fresh:
+                found = statics.factor(-slope)
+                if found is None:
+                    return None
+                rate[:] = found
+            statics.linear.resolve(-r, x)
+            gap = by_q @ statics.displacement(s, point.state) + by_mu * (mu - point.parameter) - ds
+            change = (-gap - by_q @ x[:n_q]) / (by_mu + by_q @ rate[:n_q])
+            return x + change * rate
+
+        def move(dz):
+            nonlocal mu
+            mu += change
+            return max(statics.move(s, point.state, dz, k), abs(change) / statics.tolerances.increment)
+
+        result = iterate(evaluate, solve, move, most=statics.tolerances.max_iterations)
+        return mu, result

@@ -1,0 +1,216 @@
+r"""Is an equilibrium stable, and if not, along which motion is it free?
+
+What counts is the tangent on the motions that the constraints allow, :math:`Z^T K Z` with :math:`B Z = 0`;
+displacements are measured in metres, rotations by the length scale. Small models: eigenvalues of its symmetric part
+where it is symmetric (to rounding, at an equilibrium under conservative forces); where it is not, those of the whole,
+of which only real negative ones count (complex ones concern the motion: modes.py). Large models: the signs of the
+pivots of the bordered matrix without row exchanges (Sylvester's law: one negative pivot for each constraint, and one
+for each unstable direction); for an unsymmetric tangent their number tells divergence only by its parity.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from mecano.model.numbering import ROTATION
+from mecano.solve.linear.sparse import LinearSolver
+
+DENSE = 400  # unknowns up to which all eigenvalues are computed
+NEUTRAL = 1e-13  # of the largest stiffness: what is softer counts as free (dense)
+NEUTRAL_WHERE_SOFT = 1e-10
+NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (sparse)
+SYMMETRIC = 1e-7  # of the largest entry
+RANK = 1e-9
+UNKNOWN = -1
+FARTHER = 4.0  # factor of the shift to the most negative stiffness
+NAMED = 2  # nodes named of a motion
+SMALL = 0.2  # of the largest displacement: what moves less is not named
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Unstable and neutral directions of an equilibrium; UNKNOWN (-1) where they cannot be told."""
+
+    unstable: int
+    neutral: int
+    stiffness: float = np.nan  # [N/m] of the softest direction, as far as known
+    shape: np.ndarray | None = None  # (n_q,) the softest motion, largest displacement 1
+
+    @property
+    def stable(self):
+        """True when no direction is known to be unstable or neutral."""
+        return self.unstable <= 0 and self.neutral <= 0
+
+
+class Judge:
+    """Tells the stability of equilibria of one system from tangents on its pattern."""
+
+    def __init__(self, system, length, soft=False):
+        """``soft``: redundant constraints give way, which may turn free motions into very soft ones."""
+        self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
+        self.dense = system.n_q <= DENSE
+        self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
+        self._solver = None
+
+    def __call__(self, data, drag=0.0):
+        """Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
+
+        ``drag`` [N/m] is added to the stiffness against all motions.
+        """
+        data = self._dragged(data, drag) if drag else data
+        return self._dense(data) if self.dense else self._sparse(data)
+
+    def _dragged(self, data, drag):
+        data = data.copy()
+        data[self.system.diagonal[: self.system.n_q]] += drag * self.root**2
+        return data
+
+    def _matrix(self, data):
+        shape = (self.system.n, self.system.n)
+        return sp.csr_matrix((data[: self.system.nnz], (self.system.rows, self.system.cols)), shape=shape)
+
+    def _dense(self, data):
+        n_q, full = self.system.n_q, self._matrix(data).toarray()
+        if not n_q:
+            return Stability(0, 0)
+        Z = null_space(full[n_q:, :n_q] / self.root)
+        if not Z.shape[1]:
+            return Stability(0, 0)
+        K = full[:n_q, :n_q] / np.outer(self.root, self.root)
+        largest = np.abs(K).max()
+        K = Z.T @ K @ Z
+        if np.abs(K - K.T).max() <= SYMMETRIC * largest:
+            values, vectors = la.eigh(0.5 * (K + K.T))
+        else:
+            values, vectors = _real(*la.eig(K))
+        if not len(values):
+            return Stability(0, 0)
+        limit = self.neutral * max(largest, np.finfo(float).tiny)
+        shape = (Z @ vectors[:, 0]) / self.root
+        unstable, neutral = int(np.sum(values < -limit)), int(np.sum(np.abs(values) <= limit))
+        return Stability(unstable, neutral, float(values[0]), _scaled(shape, self.root))
+
+    def _sparse(self, data):
+        unstable, zeros = self._negative(data)
+        if unstable == UNKNOWN:
+            stiffness, shape = self._softest(data)
+            free = abs(stiffness) <= NEUTRAL_WHERE_SOFT * np.abs(data).max()
+            return Stability(UNKNOWN, 1 if free else UNKNOWN, stiffness, shape)
+        stiffness, shape = (np.nan, None) if not (unstable or zeros) else self._softest(data, unstable)
+        return Stability(max(unstable, 0), zeros, stiffness, shape)
+
+    def _negative(self, data):
+        """Negative and zero pivots beyond those of the constraints; UNKNOWN where rows had to be exchanged."""
+        if self._solver is None:
+            of = self.system.numbering
+            args = self.system.n, self.system.rows, self.system.cols, of.group, of.n_q
+            self._solver = LinearSolver(*args, tolerance=0.0)
+        x = np.zeros(self.system.n)
+        status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
+        if status.fallback:
+            return UNKNOWN, UNKNOWN
+        zero = self._solver.cancellation() <= NEUTRAL_PIVOT
+        return int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l, int(zero.sum())
+
+    def _penalized(self, data):
+        """The tangent with k and a penalty like its mean stiffness, which keep the fixed order free of zero pivots."""
+        n_q = self.system.n_q
+        diagonal = np.abs(data[self.system.diagonal[:n_q]])
+        k = float(diagonal[diagonal > 0].mean()) if np.any(diagonal) else 1.0
+        full = self._matrix(data)
+        B = full[n_q:, :n_q]
+        matrix = full + sp.bmat([[k * (B.T @ B), (1 - k) * -B.T], [(1 - k) * -B, None]]) if self.system.n_l else full
+        return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
+
+    def _softest(self, data, unstable=0):
+        """Stiffness nearest to zero, or the most negative one, and its motion; (nan, None) if that fails.
+
+        By inverse iteration, with a shift beyond which nothing is unstable where ``unstable`` directions are.
+        """
+        n, n_q = self.system.n, self.system.n_q
+        metric = sp.diags(np.concatenate([self.root**2, np.zeros(n - n_q)])).tocsc()
+        matrix = self._matrix(data).tocsc()
+        shift = 1e-9 * (np.abs(data[self.system.diagonal[:n_q]]).mean() or 1.0)
+        while unstable > 0:
+            shift *= FARTHER
+            unstable = self._negative(self._dragged(data, shift))[0]
+        try:
+            lu = spla.splu((matrix + shift * metric).tocsc())
+        except RuntimeError:
+            return np.nan, None
+        x = np.random.default_rng(1).normal(size=n)
+        for _ in range(30):
+            x = lu.solve(metric @ x)
+            x /= np.sqrt(x @ (metric @ x))
+        if not np.all(np.isfinite(x)):
+            return np.nan, None
+        return float(x @ (matrix @ x)), _scaled(x[:n_q], self.root)
+
+
+def null_space(B):
+    """Orthonormal basis (n, n - rank) of the vectors that B (m, n) takes to zero; rows of any size."""
+    if not B.shape[0]:
+        return np.eye(B.shape[1])
+    size = np.linalg.norm(B, axis=1)
+    _, sigma, Vt = np.linalg.svd(B[size > 0] / size[size > 0, None], full_matrices=True)
+    return Vt[int(np.sum(sigma > RANK)) :].T
+
+
+def _real(values, vectors):
+    """Real eigenvalues in ascending order, with their vectors."""
+    real = np.flatnonzero(np.abs(values.imag) <= 1e-9 * np.abs(values).max(initial=0.0))
+    order = real[np.argsort(values[real].real)]
+    return values[order].real, vectors[:, order].real
+
+
+def _scaled(shape, root):
+    """The motion with the largest displacement (rotations by the length scale) 1."""
+    size = np.abs(shape * root)
+    return shape / (shape[np.argmax(size)] * root[np.argmax(size)])
+
+
+def freedom(system, s, stability, length):
+    """In words: how many directions of a state are unstable or neutral, and the softest motion."""
+    if stability.shape is None:
+        return "the tangent there is regular, as far as can be told"
+    motion = words(system, s, stability.shape, length)
+    if stability.unstable > 0:
+        return f"{stability.unstable} unstable direction(s); the most unstable motion: {motion}"
+    if stability.neutral > 0:
+        return f"{stability.neutral} direction(s) without stiffness, such as this motion: {motion}"
+    return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
+
+
+def words(system, s, shape, length, inertial=False, most=NAMED):
+    """A motion (n_q,) of the free unknowns at ``s`` in words: which nodes move how, the most mobile first.
+
+    Its rotations are in the axes of the nodes, or ``inertial``.
+    """
+    moves = []
+    seen = set()
+    of = system.numbering
+    for node, x, r, rotation in zip(system.nodes, of.x, of.r, of.rotation, strict=True):
+        for first, unit, R, verb in ((x, 1.0, np.eye(3), "moves along"), (r, length, s.R[rotation], "turns about")):
+            if first >= system.n_q or first in seen:
+                continue
+            seen.add(first)
+            vector = (np.eye(3) if inertial else R) @ shape[first : first + 3]
+            moves.append((unit * float(np.linalg.norm(vector)), f"node '{node.name}' {verb} {_direction(vector)}"))
+    first_scalar = next((i for i in range(system.n_q) if of.kind[i] > ROTATION), system.n_q)
+    moves += [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
+    moves.sort(key=lambda move: -move[0])
+    named = [text for size, text in moves if size > SMALL * moves[0][0]]
+    rest = f"; and {len(named) - most} more" if len(named) > most else ""
+    return "; ".join(named[:most]) + rest
+
+
+def _direction(vector):
+    size = np.linalg.norm(vector)
+    if not size > 0.0:
+        return "nothing"
+    unit = vector / size
+    unit = unit * np.sign(unit[np.argmax(np.abs(unit))])
+    return "[" + ", ".join(f"{c + 0.0:.3g}" for c in np.where(np.abs(unit) < 5e-4, 0.0, unit)) + "]"

@@ -1,0 +1,234 @@
+r"""Equilibrium at one point of a path: Newton on the residual at rest, with the modes of the elements consistent.
+
+The residual is :math:`r(q, \mu)` of loading.py, the tangent K alone, bordered by the constraints as in a step of time;
+those on velocities hold the displacement from where the search begins (velocity_constraints.py).
+A *drag* D lets a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 0`: implicit Euler of
+:math:`D \dot q = -r`, pseudo-transient continuation (Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.scales import Tolerances, balance, norms
+from mecano.solve.events.compliance import soften
+from mecano.solve.events.events import Watch
+from mecano.solve.linear.iteration import iterate
+from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
+from mecano.solve.time.increments import correct, tangents
+
+MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
+MODE_CHANGES = 10  # rounds in which elements may change their mode at one point
+CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
+POLISH = 4  # iterations beyond the tolerance, as long as they help
+LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
+TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
+
+
+@dataclass(slots=True)
+class Found:
+    """How the search for one equilibrium ended."""
+
+    ok: bool
+    iterations: int
+    norms: tuple  # force, constraint, increment over their tolerances
+    change: float = 0.0  # largest displacement over the length, or rotation [rad]
+    first: float = np.inf  # the same of the first iteration: what the tangent predicts
+    message: str = ""
+    happenings: tuple = ()
+
+
+class Statics:
+    """Equations at rest under one ``loading``; the solver of one point. Holds no motion."""
+
+    def __init__(
+        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None, watch=None
+    ):  # fmt: skip
+        self.system, self.linear, self.loading, self.length = system, linear, loading, length
+        self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
+        self.watch = watch or Watch(system)
+        self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
+        self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
+        self._increment = np.zeros(system.n)
+        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
+        self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
+
+    def scales(self, s):
+        """k and penalty of the constraints [N/m] at ``s``: those given, or the mean stiffness of the tangent."""
+        mean = balance(self.system, s, 1.0, 0.0, 0.0)
+        k = self.given_k or mean
+        penalty = mean if self.given_penalty is None else self.given_penalty
+        if self.compliance is None:
+            return k, penalty
+        self.compliance.set_step(1.0, mean)
+        return k, min(penalty, self.compliance.largest_penalty(mean))
+
+    def begin(self, s0):
+        """A copy of ``s0`` at rest whose rotation increments are zero."""
+        s = s0.copy()
+        s.z[self._rotations] = 0.0
+        s.v[:] = 0.0
+        return s
+
+    def evaluate(self, s, p, k, penalty, tangent, step=None):
+        """Assemble residual (and tangent) at the parameter p; the norms over their tolerances.
+
+        ``step``: where the displacement begins that constraints on velocities hold, see there; without it at ``s``.
+        """
+        system, of = self.system, self.system.numbering
+        s0, held = step or self.step(s, s.modes)
+        if tangent:
+            tangents(of.rotation_dof, of.n_q, s.z, self._T)
+        self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T)
+        if held is not None:
+            moved = np.zeros(system.n_q) if s0 is s else self.displacement(s, s0)
+            self.rolling.add(held, moved, k, penalty, tangent)
+        if self.compliance is not None:
+            n_q, n = system.n_q, system.n
+            soften(k, *self.compliance.rows, s.z[n_q:n], system.residual[n_q:n])
+            if tangent:
+                self.compliance.soften_tangent(k, system.data, self.compliance.values)
+        return self.norms(s, k)
+
+    def step(self, s0, modes):
+        """The beginning ``s0`` of a step with the Held there, of elements in the ``modes``."""
+        return s0, self.rolling.at(replace(s0, modes=modes))
+
+    def norms(self, s, k):
+        """Norms of the residual in ``system.residual`` over their tolerances: (forces, constraints)."""
+        system, of, limits = self.system, self.system.numbering, self.tolerances
+        reach = np.abs(s.z[: system.n_q]).max(initial=0.0)
+        return norms(
+            system.residual,
+            system.size,
+            of.kind,
+            system.n,
+            self.length,
+            limits.force,
+            limits.constraint,
+            1.0,
+            k,
+            k,
+            reach,
+        )
+
+    def move(self, s, s0, dz, k):
+        """Add the correction dz (n,) to ``s``, whose rotations count from ``s0``; its size over the tolerance."""
+        of = self.system.numbering
+        largest = correct(
+            self.length, of.kind, of.rotation_dof, of.n_q, of.n, -dz, k, 0.0, 0.0, s0.R, s.z, s.v, s.a, s.R
+        )  # fmt: skip
+        return largest / self.tolerances.increment
+
+    def factor(self, b):
+        """Solution (n,) of the tangent in ``system.data`` for the right-hand side b, or None when it is singular."""
+        return self._increment if self.linear.solve(self.system.data, b, self._increment).ok else None
+
+    def correct(self, s0, p, drag=0.0):
+        """Equilibrium at the parameter p near ``s0``: (state, Found); with ``drag`` [N/m] after one step of creep.
+
+        Elements whose event values are crossed change their mode, and the search goes on from there. A wheel that comes
+        to roll so rolls from ``s0`` on.
+        """
+        s, iterations, first, told = s0, 0, None, []
+        for _ in range(MODE_CHANGES):
+            s, found = self._newton(s, s0, p, drag)
+            iterations += found.iterations
+            first = found.first if first is None else first
+            if not found.ok:
+                break
+            hit = self.watch.values(s) > CLOSED * self.length
+            if not hit.any():
+                break
+            s, happenings = self.watch.apply(s, hit)
+            told += happenings
+        else:
+            names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in happenings))
+            return s, Found(False, iterations, found.norms, message=f"contacts do not settle: {names}")
+        return s, Found(found.ok, iterations, found.norms, found.change, first, found.message, tuple(told))
+
+    def lean(self, s0, p):
+        """Equilibrium near ``s0`` where the tangent is singular, with a drag too small to matter: (state, Found).
+
+        It exists where no force acts along the motions that are free.
+        """
+        s, iterations, told = s0, 0, []
+        for _ in range(LEANS):
+            k, _ = self.scales(self.begin(s))
+            s, found = self.correct(s, p, LEAN * k)
+            iterations += found.iterations
+            told += found.happenings
+            if not found.ok or found.change > FARTHEST_LEAN:
+                break
+            norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
+            if max(norms_) <= 1.0:
+                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(told))
+        text = "the tangent is singular, and forces act along a motion that is free"
+        return s, Found(False, iterations, found.norms, found.change, message=text)
+
+    def _newton(self, guess, s0, p, drag):
+        """Newton from ``guess``; rotation increments, the drag and what rolls count from ``s0``."""
+        system, n, n_q = self.system, self.system.n, self.system.n_q
+        s = self.begin(guess) if guess is s0 else guess.copy()
+        k, penalty = self.scales(s)
+        creep, steps, step = drag * self.weight, [], self.step(s0, s.modes)
+
+        def evaluate(tangent):
+            self.evaluate(s, p, k, penalty, tangent, step)
+            if drag:
+                system.residual[:n_q] += creep * self.displacement(s, s0)
+                if tangent:
+                    system.data[system.diagonal[:n_q]] += creep
+            return self.norms(s, k)
+
+        def solve(fresh):
+            b, x = -system.residual[:n], self._increment
+            if fresh:
+                return self.factor(b)
+            self.linear.resolve(b, x)
+            return x
+
+        def move(dz):
+            steps.append(self.move(s, s0, dz, k))
+            return steps[-1]
+
+        result = iterate(evaluate, solve, move, most=self.tolerances.max_iterations)
+        first = steps[0] * self.tolerances.increment if steps else np.inf
+        return s, self.judged(result, s, s0, first)
+
+    def judged(self, result, s, s0, first=np.inf):
+        """The Found of a Newton iteration from ``s0`` to ``s``: an equilibrium too far away counts as none."""
+        change = float(np.abs(self.displacement(s, s0) * np.sqrt(self.weight)).max(initial=0.0)) / self.length
+        ok, message = result.ok, result.message
+        if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
+            ok, message = False, f"a body turns by more than {MOST_TURN} rad in one step"
+        return Found(ok, result.iterations, result.norms, change, first, message)
+
+    def displacement(self, s, s0):
+        """Displacements of the unknowns from ``s0`` (n_q,), where ``s`` counts its rotation increments from."""
+        moved = s.z[: self.system.n_q] - s0.z[: self.system.n_q]
+        moved[self._rotations] = s.z[self._rotations]
+        return moved
+
+    def polish(self, s, p):
+        """The equilibrium ``s`` with as little residual as rounding allows."""
+        best, s0 = s, s
+        k, penalty = self.scales(self.begin(s))
+        trial, step = self.begin(s), self.step(s, s.modes)
+        least = max(self.evaluate(trial, p, k, penalty, True, step))
+        for _ in range(POLISH):
+            x = self.factor(-self.system.residual[: self.system.n])
+            if x is None:
+                break
+            self.move(trial, s0, x, k)
+            size = max(self.evaluate(trial, p, k, penalty, True, step))
+            if not size < least:
+                break
+            least, best = size, trial.copy()
+        return best
+
+    def settled(self, s):
+        """``s`` as an accepted point: memories committed."""
+        s.memory = self.system.commit(s)
+        return s

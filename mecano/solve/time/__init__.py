@@ -1,0 +1,1 @@
+"""Time integration: the start, steps and their errors, the march over them."""

@@ -1,0 +1,253 @@
+r"""Velocities, accelerations and multipliers that fit a given configuration.
+
+All three come from one matrix, factored once,
+
+.. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -k^2 c \end{bmatrix},
+
+with right-hand sides that set the rate, the second rate, or its derivative, of the constraints. The penalty
+p makes it regular for nodes without mass; the compliances c are zero unless constraints are redundant.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from mecano.errors import AssemblyError
+from mecano.model.numbering import SCALAR
+from mecano.solve.diagnostics.failure import not_finite
+from mecano.solve.time.increments import displaced, moved
+
+DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
+RATE_ITERATIONS = 100
+FIRST_REACH = 1e-3  # m/s or rad/s
+RATE_TOLERANCE = 1e-12  # of the forces at work
+GROWTH = 1.5  # of the forces in one iteration, towards rest
+LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
+FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
+SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
+RUBBING = 20  # iterations on the friction at most
+DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
+ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
+
+
+class Consistent:
+    """The matrix above at one configuration, and what is solved with it."""
+
+    def __init__(self, system, linear, s, compliance=None):
+        """Factor at the positions of ``s`` (its a and multipliers are not used); raises AssemblyError if singular."""
+        self.system, self.linear = system, linear
+        bare = s.copy()
+        bare.a[:] = 0.0
+        bare.z[system.n_q : system.n] = 0.0
+        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
+        data = system.data.copy()
+        diagonal = data[system.diagonal[: system.n_q]]
+        loose = diagonal <= 0.0
+        self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
+        system.add_constraints(bare, self.k, self.k, data)
+        diagonal = data[system.diagonal[: system.n_q]]
+        # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
+        self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
+        self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
+        if len(self.relaxing):
+            relaxing = np.zeros(system.n, bool)
+            relaxing[self.relaxing] = True
+            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
+        data[system.diagonal[: system.n_q][self.loose]] = self.k
+        if compliance is not None:
+            compliance.soften_tangent(self.k, data)
+        self.data, self.bare, self.compliance = data, bare, compliance
+        self._solve(data, np.zeros(system.n))
+
+    def repeats(self):
+        """True when a constraint without compliance depends on others: to be asked before anything is solved."""
+        n_q = self.system.n_q
+        dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
+        if self.compliance is not None:
+            dependent &= np.diff(self.compliance.matrix.indptr) == 0
+        return bool(dependent.any())
+
+    def _solve(self, data, b):
+        x = np.zeros(self.system.n)
+        status = self.linear.solve(data, b, x)
+        if not status.finite:
+            raise not_finite(self.system, data, self.bare.t)
+        if not status.ok:
+            raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
+        return x
+
+    def _resolve(self, top, bottom):
+        n_q, x = self.system.n_q, self._solution(top, bottom)
+        if self.compliance is not None and len(self.compliance.released):
+            x = self._solution(top, self.compliance.sharing(self.k, bottom, x[n_q:]))
+        return x[:n_q], self.k * x[n_q:]
+
+    def _solution(self, top, bottom):
+        x = np.zeros(self.system.n)
+        self.linear.resolve(np.concatenate([top, bottom]), x)
+        return x
+
+    def change(self, rate):
+        """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
+
+    def respond(self, forces):
+        """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
+        return self._resolve(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
+
+    def exchange(self, rate):
+        """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
+        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)
+
+    def project_velocity(self, s, target=0.0):
+        """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
+        rate = self.system.levels(s)[:, 1]
+        s.v[: self.system.n_q] += self.change(target - rate)
+
+    def settle_rates(self, s):
+        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
+        own, system, reach = self.relaxing, self.system, FIRST_REACH
+        if not len(own):
+            return
+        best = None
+        for _ in range(RATE_ITERATIONS):
+            system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+            r = system.residual[own].copy()
+            if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
+                return
+            size = np.linalg.norm(r)
+            # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
+            # keeps its direction the next step goes further
+            if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
+                best, reach = (size, r, s.v[own].copy()), 2.0 * reach
+                C = self._block()
+            else:
+                reach = 0.25 * reach
+            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
+            s.v[own] = best[2] + change
+        s.v[own] = best[2]
+
+    def settle(self, s, h):
+        """Values and rates of the scalars without inertia of ``s``, in place, that go with a step of size h.
+
+        Rates follow from their own equations; where these have none to speak of (directions whose time constants are
+        far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
+        keep them fulfilled while all velocities stay.
+        """
+        own, of = self.relaxing, self.system.numbering
+        for _ in range(SETTLING if len(own) else 0):
+            self.settle_rates(s)
+            fast = self._fast(s, FAST * h)
+            if fast is None:
+                return
+            s.v[own] -= fast @ self._own(s, 1.0, 0.0) @ s.v[own]
+            s.z[own] -= fast @ self._unbalanced(s)
+            dt, steady = DIFFERENCE * h, _with(s, s.v, np.zeros_like(s.a))
+            now, next_, last = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
+            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
+            s.z[own] -= fast @ self._unbalanced(s)
+
+    def _fast(self, s, limit):
+        """P K^-1 (n, n): P projects scalars without inertia on what settles within ``limit`` [s]; None without any."""
+        K, C = self._own(s, 1.0, 0.0), self._own(s, 0.0, 1.0)
+        if np.linalg.matrix_rank(K, LEAST_DAMPING) < len(K):
+            return None
+        times, X = np.linalg.eig(np.linalg.solve(K, C))
+        quick = np.abs(times) <= limit
+        if not quick.any() or np.linalg.matrix_rank(X, LEAST_DAMPING) < len(K):
+            return None
+        return (X * quick @ np.linalg.inv(X)).real @ np.linalg.inv(K)
+
+    def _own(self, s, cK, cC):
+        """cK K + cC C of the scalars without inertia, dense."""
+        self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
+        return self._block()
+
+    def _block(self):
+        """Rows and columns of the scalars without inertia in the tangent that was assembled, dense."""
+        entries, places = self._of_block
+        n = len(self.relaxing)
+        return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
+
+    @cached_property
+    def _of_block(self):
+        """Which entries of the tangent belong to the scalars without inertia, and their places in the dense block."""
+        own = np.full(self.system.n, -1)
+        own[self.relaxing] = np.arange(len(self.relaxing))
+        rows, columns = own[self.system.rows], own[self.system.cols]
+        entries = np.flatnonzero((rows >= 0) & (columns >= 0))
+        return entries, rows[entries] * len(self.relaxing) + columns[entries]
+
+    def _unbalanced(self, s):
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        return self.system.residual[self.relaxing].copy()
+
+    def project_acceleration(self, s, a, target=0.0):
+        """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
+        here = _with(self.bare, s.v, a)
+        a[: self.system.n_q] += self.change(target - self.system.levels(here)[:, 2])
+
+    def accelerate(self, s):
+        """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
+        system = self.system
+        bare = _with(self.bare, s.v, np.zeros_like(s.a))
+        gamma = system.levels(bare)[:, 2]
+        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
+        top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
+        a, reaction = self._resolve(top, self.k * gamma)
+        s.a[:] = 0.0
+        s.a[: system.n_q] = a
+        s.z[system.n_q : system.n] = reaction + self.k * gamma
+        if len(system.borrowed):
+            self._rub(s)
+
+    def _rub(self, s):
+        """Let accelerations and multipliers of ``s`` fit the forces that depend on the multipliers (Newton).
+
+        The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
+        to the first step to find the motion.
+        """
+        system, n_q, n = self.system, self.system.n_q, self.system.n
+        for _ in range(RUBBING):
+            here = _with(self.bare, s.v, s.a)
+            here.z[n_q:n] = s.z[n_q:n]
+            system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0)
+            unbalanced = np.where(self.loose, 0.0, -system.residual[:n_q])
+            data = self.data.copy()
+            system.add_borrowed(here, self.k, data)
+            change = self._solve(data, np.concatenate([unbalanced, np.zeros(system.n_l)]))
+            s.a[:n_q] += change[:n_q]
+            s.z[n_q:n] += self.k * change[n_q:]
+            if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
+                break
+        self._solve(self.data, np.zeros(n))
+
+    def give_way(self, s, compliance):
+        """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
+        n_q, n = self.system.n_q, self.system.n
+        gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
+        gap[self.system.numbering.of_rates] = 0.0
+        return displaced(s, self.change(-gap), self.system.numbering)
+
+    def jerk_rate(self, s, h):
+        """-B d3q/dt3 (n_l,): how the second rates would change along the motion if the accelerations stayed.
+
+        Forward difference of second order over a small part of the step h: what happened before ``s`` does not count
+        (a law of time may have a corner there). Only geometry enters, no force, so stiff laws do no harm.
+        """
+        dt, of = DIFFERENCE * h, self.system.numbering
+        now, next_, last = (self.system.levels(moved(s, i * dt, of))[:, 2] for i in range(3))
+        return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
+
+    def turning_rate(self, s):
+        """B (omega x alpha) (n_l,), material, of all rotations of ``s``: see ``GeneralizedAlpha._history``."""
+        of, turning = self.system.numbering, s.copy()
+        at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
+        turning.v[at] += np.cross(s.v[at], s.a[at])
+        return self.system.levels(turning)[:, 1] - self.system.levels(s)[:, 1]
+
+
+def _with(s, v, a):
+    out = s.copy()
+    out.v[:], out.a[:] = v, a
+    return out

@@ -1,0 +1,429 @@
+r"""Lie-group generalized-alpha: one step, and the care for the multipliers at a start or a change of step.
+
+Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theory.md section 2:
+
+.. math::
+    (1-\alpha_m) a_{n+1} + \alpha_m a_n = (1-\alpha_f) \ddot q_{n+1} + \alpha_f \ddot q_n, \quad
+    \Delta q = h v_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}], \quad
+    v_{n+1} = v_n + h [(1-\gamma) a_n + \gamma a_{n+1}]
+
+with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.errors import AssemblyError
+from mecano.model.loops import residual
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, TRANSLATION
+from mecano.model.state import History
+from mecano.solve.diagnostics.analysis import analyse
+from mecano.solve.diagnostics.apart import redundant_groups
+from mecano.solve.diagnostics.scales import Tolerances, balance, norms
+from mecano.solve.events.compliance import NO_ROWS, soften
+from mecano.solve.linear.kept_tangent import SHARE, keep
+from mecano.solve.linear.newton import (
+    CONVERGED,
+    DIVERGES,
+    FIRST,
+    FORCES,
+    INCREMENT,
+    ITERATIONS,
+    MESSAGES,
+    NOT_FINITE,
+    REPORT,
+    SINGULAR,
+    STALE,
+    WORST,
+    iterate,
+)
+from mecano.solve.time.consistent import Consistent
+from mecano.solve.time.increments import finish, largest_change, predict, tangents
+from mecano.solve.time.resolved import resolver
+
+MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
+TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
+MOST_OTHERS = 12  # constraints named that contradict one
+FREE = 1e6  # times the weight of the masses: no stiffness has a say
+MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
+GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
+CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
+SLIPS = 0.02  # of the speeds: the same at the end of a step
+CREEPING = 1e-3  # of the length scale per second: no speeds count for less
+TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """am, af, beta, gamma of the family, and the constant Ce of its local displacement error."""
+
+    am: float
+    af: float
+    beta: float
+    gamma: float
+
+    @classmethod
+    def generalized_alpha(cls, rho):
+        """Chung & Hulbert 1993, spectral radius rho at infinity in [0, 1]."""
+        am, af = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        gamma = 0.5 + af - am
+        return cls(am, af, 0.25 * (gamma + 0.5) ** 2, gamma)
+
+    @classmethod
+    def hht(cls, rho):
+        """Hilber, Hughes & Taylor 1977; rho in [1/2, 1]."""
+        af = (1.0 - rho) / (1.0 + rho)
+        return cls(0.0, af, 0.25 * (1.0 + af) ** 2, 0.5 + af)
+
+    @classmethod
+    def newmark(cls, rho):
+        """Newmark 1959 with damping: gamma = 1/2 + delta, beta = (gamma + 1/2)^2/4; first order for rho < 1."""
+        delta = (1.0 - rho) / (1.0 + rho)
+        gamma = 0.5 + delta
+        return cls(0.0, 0.0, 0.25 * (gamma + 0.5) ** 2, gamma)
+
+    @property
+    def error(self):
+        """Ce of the local error Ce h^2 |a_{n+1} - a_n| of the displacement."""
+        return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
+
+
+@dataclass(slots=True)
+class StepInfo:
+    """How a step went."""
+
+    ok: bool
+    iterations: int
+    norms: tuple  # force, constraint, increment over their tolerances
+    error: float  # local error, relative to the length scale (or rad); nan if not ok
+    began: History  # what the step began with
+    message: str = ""
+    lag: float = 0.0  # local error of scalars without inertia, which forget it
+    turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
+    plain: float = np.nan  # the error before what swings was bounded
+
+
+class GeneralizedAlpha:
+    """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
+
+    def __init__(
+        self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None,
+        duration=np.inf,
+    ):  # fmt: skip
+        self.system, self.linear, self.coefficients = system, linear, coefficients
+        self.length, self.tolerances = length, tolerances or Tolerances()
+        self.k, self.penalty, self.duration = k, penalty, duration
+        self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
+        self._relaxing = np.flatnonzero(system.relaxing)
+        self._kind = system.numbering.kind.copy()
+        self._kind[self._relaxing] = MASSLESS
+        self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
+        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
+        self._no_slope = np.zeros(system.n)
+        self._no_shift = np.zeros(system.numbering.n_all)
+        self.use(compliance)
+
+    def use(self, compliance):
+        """Let redundant constraints have these compliances, or none (None), from now on."""
+        self.compliance, self._redundant = compliance, None
+        self._rows = NO_ROWS if compliance is None else compliance.rows
+        # constraints on velocities hold exactly at the end of every step, but for those that are let go
+        self._released = NO_ROWS[1] if compliance is None else compliance.released
+        self._soft = NO_ROWS[1] if compliance is None else compliance.soft
+        of = self.system.numbering
+        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
+        self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
+        self._exact_rates = self.system.numbering.of_rates.copy()
+        self._exact_rates[self._released] = False
+        self._bind()
+
+    def _bind(self):
+        """The compiled functions of a step with the arguments that never change."""
+        system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
+        moving = self._kind, of.rotation_dof, of.n_q, of.n
+        self._predict = predict.bind(c.am, c.af, c.beta, c.gamma, *moving)
+        self._tangents = tangents.bind(of.rotation_dof, of.n_q)
+        self._finish = finish.bind(c.am, c.af, length, self.duration, self._kind, of.rotation_dof, of.n_q, of.n)
+        self._norms = norms.bind(system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
+        equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
+        limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
+        self._iterate = iterate.bind(*equations, *self.linear.factor, *moving, *limits, self._increment)
+
+    def start(self, s, h, consistent=None):
+        """Consistent state and history for steps of size h: from rest, after an event.
+
+        Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
+        are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
+        a_0 = q''_0 + (am - af) h q'''_0 and of v_0 - Ce h^2 q'''_0. Returns (state at t, history); the state
+        returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
+        Raises AssemblyError where constraints contradict one another.
+
+        The accelerations of the history are those that a step of h can follow (resolved.py): those of a member that
+        swings much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
+        """
+        s = s.copy()
+        consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
+        consistent.project_velocity(s)
+        for rows, others in (
+            (self._released, "those on positions leave a slip"),
+            (self._soft, "the others leave a rate"),
+        ):
+            if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
+                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}")
+        consistent.settle(s, h)
+        consistent.accelerate(s)
+        if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
+            consistent.settle(s, h)
+            consistent.accelerate(s)
+        if self.compliance is not None:
+            s = consistent.give_way(s, self.compliance)
+        nothing = np.zeros(self.system.n)
+        return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
+
+    def restart(self, s, history, h):
+        """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers).
+
+        Of the shift of the accelerations to where steps of h keep them, a longer step takes what it can follow.
+        """
+        c = self.coefficients
+        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        ratio, n_q = h / history.h, self.system.n_q
+        a, shift = history.a.copy(), np.zeros_like(history.a)
+        shift[:n_q] = (c.am - c.af) * (ratio - 1.0) * history.slope[:n_q]
+        if not history.known:  # no step has been made: as at the start
+            a, shift = np.zeros_like(a), s.a
+        elif ratio <= 1.0:
+            a, shift = a + shift, np.zeros_like(shift)
+        bend = ratio**2 * history.bend
+        slope = ratio * (history.slope + 0.5 * history.bend) - 0.5 * bend
+        return self._history(consistent, s, a, shift, h, slope, bend, history.known)
+
+    def _history(self, consistent, s, a, more, h, slope, bend, known):
+        """History with the accelerations ``a``, changed in place, and what steps of h can follow of ``more`` (n_all,).
+
+        The constrained parts of accelerations and velocities are shifted to where the method keeps them. A rotation
+        without a fixed axis turns in a step by more than the integral of its angular velocity, by
+        h^3 omega x omega'/12 (Magnus 1954), which the increment of the method does not have: B v makes up for it.
+        """
+        c, n_q = self.coefficients, self.system.n_q
+        v_shift, whole, added = np.zeros_like(a), a + more, more.any()
+        if self.system.n_l:
+            rate = consistent.jerk_rate(s, h)
+            for part in (a, whole) if added else (a,):
+                consistent.project_acceleration(s, part, -(c.am - c.af) * h * rate)
+            shifted = s.copy()
+            shift = h * h * (c.error * rate + consistent.turning_rate(s) / 12.0)
+            consistent.project_velocity(shifted, np.where(self._exact_rates, 0.0, shift))
+            v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
+        cC, cM = self._weights(h)
+        history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
+        if added:
+            a[:n_q] += self._followed(s, (whole - a)[:n_q], self._scales(history, h))
+        return history
+
+    def _followed(self, s, a, scales):
+        """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
+        resolved = self._resolver(s, scales)
+        if resolved is None:
+            return a
+        part = np.where(self.system.relaxing, a, resolved(a))  # scalars without inertia swing with nothing
+        return part if self._size(a - part) > TOO_FAST * self._size(a) else a
+
+    def _resolver(self, s, scales):
+        """The function of resolved.py at ``s``; None where the tangent is singular."""
+        here = s.copy()
+        if not self._factor(here, scales).ok:
+            return None
+        return resolver(self.system, self.linear, here, scales[-1])
+
+    def _size(self, a):
+        """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
+        return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
+
+    def _contradiction(self, s, h, rows, rates, share):
+        """Rate and name of one of the ``rows`` whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds."""
+        of = self.system.numbering
+        kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
+        speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
+        linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
+        slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
+        worst = int(np.argmax(slip))
+        if slip[worst] <= share:
+            return ()
+        name = of.name[of.n_q + rows[worst]]
+        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", name, self._others(s, name)
+
+    def _gap(self, s):
+        """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
+        off = self.system.levels(s)[:, 0]
+        size = off * self._share_of_gap
+        if size @ size <= 1.0:
+            return ()
+        worst, of = int(np.abs(size).argmax()), self.system.numbering
+        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
+        name = of.name[of.n_q + worst]
+        return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
+
+    def _others(self, s, name):
+        """Name the constraints that repeat one another with the one of this ``name``."""
+        if self._redundant is None:
+            self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
+        others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
+        more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
+        return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""
+
+    def _lag(self, h, a0, a):
+        """Largest local error of a scalar without inertia, over the length scale."""
+        of = self._relaxing
+        return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
+
+    def bounded_error(self, s, history, info):
+        r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
+
+        The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
+        T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
+        :math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
+
+        .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
+
+        along the constraints; but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
+        """
+        n_q, a0 = self.system.n_q, info.began.a
+        change, summed = (history.a - a0)[:n_q], self.duration * self.coefficients.error * history.h
+        limit = (summed * history.h) ** (-2.0 / 3.0)
+        of_masses, stable = self._below(s, history, FREE * limit)
+        whole = self._size(of_masses(change)) if of_masses else 0.0
+        slow, negative = self._below(s, history, limit)
+        if not 0.0 < whole < np.inf or slow is None or negative != stable:
+            return info.plain
+        swings = max(self._size(part - slow(part)) for part in (slow(a0[:n_q]), slow(history.a[:n_q])))
+        return info.plain * min((self._size(slow(slow(change))) + swings / (limit * summed)) / whole, 1.0)
+
+    def _below(self, s, history, limit):
+        """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
+        resolved = self._resolver(s, (*self._scales(history, history.h)[:2], 0.0, limit))
+        return resolved, int(np.sum(self.linear.pivots() < 0.0)) if resolved else -1
+
+    def longest(self, s):
+        """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
+        of = self.system.numbering
+        fastest = np.abs(s.v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
+        return TURN * MOST_TURN / fastest if fastest > 0.0 else np.inf
+
+    def _weights(self, h):
+        """Derivatives of velocities and accelerations by displacements within a step of size h."""
+        c = self.coefficients
+        return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
+
+    def _scales(self, history, h):
+        """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
+        k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
+        weights = self._weights(h)
+        if self.compliance is not None:
+            penalty = min(penalty, self.compliance.largest_penalty(history.k))
+            self.compliance.set_step(1.0 / weights[0], history.k)
+        return k, penalty, *weights
+
+    def step(self, s0, history, h):
+        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
+        scales, tangent = self._scales(history, h), history.tangent
+        if tangent is not None and self.linear.label is not tangent:
+            self._factor(tangent, scales)
+        iterations = 0
+        for slope, bend in self._guesses(s0, history):
+            s, code, report = self._attempt(s0, history, h, scales, slope, bend)
+            iterations += int(report[ITERATIONS])
+            if code in (CONVERGED, NOT_FINITE):
+                break
+        reached = tuple(report[FORCES : INCREMENT + 1].tolist())
+        if code != CONVERGED:
+            message = MESSAGES[code].format(int(report[ITERATIONS]))
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, message)
+        a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
+        change, turn, turning = self._finish(
+            h, history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, s.v, a, slope, bend
+        )
+        if turn > MOST_TURN:
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
+        if len(self._released):
+            slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
+            soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
+            if text := self._contradiction(s, h, self._released, slips, SLIPS):
+                text = CONTRADICTION.format("those on positions leave a slip", *text)
+                return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+        if len(self._soft) and (text := self._gap(s)):
+            text = CONTRADICTION.format("the others leave a gap", *text)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+        known = min(history.known + 1, 2)
+        kept = keep(history, self.linear.label, report)
+        new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
+        error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
+        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
+
+    def _guesses(self, s0, history):
+        """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.
+
+        The second displaces everything by its velocity alone: after a sudden load on stiff and light members the
+        accelerations tell little of the displacements in a long step.
+        """
+        yield history.slope, history.bend
+        c, n_q = self.coefficients, self.system.n_q
+        a0, slope = history.a[:n_q], self._no_slope.copy()
+        a1 = (1.0 - 0.5 / c.beta) * a0
+        slope[:n_q] = ((1.0 - c.am) * a1 + c.am * a0 - c.af * s0.a[:n_q]) / (1.0 - c.af) - s0.a[:n_q]
+        yield slope, self._no_slope
+
+    def _attempt(self, s0, history, h, scales, slope, bend):
+        """Newton's iterations from one guess: (state, a code of newton.py, report)."""
+        self.pause()
+        s, report = s0.copy(), np.zeros(len(REPORT))
+        s.t = s0.t + h
+        reach = self._predict(h, history.a, s0.a, slope, bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R)
+        kept = history.tangent is not None and self.linear.label is history.tangent
+        return s, self._solve(s, s0.R, scales, history.k, reach, kept, report), report
+
+    def _solve(self, s, R0, scales, stiffness, reach, kept, report):
+        """Newton's iterations from the predicted state ``s``, moved in place; a code of newton.py."""
+        usable = self.linear.kept
+        motion = (s.t, R0, s.z, s.v, s.a, s.R, s.modes, s.memory, report)
+        code = STALE
+        if kept and usable:
+            code = self._iterate(*scales, stiffness, reach, SHARE, True, True, False, *motion)
+        while code == STALE:
+            code = self._renew(s, scales, stiffness, reach, report)
+            if code == STALE:
+                usable = self.linear.kept
+                code = self._iterate(*scales, stiffness, reach, 1.0, kept, usable, True, *motion)
+        return code
+
+    def _renew(self, s, scales, stiffness, reach, report):
+        """Factor the tangent at ``s`` and solve for the residual there: STALE if iterations may go on, or a code."""
+        self.pause()
+        self._assemble(s, scales)
+        report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
+        if not report[ITERATIONS]:
+            report[FIRST] = report[WORST]
+        if not np.isfinite(report[WORST]):
+            return NOT_FINITE
+        if report[INCREMENT] * self.tolerances.increment > MOST_MOVED:
+            return DIVERGES
+        solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
+        return STALE if solved.ok else SINGULAR
+
+    def _assemble(self, s, scales):
+        """Residual and tangent at ``s``, with the compliance."""
+        k, penalty, cC, cM = scales
+        self._tangents(s.z, self._T)
+        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T)
+        if self.compliance is not None:
+            n_q, n = self.system.n_q, self.system.n
+            soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
+            self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
+
+    def _factor(self, tangent, scales):
+        """Factor the tangent at a state that was met before; the LinearStatus."""
+        self._assemble(tangent, scales)
+        return self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)

@@ -1,0 +1,171 @@
+"""Moving a state: prediction, correction, and rotations placed from their increments."""
+
+import math
+
+import numpy as np
+
+from mecano.compiled.entry import Indices, Matrices, Vector, entry
+from mecano.compiled.kernel import kernel
+from mecano.maths.so3 import exp, tangent
+from mecano.maths.vector import mat, vec
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR
+from mecano.solve.time.turning_error import turning_error
+
+
+@kernel
+def put_matrix(A, out):
+    """out[:, :] = A"""
+    for i in range(3):
+        row = A[i]
+        out[i, 0] = row[0]
+        out[i, 1] = row[1]
+        out[i, 2] = row[2]
+
+
+@entry
+def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_out: Matrices):
+    """R = R0 exp(hat(psi)) for all free rotations; psi stands in z."""
+    for r in range(rotation_dof.shape[0]):
+        d = rotation_dof[r]
+        if d < n_q:
+            psi = vec(z, d)
+            put_matrix(mat(R0[r]) @ exp(psi), R_out[r])
+
+
+@entry
+def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
+    """T(psi), (n_rotations, 3, 3), for all free rotations; psi stands in z."""
+    for r in range(rotation_dof.shape[0]):
+        d = rotation_dof[r]
+        if d < n_q:
+            put_matrix(tangent(vec(z, d)), T_out[r])
+
+
+@entry
+def predict(
+    # method
+    am: float, af: float, beta: float, gamma: float,
+    # model
+    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
+    # step
+    h: float,
+    # state and history at its beginning
+    a0: Vector, acceleration0: Vector, slope: Vector, bend: Vector, v_shift: Vector, R0: Matrices,
+    # out: the state at its beginning, moved to its end
+    z_out: Vector, v_out: Vector, acceleration_out: Vector, R_out: Matrices,
+) -> float:  # fmt: skip
+    """Move a state to the end of a step: accelerations and multipliers extrapolated by a parabola.
+
+    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step; slope, bend (n,)
+    differences of the true ones and of the multipliers. Returns the largest coordinate [m].
+    """
+    reach = 0.0
+    for i in range(n_q):
+        guess = acceleration0[i] + slope[i] + bend[i]
+        a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        v0 = v_out[i] + v_shift[i]
+        increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
+        z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
+        reach = max(reach, abs(z_out[i]))
+        v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
+        acceleration_out[i] = guess
+    for i in range(n_q, n):
+        z_out[i] += slope[i] + bend[i]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out)
+    return reach
+
+
+@kernel
+def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out):
+    """Take off dz (n,), the solution for the residual; velocities and accelerations by cC and cM, multipliers by k.
+
+    Returns the largest displacement over ``length``, or rotation [rad]; inf when it is not finite.
+    """
+    for i in range(n_q):
+        z_out[i] -= dz[i]
+        v_out[i] -= cC * dz[i]
+        a_out[i] -= cM * dz[i]
+    for i in range(n_q, n):
+        z_out[i] -= k * dz[i]
+    place_rotations(rotation_dof, n_q, z_out, R0, R_out)
+    return largest(dz, kind, n_q, length)
+
+
+@entry
+def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
+    """Largest displacement over the length scale, or rotation [rad], of dz (n,); inf when one is not finite."""
+    worst = 0.0
+    for i in range(n_q):
+        x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
+        if not x <= 1e300:
+            return np.inf
+        worst = max(worst, x)
+    return worst
+
+
+@entry
+def finish(
+    # method
+    am: float, af: float, length: float, duration: float,
+    # model
+    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
+    # history
+    h: float, a0: Vector, slope: Vector, known: int,
+    # both ends of the step
+    acceleration0: Vector, z0: Vector, acceleration: Vector, z: Vector, v: Vector,
+    # out
+    a_out: Vector, slope_out: Vector, bend_out: Vector,
+) -> (float, float, float):  # fmt: skip
+    """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
+
+    Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
+    displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the error of
+    bodies that spin [rad] (turning_error.py) in a run of the ``duration`` [s].
+    """
+    turn = 0.0
+    for i in range(n_q):
+        a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
+        if kind[i] == ROTATION:
+            turn = max(turn, abs(z[i]))
+        slope_out[i] = acceleration[i] - acceleration0[i]
+    for i in range(n_q, n):
+        slope_out[i] = z[i] - z0[i]
+    for i in range(n):
+        bend_out[i] = slope_out[i] - slope[i] if known else 0.0
+    turning = turning_error(h, duration, rotation_dof, n_q, v, a0, a_out)
+    return largest_change(a0, a_out, kind, n_q, length), turn, turning
+
+
+@entry
+def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float) -> float:
+    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar that does not RELAX.
+
+    It counts over ``length`` for displacements and scalars.
+    """
+    worst = square = 0.0
+    for i in range(n_q):
+        if kind[i] == MASSLESS:
+            continue
+        change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
+        begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes
+        square = change * change + (0.0 if begins else square)
+        worst = max(worst, square)
+    return math.sqrt(worst)
+
+
+def displaced(s, dq, of):
+    """A copy of ``s`` with its positions (and rotations, material increments) moved by dq (n_q,)."""
+    out = s.copy()
+    rotations = of.kind[: of.n_q] == ROTATION
+    out.z[: of.n_q] = np.where(rotations, 0.0, out.z[: of.n_q]) + dq
+    place_rotations(of.rotation_dof, of.n_q, out.z, s.R, out.R)
+    return out
+
+
+def moved(s, dt, of):
+    """The state carried on by dt [s] along its velocities and accelerations (second order)."""
+    n_q = of.n_q
+    out = displaced(s, dt * s.v[:n_q] + 0.5 * dt * dt * s.a[:n_q], of)
+    out.v += dt * s.a
+    out.t = s.t + dt
+    return out

@@ -1,0 +1,88 @@
+"""The start: initial positions brought onto the constraints, or a refusal that names what cannot be met."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.errors import AssemblyError
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
+from mecano.solve.diagnostics.apart import contradicting
+from mecano.solve.events.events import Watch
+from mecano.solve.time.increments import displaced
+
+MAX_ITERATIONS = 50
+TOLERANCE = 1e-12  # of the length scale, or rad
+FULFILLED = 100 * TOLERANCE
+REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration makes up for it
+NAMED = 5  # constraints named in a refusal
+
+
+def assemble_start(system, linear, s, length):
+    """``assemble_positions``, and again with that closed which the first assembly has moved beyond where it closes."""
+    found, moved = assemble_positions(system, linear, s, length)
+    if not system.has_events:
+        return found, moved
+    settled = Watch(system).settle(replace(found, memory=system.commit(found)))
+    if np.all(np.abs(system.levels(settled)[:, 0]) <= FULFILLED * _scale(system, length)):
+        return found, moved
+    found, again = assemble_positions(system, linear, settled, length)
+    return found, moved + again
+
+
+def assemble_positions(system, linear, s, length):
+    """Bring the positions of ``s`` to the nearest that fulfil all constraints: (state, largest displacement [m, rad]).
+
+    Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
+    constraints that cannot be met together, or a joint that closed the wrong way round.
+    """
+    start, of = s, system.numbering
+    scale = _scale(system, length)
+    weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
+    for _ in range(MAX_ITERATIONS):
+        phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+        error = np.abs(phi) / scale
+        if not len(phi) or error.max() <= TOLERANCE:
+            break
+        dq = _least_change(system, linear, s, phi, weight)
+        if dq is None or not np.all(np.isfinite(dq)):
+            break
+        limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
+        s = displaced(s, dq / limit, of)
+    phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+    error = np.abs(phi) / scale
+    if len(phi) and not error.max() <= FULFILLED:
+        raise AssemblyError(_refusal(system, s, phi, error, length))
+    s = displaced(s, np.zeros(system.n_q), of)
+    shift = np.abs(s.z - start.z)[of.x[:, None] + np.arange(3)] if len(of.x) else np.zeros(1)
+    return s, float(shift.max(initial=0.0))
+
+
+def _scale(system, length):
+    """What constraints (n_l,) count by: the length scale [m], or 1 rad."""
+    return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
+
+
+def _least_change(system, linear, s, phi, weight):
+    bare = s.copy()
+    bare.z[system.n_q : system.n] = 0.0
+    data = np.zeros(system.nnz + 1)
+    data[system.diagonal[: system.n_q]] = weight
+    system.add_constraints(bare, 1.0, 0.0, data, rates=False)
+    data[system.diagonal[system.n_q :]] -= REGULARIZATION
+    b, x = np.concatenate([np.zeros(system.n_q), phi]), np.zeros(system.n)
+    status = linear.solve(data, b, x)
+    return x[: system.n_q] if status.ok else None
+
+
+def _refusal(system, s, phi, error, length):
+    worst = np.argsort(-error)[:NAMED]
+    lines = [
+        f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
+        f"{'m' if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT else 'rad'}"
+        for i in worst
+        if error[i] > FULFILLED
+    ]
+    taking_part = dict.fromkeys(name.partition(":")[0] for name in contradicting(system, s, length, phi))
+    if len(taking_part) > 1:
+        lines.append(f"  taking part: {', '.join(taking_part)}")
+    return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)

@@ -1,0 +1,56 @@
+"""All that a run needs to go on, as one value; to plain arrays and back."""
+
+from dataclasses import dataclass, fields
+
+from mecano.model.state import History, State
+from mecano.solve.events.compliance import Compliance
+
+
+@dataclass(slots=True)
+class RunState:
+    """Motion, history, planned step and counters of a run; never changed in place."""
+
+    motion: State
+    history: History
+    h: float  # size of the next step [s]
+    steps: int = 0  # accepted
+    rejected: int = 0
+    iterations: int = 0
+    dissipated: float = 0.0  # [J] since the start
+    given: float = 0.0  # [J] by the surroundings since the start
+    powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
+    compliance: Compliance | None = None  # of redundant constraints in the present modes
+
+    def tried(self, rejected, iterations):
+        """The same run with more rejected trials and Newton iterations counted."""
+        return RunState(
+            motion=self.motion, history=self.history, h=self.h, steps=self.steps, powers=self.powers,
+            compliance=self.compliance,
+            rejected=self.rejected + rejected, iterations=self.iterations + iterations,
+            dissipated=self.dissipated, given=self.given,
+        )  # fmt: skip
+
+
+def to_plain(run):
+    """Nested dict of arrays and numbers that ``from_plain`` turns into the same run, bit for bit."""
+    plain, history = _values(run), _values(run.history)
+    history["tangent"] = history["tangent"] and _values(history["tangent"])
+    dissipated, given = run.powers
+    powers = {"dissipated": dissipated, "given": given}
+    plain["compliance"] = run.compliance and run.compliance.to_plain()
+    return plain | {"motion": _values(run.motion), "history": history, "powers": powers}
+
+
+def from_plain(plain):
+    """The RunState of ``to_plain``."""
+    history = dict(plain["history"])
+    history["tangent"] = history["tangent"] and State(**history["tangent"])
+    powers = plain["powers"]["dissipated"], plain["powers"]["given"]
+    motion = State(**plain["motion"])
+    soft = plain["compliance"] and Compliance.from_plain(plain["compliance"])
+    plain = plain | {"compliance": soft}
+    return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
+
+
+def _values(record):
+    return {field.name: getattr(record, field.name) for field in fields(record)}
