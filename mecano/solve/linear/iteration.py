@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.solve.linear import newton
 from mecano.solve.linear.newton import MESSAGES, NOT_FINITE, SLOW, TOO_MANY
-from mecano.solve.linear.sparse import newton
 
 SINGULAR = MESSAGES[newton.SINGULAR]
 

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.solve.linear import multifrontal
 from mecano.solve.linear.multifrontal import MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
 from mecano.solve.linear.ordering import analyse, padded
-from mecano.solve.linear.sparse import multifrontal
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
 SINGULAR_BELOW = 1e-15  # reciprocal condition number of the equilibrated matrix
