@@ -2,9 +2,9 @@
 
     python tests/benchmarks/same_results.py ../mecano-before [--out FOLDER] [deck.yaml ...]
 
-Every output must agree within 1e-9 of its largest value in the run, or of 1e-6 in its unit where that is more; what does
-not is printed, with the largest difference relative to that. Results that stand in FOLDER already are used again. The
-exit code is 1 where something differs.
+Every output must agree within 1e-9 of its largest value in the run, or of 1e-6 in its unit where that is more; what
+does not is printed, with the largest difference relative to that. Results that stand in FOLDER already are used again.
+The exit code is 1 where something differs.
 """
 
 import os
