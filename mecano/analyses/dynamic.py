@@ -35,7 +35,7 @@ def run(
 
 @contextmanager
 def begun(deck, path, force, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
-    """Bring a checked deck to its start and open its results file; gives the Ongoing run. Arguments as of ``run``."""
+    """Find the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
     with locked(path):
         _refuse_existing(path, force)
         with _from_the_start(deck, path, force, observers, announce, interruption, interval) as ongoing:
@@ -148,7 +148,7 @@ def _source(deck, automatic, model, notes):
 
 
 class Ongoing:
-    """A run whose results file is open; ``state`` is the RunState where it stands.
+    """A run whose results file is open; ``state`` is its present RunState.
 
     A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
     """
@@ -189,7 +189,7 @@ class Ongoing:
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
 
     def leave(self):
-        """Close the file: complete at the end of the deck, before it with a checkpoint to resume from."""
+        """Close the file: complete at the end of the deck, before it with a checkpoint."""
         t = self.state.motion.t
         if t >= self.deck.values["time"]["end"]:
             self._complete()

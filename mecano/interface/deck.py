@@ -1,4 +1,4 @@
-"""A deck as plain Python objects, with the checks and errors of the text that it stands for."""
+"""Decks made of plain Python objects, checked like deck files."""
 
 import os
 from collections.abc import Iterator, Mapping, MutableMapping
@@ -23,18 +23,18 @@ WIDTH = 110
 
 
 class Deck(MutableMapping[str, Any]):
-    """A deck whose sections are dicts, lists, numbers and texts, as YAML has them; units and expressions are texts.
+    """Represent a deck by dicts, lists, numbers and strings; quantities with units and expressions are strings.
 
-    It is checked when it is used. The places in errors are those of its ``text``.
+    A deck is checked when it is used. Errors refer to lines and columns of its ``text``.
 
     Parameters
     ----------
     sections : mapping
         Sections by name; the version ``mecano: 1`` may be left out.
     folder : str or Path
-        Where files that the deck names are looked for.
+        Folder to which the names of files in the deck are relative.
     name : str
-        Of results files, where no other is given.
+        Stem of the default name of results files.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class Deck(MutableMapping[str, Any]):
 
     @classmethod
     def read(cls, path: "AnyPath") -> Self:
-        """Read a deck from a file, without its comments. Raises DeckError where it is no YAML."""
+        """Read a deck from a file; comments are lost. Raises DeckError if it is not valid YAML."""
         path, problems = Path(path), []
         with explained():
             try:
@@ -94,7 +94,7 @@ class Deck(MutableMapping[str, Any]):
             )  # fmt: skip
         except yaml.representer.RepresenterError as error:
             raise TypeError(
-                f"a deck holds dicts, lists, numbers and texts, not {type(error.args[-1]).__name__}"
+                f"a deck holds dicts, lists, numbers and strings, not {type(error.args[-1]).__name__}"
             ) from None
 
     def save(self, path: "AnyPath", *, replace: bool = False) -> None:
@@ -134,7 +134,7 @@ def name_of(deck):
 
 @contextmanager
 def explained():
-    """Give a DeckError the text that the command line prints: lines of the deck, carets, suggestions."""
+    """Format a DeckError as the command line does: lines of the deck, carets, suggestions."""
     try:
         yield
     except DeckError as error:
@@ -151,7 +151,7 @@ def _plain(node):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes what the composer of decks reads to the same values, without aliases."""
+    """Write YAML that ``compose`` reads back to equal values; without aliases."""
 
     def ignore_aliases(self, data):
         return True

@@ -1,4 +1,4 @@
-"""Results for programs and notebooks: tables of other libraries, pictures, a summary in HTML."""
+"""Results in Python: conversion to xarray and pandas, plots, display in notebooks."""
 
 import os
 from dataclasses import replace
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Results(reader.Results):
-    """What a results file holds, as tables of xarray and pandas, as pictures, and as a summary in a notebook.
+    """Read a results file, convert it to xarray or pandas, plot it; displayed as a table in notebooks.
 
     Examples
     --------
@@ -32,7 +32,7 @@ class Results(reader.Results):
     """
 
     def to_xarray(self, pattern: str = "*") -> "xarray.Dataset":
-        """Return a Dataset of the saved times, of all outputs or those of a pattern such as "wheel.*".
+        """Return outputs at the saved times as a Dataset: all, or those that match a pattern such as "wheel.*".
 
         Every variable has its unit and meaning as the attributes ``units`` and ``long_name``. Raises ImportError
         without xarray.
@@ -60,7 +60,7 @@ class Results(reader.Results):
         return (self._dimension, *(f"index{i or ''}_{size}" for i, size in zip((0, 2, 3), shape, strict=False)))
 
     def to_pandas(self, pattern: str = "*") -> "pandas.DataFrame":
-        """Return a DataFrame of the saved times: a column for every number, of all outputs or those of a pattern.
+        """Return outputs at the saved times as a DataFrame: a column per scalar, all or those that match a pattern.
 
         ``frame.attrs["units"]`` has the unit of each column. Raises ImportError without pandas.
         """
@@ -76,10 +76,9 @@ class Results(reader.Results):
         return frame
 
     def plot(self, *names: str, title: str | None = None) -> "Plot":
-        """Draw outputs over time, or over another: "hinge.angle", "a,b" in one panel, "force:stroke".
+        """Plot outputs over time or over another output: "hinge.angle", "a,b" in one panel, "force:stroke".
 
-        Without names the overview of this model. Returns a Plot, which a notebook shows. Raises UnknownNameError,
-        UsageError.
+        Without names, plot the overview of the model. Raises UnknownNameError, UsageError.
         """
         from mecano.post.figure import overview_figure, sheet_figure
         from mecano.post.info import one_line
@@ -103,7 +102,7 @@ class Results(reader.Results):
         return f"Results {str(self.path)!r}: {self.status}, {len(self.time)} saved times, {len(self.names())} outputs"
 
     def _repr_html_(self) -> str:
-        """Return the summary that notebooks show: how the run went, and where it comes from."""
+        """Return the table that notebooks display: status, solver statistics, provenance."""
         from mecano.post.info import facts
 
         rows = [("status", f"{self.status}: {self.reason}" if self.reason else self.status), *facts(self)]
@@ -115,13 +114,13 @@ class Results(reader.Results):
 
 
 class Plot:
-    """A picture, which notebooks show; ``figure`` is the Figure of matplotlib."""
+    """A plot displayed by notebooks; ``figure`` is the Figure of matplotlib."""
 
     def __init__(self, figure):
         self.figure = figure
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the picture; the ending of the name is its format, .png, .svg or .pdf for instance."""
+        """Write the plot in the format of the file extension: .png, .svg, .pdf, ..."""
         self._write(path)
 
     def _repr_png_(self):
@@ -139,7 +138,7 @@ class Plot:
 
 
 def open_results(path: str | os.PathLike[str]) -> Results:
-    """Open a results file for reading; the Results, which a `with` block closes. Raises ResultsError."""
+    """Open a results file; usable in a ``with`` block. Raises ResultsError."""
     return Results(path)
 
 
@@ -148,7 +147,7 @@ def _dotted(path):
 
 
 def imported(library, method):
-    """Return an optional library. Raises ImportError that says how to install it."""
+    """Import an optional library. Raises ImportError with the command that installs it."""
     try:
         return import_module(library)
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""A run that Python advances step by step."""
+"""Dynamic runs advanced step by step from Python."""
 
 import os
 from contextlib import ExitStack
@@ -16,11 +16,12 @@ from mecano.results.lookup import Lookup
 
 
 class Simulation:
-    """A dynamic run that is advanced in a ``with`` block; what it saves goes into a results file, as in ``mecano.run``.
+    """Advance a dynamic run step by step in a ``with`` block; it writes the results file of ``mecano.run``.
 
-    Each ``advance`` ends a step at its time, so one that is no multiple of a fixed step adds a shorter one. The block
-    closes the file: complete at the end of the deck, before it with a checkpoint, from which ``mecano.run(...,
-    resume=True)`` continues. Ctrl-C in ``advance`` does the same, and raises KeyboardInterrupt.
+    Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At
+    the end of the block the file is closed: as complete at the end of the deck, otherwise with a checkpoint, from which
+    ``mecano.run(..., resume=True)`` continues. Ctrl-C in ``advance`` also leaves a checkpoint, and raises
+    KeyboardInterrupt.
 
     ``deck``, ``path``, ``set`` and ``force`` are those of ``mecano.run``.
 
@@ -45,7 +46,7 @@ class Simulation:
     def __init__(self, deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False):
         self._checked = checked_deck(deck, set)
         if self._checked.values["static"]:
-            raise UsageError("a Simulation has a course in time, and this deck asks for equilibria: mecano.run")
+            raise UsageError("a Simulation advances in time, but this deck asks for equilibria; use mecano.run")
         self.path = os.fspath(path or f"{name_of(deck)}.h5")
         self._force, self._open, self._run, self._left = force, ExitStack(), None, False
         self._interruption = Interruption(again=resuming(deck, self.path, set))
@@ -71,21 +72,21 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Where the run stands [s]."""
+        """Time reached [s]."""
         return self._started.state.motion.t
 
     @property
     def end(self) -> float:
-        """End of the deck [s]."""
+        """End time of the deck [s]."""
         return self._checked.values["time"]["end"]
 
     def advance(self, duration: float) -> None:
-        """March on for a ``duration`` [s], or to the end of the deck where less is left.
+        """Advance by ``duration`` [s], or to the end of the deck if that comes first.
 
         Raises
         ------
         UsageError
-            The duration is not positive, or the end of the deck was reached before.
+            The duration is not positive, the end of the deck has been reached, or the block has ended.
         ConvergenceError, NonFiniteError, ResultsError
             As ``mecano.run``.
         """
@@ -99,7 +100,7 @@ class Simulation:
             self._started.advance(min(self.time + duration, self.end))
 
     def __getitem__(self, name: str) -> float | np.ndarray:
-        """Return an output at the time, by any ending of its path: a number or an array. Raises UnknownNameError."""
+        """Return the present value of an output, named by any ending of its path. Raises UnknownNameError."""
         row = self._started.recorder.row
         series, component = self._lookup.find(name)
         start = self._starts[series.path]
@@ -109,7 +110,7 @@ class Simulation:
         return values.reshape(series.shape).copy() if series.shape else float(values[0])
 
     def results(self) -> Results:
-        """Open what has been saved until now. Raises ResultsError."""
+        """Open the results saved so far. Raises ResultsError."""
         if not self._left:
             self._started.recorder.writer.flush()
         return Results(self.path)

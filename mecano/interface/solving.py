@@ -97,7 +97,7 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """What is known of a model before it runs; ``mobility`` is None where it is not computed."""
+    """Summary of a model before a run; ``mobility`` is None if it was not computed."""
 
     mass: float  # [kg]
     unknowns: int
@@ -192,16 +192,16 @@ def sweep(
     jobs : int
         Cases side by side; by default one for each core.
     resume : bool
-        Run what is not complete and has not failed.
+        Run the cases that are neither complete nor failed.
     force : bool
-        Begin anew, whatever there is.
+        Delete existing cases and run all.
     quiet : bool
         Print nothing.
 
     Returns
     -------
     Study
-        Also where cases have failed: see its column ``status``.
+        Returned even if cases have failed; see its column ``status``.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def sweep(
 
 
 class Study:
-    """The table of a study: ``study["case"]`` is an array, and so on for all of its ``columns``."""
+    """Table of a study; ``study[name]`` is the array of a column."""
 
     def __init__(self, table):
         self._columns = {one.name: one for one in table.columns}
@@ -267,9 +267,9 @@ class Study:
 
 @contextmanager
 def interruptible(interruption):
-    """In this block Ctrl-C is for an Interruption; behind it signals mean again what they meant before.
+    """Let an Interruption handle Ctrl-C within the block, and restore the handlers at its end.
 
-    Other threads than the main one get no signals.
+    Does nothing outside the main thread, which alone receives signals.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -284,7 +284,7 @@ def interruptible(interruption):
 
 
 def resuming(deck, path, overrides):
-    """Return the call that continues a run, for people."""
+    """Return the Python call that resumes a run, for messages."""
     words = ["deck" if isinstance(deck, Deck) else repr(os.fspath(deck)), repr(path)]
     words += [f"set={dict(overrides)!r}"] if overrides else []
     return f"mecano.run({', '.join(words)}, resume=True)"
