@@ -238,7 +238,8 @@ class TestRun:
         assert megabytes > 200 or ended.stderr.startswith("mecano: out of memory; ")
 
     def test_a_bug_is_not_hidden(self, folder):
-        code = "from mecano import cli; from mecano.analyses import dynamic; dynamic.run = lambda *a, **k: 1 / 0; cli.main()"
+        patch = "from mecano.analyses import dynamic; dynamic.run = lambda *a, **k: 1 / 0"
+        code = f"{patch}; from mecano import cli; cli.main()"
         ended = subprocess.run([sys.executable, "-c", code, "run", "deck.yaml", "-q"], capture_output=True, text=True)
         assert ended.returncode == 1
         assert ended.stderr.startswith("Traceback") and ended.stderr.endswith("ZeroDivisionError: division by zero\n")

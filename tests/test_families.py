@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from marching import INPUTS, deck, input_deck
 
-from mecano.analyses import modal as modes_run
-from mecano.analyses import sweep as sweep_run
+from mecano.analyses import modal, sweep
 from mecano.analyses.modal import about, modes
 from mecano.analyses.sweep import sweep_into
 from mecano.post.info_modes import info_other
@@ -107,7 +106,7 @@ def not_found(*arguments, **options):
 
 
 def test_modes_that_are_not_converged_are_marked(tmp_path, monkeypatch):
-    monkeypatch.setattr(modes_run, "solve", not_found)
+    monkeypatch.setattr(modal, "solve", not_found)
     text, found, _ = modes(block((0, 0)), tmp_path / "m.h5")
     lines = text.splitlines()
     assert "oscillation, not converged" in lines[2] and "not converged" not in "".join(lines[3:8])
@@ -118,7 +117,7 @@ def test_modes_that_are_not_converged_are_marked(tmp_path, monkeypatch):
 
 
 def test_sweeps_mark_what_is_not_converged(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_run, "solve", not_found)
+    monkeypatch.setattr(sweep, "solve", not_found)
     text, _ = sweep_into(tmp_path / "c.h5", INPUTS / "caster_shimmy.yaml", (), ["speed=57,73"])
     assert "(not converged at 2 of 2 values)" in text and "modes marked 'not converged'" in text
     file = read_sweep(tmp_path / "c.h5")
