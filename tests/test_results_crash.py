@@ -447,3 +447,18 @@ def test_a_file_replaced_while_it_is_written_leaves_both_runs_whole(tmp_path):
     first.close()
     with open_results(tmp_path / "r.h5") as results:
         assert samples.check(results) == 1
+
+
+@pytest.mark.parametrize("ended", ["flush", "close"])
+def test_a_file_that_is_removed_while_it_is_written(tmp_path, ended):
+    """Its rows would reach nobody: the run must not end as if there were results."""
+    path = tmp_path / "gone" / "r.h5"
+    path.parent.mkdir()
+    writer = samples.create(path)
+    samples.append(writer, 0)
+    writer.flush()
+    path.unlink()
+    path.parent.rmdir()
+    samples.append(writer, 1)
+    with pytest.raises(ResultsError, match="r.h5: it was removed while it was written$"):
+        getattr(writer, ended)()

@@ -16,6 +16,7 @@ only ever grows at its end, and with metadata kept within pages of the operating
 file (tests/test_results_crash.py tries them all).
 """
 
+import errno
 import os
 import shutil
 import signal
@@ -107,6 +108,11 @@ class Disk(Positioned):
     def patch(self, offset, data):
         """Overwrite bytes that are in the file already; after a failure too, as this needs no new space."""
         self._fail(self._put, offset, memoryview(data).cast("B"))
+
+    def keep_loss(self, path):
+        """Keep it as the first failure when the file was removed from its ``path`` and no other one stands there."""
+        if self.error is None and os.fstat(self._descriptor).st_nlink == 0 and not os.path.lexists(path):
+            self.error = FileNotFoundError(errno.ENOENT, "it was removed while it was written")
 
     def _put(self, offset, data):
         if not len(data):

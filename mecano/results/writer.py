@@ -163,6 +163,7 @@ class Writer:
             for table in (self._outputs, self._steps, self._events):
                 table.write()
             self._file.flush()
+            self._disk.keep_loss(self.path)
             if self._disk.error is None:
                 self._acknowledge()
         if self._disk.error is not None:
@@ -252,8 +253,9 @@ class Writer:
         cause = self._disk.error
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
+        kept = "" if isinstance(cause, FileNotFoundError) else f"; {safe} are in it"
         self._end("failed")
-        raise ResultsError(f"cannot write {self.path}: {cause.strerror}; {safe} are in it") from cause
+        raise ResultsError(f"cannot write {self.path}: {cause.strerror}{kept}") from cause
 
     def close(self, status="complete", reason=""):
         """Flush and close; later calls do nothing.
