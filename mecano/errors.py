@@ -1,6 +1,7 @@
 """Errors that a user can cause or meet, each with the exit code of the command line."""
 
 from dataclasses import dataclass, field
+from enum import Enum
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,15 @@ class Problem:
     message: str
     mark: Mark | None = None
     hint: str = ""
+
+
+class Failure(Enum):
+    """Why equations could not be solved: what is advised depends on it."""
+
+    NOT_CONVERGED = "not converged"
+    NOT_FINITE = "not finite"
+    SINGULAR = "singular"
+    CONTRADICTION = "contradiction"
 
 
 class MecanoError(Exception):
@@ -60,6 +70,10 @@ class AssemblyError(MecanoError):
     """The initial configuration cannot be assembled or the equations are singular."""
 
     exit_code = 4
+
+    def __init__(self, message, failure=Failure.NOT_CONVERGED):
+        self.failure = failure
+        super().__init__(message)
 
 
 class ResultsError(MecanoError):

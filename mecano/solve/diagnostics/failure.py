@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION, motion_name
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
@@ -11,29 +11,28 @@ NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
 NAMED = 6  # elements named of one equation
 NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
 MOVES = 0.1  # of the largest entry of a null vector: what moves with it
-NOT_FINITE = "not finite"
-TRY = {  # what a message says: what to try
-    NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); a "
-    "smaller time.step or time.adaptive, if the motion so far is not what it should be",
-    "contradict": "leave one of these constraints out, or let their laws of time agree",
-    "singular": "a mass, an inertia or a stiffness for what is named and has none; `mecano check` for mechanisms",
-    "": "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; `mecano check` for "
-    "redundant constraints and mechanisms",
+TRY = {
+    Failure.NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); "
+    "a smaller time.step or time.adaptive, if the motion so far is not what it should be",
+    Failure.CONTRADICTION: "leave one of these constraints out, or let their laws of time agree",
+    Failure.SINGULAR: "a mass, an inertia or a stiffness for what is named and has none; `mecano check` for mechanisms",
+    Failure.NOT_CONVERGED: "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; "
+    "`mecano check` for redundant constraints and mechanisms",
 }
 
 
 def no_step(system, info, t, h):
     """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
     force, constraint, increment = info.norms
-    infinite, worst = NOT_FINITE in info.message, unresisted(system) if "singular" in info.message else ""
+    worst = unresisted(system) if info.failure is Failure.SINGULAR else ""
     rows = [] if worst else worst_rows(system)
     if rows:
         worst = f"worst equations:\n{worst_equations(system)}"
-    error = (NonFiniteError if infinite else ConvergenceError)(
+    error = (NonFiniteError if info.failure is Failure.NOT_FINITE else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
         + (f"{worst}\n" if worst else "")
-        + f"what to try: {next(text for said, text in TRY.items() if said in info.message)}"
+        + f"what to try: {TRY[info.failure]}"
     )
     return _of_equations(error, system, rows)
 
@@ -47,7 +46,7 @@ def _of_equations(error, system, rows):
 def no_restart(error, t):
     """Return the error when the motion cannot go on from ``t`` after an event: why, and what to try."""
     text = str(error) if str(error).startswith("at t = ") else f"at t = {t:.9g} s {error}"
-    return ConvergenceError(f"{text}\nwhat to try: {next(advice for said, advice in TRY.items() if said in text)}")
+    return ConvergenceError(f"{text}\nwhat to try: {TRY[error.failure]}")
 
 
 def not_finite(system, data, t):
@@ -56,7 +55,7 @@ def not_finite(system, data, t):
     places = {system.numbering.name[i].partition(": ")[0]: i for i in rows[::-1]}
     lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
     text = "\n".join([f"at t = {t:.9g} s masses or constraints are not finite:", *lines])
-    return NonFiniteError(f"{text}\nwhat to try: {TRY[NOT_FINITE]}")
+    return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
 
 
 def unresisted(system):

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.errors import Failure
 from mecano.solve.linear import newton
-from mecano.solve.linear.newton import MESSAGES, NOT_FINITE, SLOW, TOO_MANY
+from mecano.solve.linear.newton import FAILURES, MESSAGES, NOT_FINITE, SLOW, TOO_MANY
 
 SINGULAR = MESSAGES[newton.SINGULAR]
 
@@ -18,6 +19,7 @@ class Iterated:
     iterations: int
     norms: tuple
     message: str = ""
+    failure: Failure = Failure.NOT_CONVERGED  # where not ok
 
 
 def iterate(evaluate, solve, move, *, most):
@@ -32,7 +34,7 @@ def iterate(evaluate, solve, move, *, most):
         norms = evaluate(iteration == 0)
         worst = max(norms)
         if not np.isfinite(worst):
-            return Iterated(False, iteration, (*norms, increment), MESSAGES[NOT_FINITE])
+            return Iterated(False, iteration, (*norms, increment), MESSAGES[NOT_FINITE], FAILURES[NOT_FINITE])
         if iteration and worst <= 1.0 and increment <= 1.0:
             return Iterated(True, iteration, (*norms, increment))
         if iteration == most:
@@ -42,6 +44,6 @@ def iterate(evaluate, solve, move, *, most):
             evaluate(True)
         dz = solve(fresh)
         if dz is None:
-            return Iterated(False, iteration, (*norms, increment), SINGULAR)
+            return Iterated(False, iteration, (*norms, increment), SINGULAR, Failure.SINGULAR)
         increment, last = move(dz), worst
     return Iterated(False, most, (*norms, increment), MESSAGES[TOO_MANY].format(most))

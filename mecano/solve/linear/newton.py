@@ -8,6 +8,7 @@ import numpy as np
 
 from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.compiled.kernel import kernel
+from mecano.errors import Failure
 from mecano.model.conduct import aim, residual
 from mecano.model.loops import BATCH, SYSTEM
 from mecano.solve.diagnostics.scales import norms
@@ -23,6 +24,10 @@ MESSAGES = {
     TOO_MANY: "no convergence in {} iterations",
     SINGULAR: "the tangent is singular",
     DIVERGES: "no convergence: corrections grow beyond the size of the mechanism",
+}
+FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {
+    NOT_FINITE: Failure.NOT_FINITE,
+    SINGULAR: Failure.SINGULAR,
 }
 
 # What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;

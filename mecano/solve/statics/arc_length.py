@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
@@ -172,7 +172,7 @@ class Arc:
         self.metric = statics.weight / statics.length**2
         s = statics.begin(point.state)
         self.rate = self._rate(s, point.parameter)
-        self.singular = statics.judged(Iterated(False, 0, (), SINGULAR), s, s)
+        self.singular = statics.judged(Iterated(False, 0, (), SINGULAR, Failure.SINGULAR), s, s)
         if self.rate is None:
             return
         q = self.rate[: statics.system.n_q]
@@ -225,7 +225,7 @@ class Arc:
         """The trial with tangent and rate at its end; refused where the path has turned too sharply."""
         trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
         if trial.rate is None:
-            trial.found.ok, trial.found.message = False, SINGULAR
+            trial.found.ok, trial.found.message, trial.found.failure = False, SINGULAR, Failure.SINGULAR
             return trial
         trial.tangent = self._direction(trial.rate)
         if self._product(trial.tangent, self.tangent) < SHARPEST:

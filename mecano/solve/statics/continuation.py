@@ -10,9 +10,8 @@ Every way goes from ``Point`` to ``Point``:
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from mecano.errors import ConvergenceError, NonFiniteError
+from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import worst_equations
-from mecano.solve.linear.iteration import SINGULAR
 from mecano.solve.statics.stability import Judge, Stability, freedom, words
 from mecano.solve.statics.static import Found
 
@@ -98,7 +97,7 @@ class Follower:
     def find(self, s0, p):
         """Equilibrium at the parameter p near ``s0``: (state, Found), where the tangent is singular too."""
         s, found = self.statics.correct(s0, p)
-        return self.statics.lean(s0, p) if found.message == SINGULAR else (s, found)
+        return self.statics.lean(s0, p) if found.failure is Failure.SINGULAR and not found.ok else (s, found)
 
     def start(self, s, p):
         """The first Point, at the parameter p: ``s`` or the equilibrium next to it. Raises ConvergenceError."""
@@ -119,7 +118,7 @@ class Follower:
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
         statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
         equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst_equations(system)}"
-        if "not finite" in found.message:
+        if found.failure is Failure.NOT_FINITE:
             return NonFiniteError(head + equations)
         free = freedom(system, last, self.stability(last, last_p), statics.length)
         return ConvergenceError(f"{head}at {of.name} {last_p:.6g}{of.unit}: {free}\n{equations}\nwhat to try: {hint}")

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mecano.errors import Failure
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.scales import Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
@@ -37,6 +38,7 @@ class Found:
     first: float = np.inf  # the same of the first iteration: what the tangent predicts
     message: str = ""
     happenings: tuple = ()
+    failure: Failure = Failure.NOT_CONVERGED  # where not ok
 
 
 class Statics:
@@ -146,7 +148,9 @@ class Statics:
         else:
             names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in happenings))
             return s, Found(False, iterations, found.norms, message=f"contacts do not settle: {names}")
-        return s, Found(found.ok, iterations, found.norms, found.change, first, found.message, tuple(told))
+        return s, Found(
+            found.ok, iterations, found.norms, found.change, first, found.message, tuple(told), found.failure
+        )
 
     def lean(self, s0, p):
         """Equilibrium near ``s0`` where the tangent is singular, with a drag too small to matter: (state, Found).
@@ -165,7 +169,7 @@ class Statics:
             if max(norms_) <= 1.0:
                 return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(told))
         text = "the tangent is singular, and forces act along a motion that is free"
-        return s, Found(False, iterations, found.norms, found.change, message=text)
+        return s, Found(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
     def _newton(self, guess, s0, p, drag):
         """Newton from ``guess``; rotation increments, the drag and what rolls count from ``s0``."""
@@ -200,10 +204,11 @@ class Statics:
     def judged(self, result, s, s0, first=np.inf):
         """The Found of a Newton iteration from ``s0`` to ``s``: an equilibrium too far away counts as none."""
         change = float(np.abs(self.displacement(s, s0) * np.sqrt(self.weight)).max(initial=0.0)) / self.length
-        ok, message = result.ok, result.message
+        ok, message, failure = result.ok, result.message, result.failure
         if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
-            ok, message = False, f"a body turns by more than {MOST_TURN} rad in one step"
-        return Found(ok, result.iterations, result.norms, change, first, message)
+            ok, failure = False, Failure.NOT_CONVERGED
+            message = f"a body turns by more than {MOST_TURN} rad in one step"
+        return Found(ok, result.iterations, result.norms, change, first, message, (), failure)
 
     def displacement(self, s, s0):
         """Displacements of the unknowns from ``s0`` (n_q,), where ``s`` counts its rotation increments from."""

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.increments import displaced, moved
@@ -73,7 +73,9 @@ class Consistent:
         if not status.finite:
             raise not_finite(self.system, data, self.bare.t)
         if not status.ok:
-            raise AssemblyError("the constraints and masses of the model leave some accelerations undetermined")
+            raise AssemblyError(
+                "the constraints and masses of the model leave some accelerations undetermined", Failure.SINGULAR
+            )
         return x
 
     def _resolve(self, top, bottom):

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, Failure
 from mecano.model.loops import residual
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, TRANSLATION
 from mecano.model.state import History
@@ -26,6 +26,7 @@ from mecano.solve.linear.kept_tangent import SHARE, keep
 from mecano.solve.linear.newton import (
     CONVERGED,
     DIVERGES,
+    FAILURES,
     FIRST,
     FORCES,
     INCREMENT,
@@ -101,6 +102,7 @@ class StepInfo:
     error: float  # local error, relative to the length scale (or rad); nan if not ok
     began: History  # what the step began with
     message: str = ""
+    failure: Failure = Failure.NOT_CONVERGED  # where not ok
     lag: float = 0.0  # local error of scalars without inertia, which forget it
     turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
     plain: float = np.nan  # the error before what swings was bounded
@@ -172,7 +174,7 @@ class GeneralizedAlpha:
             (self._soft, "the others leave a rate"),
         ):
             if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
-                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}")
+                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}", Failure.CONTRADICTION)
         consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
@@ -341,7 +343,7 @@ class GeneralizedAlpha:
         reached = tuple(report[FORCES : INCREMENT + 1].tolist())
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
-            return s, history, StepInfo(False, iterations, reached, np.nan, history, message)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
         a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
         change, turn, turning = self._finish(
             h, history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, s.v, a, slope, bend
@@ -353,10 +355,10 @@ class GeneralizedAlpha:
             soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
             if text := self._contradiction(s, h, self._released, slips, SLIPS):
                 text = CONTRADICTION.format("those on positions leave a slip", *text)
-                return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+                return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         if len(self._soft) and (text := self._gap(s)):
             text = CONTRADICTION.format("the others leave a gap", *text)
-            return s, history, StepInfo(False, iterations, reached, np.nan, history, text)
+            return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         known = min(history.known + 1, 2)
         kept = keep(history, self.linear.label, report)
         new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
