@@ -52,7 +52,8 @@ class Deck(MutableMapping[str, Any]):
     @classmethod
     def read(cls, path: "AnyPath") -> Self:
         """Read a deck from a file; comments are lost. Raises DeckError if it is not valid YAML."""
-        path, problems = Path(path), []
+        problems: list[Problem] = []
+        path = Path(path)
         with explained():
             try:
                 root = compose(read_source(path)[0], problems)

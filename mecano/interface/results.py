@@ -5,7 +5,7 @@ from dataclasses import replace
 from html import escape
 from importlib import import_module
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mecano.errors import UsageError
 from mecano.results import reader
@@ -43,7 +43,9 @@ class Results(reader.Results):
             trace, shape = self.find(path), self.series[path].shape
             attributes = {"units": trace.unit, "long_name": trace.doc}
             variables[_dotted(path)] = (self._dimensions(shape), trace.values, attributes)
-        coordinates = {self.axis.path.replace(" ", "_"): ((self._dimension,), self.time, {"units": self.axis.unit})}
+        coordinates: dict[str, Any] = {
+            self.axis.path.replace(" ", "_"): ((self._dimension,), self.time, {"units": self.axis.unit})
+        }
         widths = {variables[name][1].shape[1] for name in variables if variables[name][1].ndim == 2}
         coordinates |= {"".join(AXES[width]): list(AXES[width]) for width in widths & AXES.keys()}
         attributes = {"title": self.metadata["title"], "status": self.status, "mecano": self.metadata["version_mecano"]}
@@ -65,7 +67,8 @@ class Results(reader.Results):
         ``frame.attrs["units"]`` has the unit of each column. Raises ImportError without pandas.
         """
         pandas = imported("pandas", "Results.to_pandas")
-        columns, units = {}, {}
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
         for path in self.names(pattern):
             trace, series = self.find(path), self.series[path]
             numbers = trace.values.reshape(len(self.time), -1).T

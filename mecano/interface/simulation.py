@@ -2,7 +2,7 @@
 
 import os
 from contextlib import ExitStack
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -48,7 +48,8 @@ class Simulation:
         if self._checked.values["static"]:
             raise UsageError("a Simulation advances in time, but this deck asks for equilibria; use mecano.run")
         self.path = os.fspath(path or f"{name_of(deck)}.h5")
-        self._force, self._open, self._run, self._left = force, ExitStack(), None, False
+        self._force, self._open, self._left = force, ExitStack(), False
+        self._run: Any = None
         self._interruption = Interruption(again=resuming(deck, self.path, set))
 
     def __enter__(self) -> Self:

@@ -10,7 +10,7 @@ import signal
 import threading
 
 VARIABLE = "MECANO_PARENT"  # of the environment of a child: the file descriptor of the pipe
-_pipe = []  # its ends, for reading and for writing, once there is a child
+_pipe: list[int] = []  # its ends, for reading and for writing, once there is a child
 
 
 def tied():
