@@ -235,7 +235,7 @@ class TestStore:
         loaded, second = run_script(SCRIPT, tmp_path).stdout.split()
         assert (compiled, loaded) == ("True", "False") and first == second
         (path,) = tmp_path.rglob("*.o")
-        assert re.fullmatch(r"mecano\.solve\.increments\.place_rotations-[0-9a-f]{32}\.o", path.name)
+        assert re.fullmatch(r"mecano\.solve\.time\.increments\.place_rotations-[0-9a-f]{32}\.o", path.name)
         for damage in (lambda data: data[:-100], lambda data: b"name check\n" + data):
             path.write_bytes(damage(path.read_bytes()))
             again, third = run_script(SCRIPT, tmp_path).stdout.split()

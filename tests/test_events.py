@@ -275,7 +275,10 @@ AXLE = """
 """
 
 
-@pytest.mark.parametrize(("heading", "pull"), [(43.115, 5386.9), (50.563, 6418.5), (76.581, 5426.6)])
+@pytest.mark.parametrize(
+    ("heading", "pull"),
+    [(43.115, 5386.9), (50.563, 6418.5), (76.581, 5426.6), (44.589, 6632.8), (51.3, 5559.3), (48.463, 7381.0)],
+)
 def test_equal_wheels_lift_off_at_one_instant(heading, pull):
     """Reactions of two wheels differ by what Newton leaves: here one lifted off up to 1.3 us after the other.
 

@@ -36,6 +36,7 @@ EXAMPLES = {
     "prescribed_angle":
         "motor: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: {linear: {slope: 60 rpm}}}",
     "held_rotation": "upright: {type: held_rotation, nodes: [ground, slider]}",
+    "generic": "mount: {type: generic, nodes: [ground, slider], axis: [0, 0, 1], free: [along_axis]}",
     "beam": "leg: {type: beam, nodes: [crank, slider], section: pipe, mesh: 4}",
     "superelement": "wing: {type: superelement, nodes: [crank, slider], file: wing.npz}",
     "bar": "tie: {type: bar, nodes: [crank, slider], E: 210 GPa, area: 80 mm2}",

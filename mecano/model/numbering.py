@@ -10,6 +10,7 @@ import numpy as np
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
 MASSLESS = -1  # in the place of SCALAR, for solvers, where a scalar has no inertia
+RELEASED = -2  # in the place of a constraint, for solvers, where its row says of reactions that they are shared
 AXES = "xyz"
 
 

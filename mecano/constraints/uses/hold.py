@@ -11,7 +11,7 @@ from mecano.contract import Kind, Row, record
 from mecano.laws.table import evaluate_curve
 
 TARGET = {"law": "i", "offset": ()}
-"""Of a record, before the axes: numba takes a record that begins as another one for the same."""
+"""Of a record; the law first, as numba takes a record that begins as another one, of a hold, for the same."""
 
 
 @kernel
@@ -83,7 +83,7 @@ def drive_kind(name, doc, coordinate, row):
     def levels(p, at, g):
         levels_of(p, at, 1.0, target(p, at.laws, at.t), g)
 
-    return _kind(name, doc, coordinate, row, {**TARGET, **coordinate.axes}, force, levels)
+    return _kind(name, doc, coordinate, row, {**coordinate.axes, **TARGET}, force, levels)
 
 
 def _kind(name, doc, coordinate, row, fields, force, levels):

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.compiled.entry import Indices, Vector, entry
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, SCALAR, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, TRANSLATION
+from mecano.solve.events.compliance import LET_GO
 
 HUGE = 1e300  # beyond this a number counts as infinite
 TINY = 1e-300
@@ -48,13 +49,14 @@ def norms(
 
     r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale
     of the forces is the largest at work anywhere, at fixed nodes too; that of the moments and of the forces on own
-    unknowns of elements (taken to be like forces) likewise. A constraint is
-    judged as a length or an angle, and also as the force that it makes with the mean ``stiffness`` [N/m] of the step:
-    in short steps a small displacement is a large force. No force is judged below what the rounding of positions as
-    large as ``reach`` [m] makes of it; for scalars without inertia that is at most MASSLESS_SHARE, since in short steps
-    the stiffness is that of the masses. ``share`` makes all tolerances smaller, but for this.
+    unknowns of elements (taken to be like forces) likewise. A constraint is judged as a length or an angle, and also as
+    the force that it makes with the mean ``stiffness`` [N/m] of the step: in short steps a small displacement is a
+    large force. The row of a constraint that is let go says that reactions are shared (compliance.py) and is judged as
+    the force by which they are not. No force is judged below what the rounding of positions as large as ``reach`` [m]
+    makes of it; for scalars without inertia that is at most MASSLESS_SHARE, since in short steps the stiffness is that
+    of the masses. ``share`` makes all tolerances smaller, but for this.
     """
-    force = moment = scalar = massless = distance = angle = 0.0
+    force = moment = scalar = massless = distance = angle = shared = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
         x = abs(r[i]) if i < n else 0.0
@@ -70,6 +72,8 @@ def norms(
             massless, scalar_size = max(massless, x), max(scalar_size, size[i])
         elif kind[i] == LENGTH_CONSTRAINT:
             distance = max(distance, x / k)
+        elif kind[i] == RELEASED:
+            shared = max(shared, x / k)
         else:
             angle = max(angle, x / k)
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
@@ -80,7 +84,7 @@ def norms(
     f = max(f * force_tolerance, hidden)
     m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
     light, g = max(g * force_tolerance, min(hidden, MASSLESS_SHARE * g)), max(g * force_tolerance, hidden)
-    force = max(force, stiffness * distance) / f
+    force = max(force, stiffness * distance, stiffness / LET_GO * shared) / f
     moment = max(moment, stiffness * length * length * angle) / m
     constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
     return max(force, moment, scalar / g, massless / light), constraint

@@ -16,7 +16,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.loops import residual
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.diagnostics.analysis import analyse
 from mecano.solve.diagnostics.apart import redundant_groups
@@ -140,6 +140,8 @@ class GeneralizedAlpha:
         self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         self._exact_rates = self.system.numbering.of_rates.copy()
         self._exact_rates[self._released] = False
+        self._kind[of.n_q : of.n] = of.kind[of.n_q : of.n]
+        self._kind[of.n_q + self._released] = RELEASED
         self._bind()
 
     def _bind(self):
