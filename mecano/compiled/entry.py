@@ -39,6 +39,14 @@ RESULT = {float: ctypes.c_double, int: ctypes.c_int64, bool: ctypes.c_int64}
 WORD = {float: "d", int: "q", bool: "?7x"}
 
 
+class PackedCall(NamedTuple):
+    """A call of an entry: the addresses are valid as long as this lives."""
+
+    function: int  # address of the C function
+    words: np.ndarray  # (n,) the packed arguments
+    arguments: tuple
+
+
 class Entry(Kernel):
     """A compiled function for Python; other compiled functions may call it as a kernel."""
 
@@ -57,6 +65,12 @@ class Entry(Kernel):
         head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
         return _binding(self, n)(self, self.function, head, struct.Struct(_layout(self.signature[n:])).pack, first)
 
+    def call_from_compiled_code(self, *arguments):
+        """Return what ``memory.call`` needs for a call with these arguments, as a PackedCall."""
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, arguments, strict=True)]
+        packed = np.frombuffer(self.pack(id(np.ndarray), *words), np.int64).copy()
+        return PackedCall(self.address, packed, arguments)
+
     @property
     def several(self):
         """True when a call gives a tuple."""
@@ -65,10 +79,14 @@ class Entry(Kernel):
     @cached_property
     def function(self):
         """The C function of the address of the words and, for several results, that of an array for them."""
-        name, depends = f"{self.__module__}.{self.__qualname__}", digest(self.__wrapped__)
-        found = address(name, depends, lambda compiler: compiler.entry_code(self))
         result = None if self.several or not self.returns else RESULT[self.returns[0]]
-        return ctypes.PYFUNCTYPE(result, ctypes.c_char_p, ctypes.c_void_p)(found)
+        return ctypes.PYFUNCTYPE(result, ctypes.c_char_p, ctypes.c_void_p)(self.address)
+
+    @cached_property
+    def address(self):
+        """The address of the C function."""
+        name, depends = f"{self.__module__}.{self.__qualname__}", digest(self.__wrapped__)
+        return address(name, depends, lambda compiler: compiler.entry_code(self))
 
     def is_written(self, place):
         """True for an argument that by its name is an array that the function writes."""

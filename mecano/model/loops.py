@@ -22,18 +22,19 @@ from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, skew, vec
 
 
-def _fields(floats="", words=""):
+def fields(floats="", words=""):
+    """Return the type of a record of numbers and of words (addresses, lengths)."""
     return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
 
 
 # Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
-BATCH = _fields(
+BATCH = fields(
     words="n n_local n_rotations n_multipliers n_reactions n_watched n_forces n_outputs n_events n_memory "
     "p dofs rots slots columns entries multipliers watched watched_slots "
     "q v a R f K C M seeded F g y e event_values before first_mode first_memory"
 )
 # Addresses of the arrays of the system and of the state on which the loops work.
-SYSTEM = _fields(
+SYSTEM = fields(
     floats="t k penalty lag cK cC cM",
     words="n_all n_rotations z v a R T modes memory memory_out "
     "n_laws laws n_slots force size mass slot_dof residual scale n_data data "

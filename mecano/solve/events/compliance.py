@@ -72,8 +72,11 @@ class Compliance:
 
     def soften_tangent(self, k, data, values=None):
         """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
-        values = self._values(1.0, k) if values is None else values
-        np.add.at(data, self.places, -k * k * values * self._in_tangent)
+        np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
+
+    def in_tangent(self, k, values):
+        """Return what ``values`` (matrix.nnz,) add to the tangent, whose rows of constraints count k times."""
+        return -k * k * values * self._in_tangent
 
     def sharing(self, k, bottom, x):
         r"""Right-hand sides (n_l,) of constraints with which the reactions let go take their share.

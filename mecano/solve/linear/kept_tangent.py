@@ -4,22 +4,29 @@ An iteration with a tangent of ``age`` steps leaves about the share drift * age 
 cost less than a factorization, so a tangent is kept as long as two are expected to do.
 """
 
-from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND
+from mecano.compiled.kernel import kernel
+from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE
 
-SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
 TRUST = 0.5  # of the residual norm may be left where two iterations are expected to do
 FORGET = 0.9  # the experience with old tangents, at every step that does without
 
 
-def keep(history, used, report):
-    """(tangent, age, drift) for the next step, after one that ended with the tangent of the state ``used``."""
-    tangent, age, drift, first = history.tangent, history.age + 1, history.drift * FORGET, report[FIRST]
-    if tangent is None:
+@kernel
+def keep(has, age, drift, renewed, report):
+    """Decide whether the next step uses the tangent of this one: (whether, age in steps, drift).
+
+    ``has``, ``age`` and ``drift`` are those with which this step began; ``renewed``: it evaluated a tangent.
+    """
+    first, before = report[FIRST], age
+    age, drift = age + 1, drift * FORGET
+    if not has:
         first /= SHARE
     elif first > 0.0:
-        drift = report[SECOND] / first / history.age
-    if tangent is not used:  # a new one was evaluated in this step; is it worth keeping?
-        tangent, age = (used, 1) if report[ITERATIONS] <= (1 if tangent is None else 2) else (None, 0)
-    if not first * (drift * age) ** 2 <= TRUST:
-        tangent = None
-    return tangent, age, float(drift)
+        drift = report[SECOND] / first / before
+    if renewed:  # is the new one worth keeping?
+        has = report[ITERATIONS] <= (2.0 if has else 1.0)
+        age = 1 if has else 0
+    share = drift * age
+    if not first * (share * share) <= TRUST:
+        has = False
+    return has, age, drift

@@ -1,24 +1,39 @@
-"""Newton iterations with a factor that is kept, in one compiled call.
+"""Newton's iterations of a step, in one compiled call.
 
-They go on while the residual falls quickly enough. Otherwise they ask for a new tangent (STALE), which the caller
-evaluates and factors before it calls again: the choice of the linear solver is none of theirs.
+The factor of an earlier tangent is used as long as the residual falls quickly enough; otherwise the tangent is
+evaluated and factored anew. What compiled code cannot do alone is left to the caller, who calls again: a look at
+signals before a factorization (PAUSE), a matrix that the fixed order of elimination cannot factor (OTHERWISE).
 """
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import call, floats, integers, items
 from mecano.errors import Failure
-from mecano.model.conduct import aim, residual
-from mecano.model.loops import BATCH, SYSTEM
+from mecano.model.conduct import assemble, residual
+from mecano.model.loops import BATCH
 from mecano.solve.diagnostics.scales import norms
 from mecano.solve.events.compliance import soften
-from mecano.solve.linear.multifrontal import substitute
-from mecano.solve.time.increments import correct
+from mecano.solve.linear.sparse import ACCEPT_BELOW
+from mecano.solve.time.increments import correct, tangents
+from mecano.solve.time.workspace import (
+    BEGIN,
+    RENEWED,
+    TRIAL,
+    aim_at,
+    copy_state,
+    is_due,
+    memory_of,
+    motion_of,
+    system_of,
+    time_of,
+)
 
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
+SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
+MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
 
-CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES = range(6)
+CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
 MESSAGES = {
     NOT_FINITE: "a residual is not finite",
     TOO_MANY: "no convergence in {} iterations",
@@ -35,50 +50,55 @@ FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {
 REPORT = ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
 
 
-@entry
-def iterate(
-    # equations
-    loops: Indices, batches: Records(BATCH), system: Records(SYSTEM), r: Vector, size: Vector,
-    starts: Indices, columns: Indices, compliances: Vector,
-    # factor
-    order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
-    # model
-    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
-    # limits
-    length: float, force_tolerance: float, constraint_tolerance: float, increment_tolerance: float, most: int,
-    # increment, in and out
-    x: Vector,
-    # step
-    k: float, penalty: float, cC: float, cM: float, stiffness: float, reach: float, share: float,
-    kept: bool, usable: bool, pending: bool,
-    # state, moved
-    t: float, R0: Matrices, z: Vector, v: Vector, a: Vector, R: Matrices, modes: Indices, memory: Vector,
-    # out
-    report: Vector,
-) -> int:  # fmt: skip
-    """Iterate from the present state: one of the codes above.
+@kernel
+def newton(w):
+    """Iterate from the state TRIAL of the workspace, moved in place: one of the codes above.
 
-    ``pending``: x solves for the present residual, whose largest norm is report[WORST]. ``kept``: the factor belongs to
-    an earlier solution and is expected to do for two iterations. ``usable``: the factor may be used at all.
+    ``stale``: the tangent must be renewed. ``pending``: the increment solves for the present residual, whose largest
+    norm is report[WORST]. ``kept``: the factor belongs to an earlier solution and is expected to do for two
+    iterations. ``usable``: the factor may be used at all.
     """
-    aim(system, t, z, v, a, R, modes, memory)
-    system[0].lag = 1.0 / cC
     while True:
-        if pending:
+        if w.stale:
+            if is_due(w):
+                return PAUSE
+            code = renew(w)
+            if code != STALE:
+                return code
+        code = iterate(w)
+        if code != STALE:
+            return code
+        w.stale = 1
+
+
+@kernel
+def iterate(w):
+    """Iterate with the factor at hand: STALE where a new one is wanted, or another of the codes."""
+    z, v, a, R = motion_of(w, TRIAL)
+    R0 = motion_of(w, BEGIN)[3]
+    r, size, x = floats(w.residual, w.n_all), floats(w.size, w.n_all), floats(w.increment, w.n)
+    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
+    report, system = floats(w.report, 8), system_of(w)
+    loops, batches = integers(w.loops, w.n_loops), items(w.batches, w.n_loops, BATCH)
+    share = SHARE if w.kept and not w.renewed else 1.0
+    aim_at(w, TRIAL)
+    system[0].lag = 1.0 / w.cC
+    while True:
+        if w.pending:
             report[LAST] = report[WORST]
-            moved = correct(length, kind, rotation_dof, n_q, n, x, k, cC, cM, R0, z, v, a, R)
-            report[INCREMENT] = moved / increment_tolerance
+            moved = correct(w.length, kind, rotation_dof, w.n_q, w.n, x, w.k, w.cC, w.cM, R0, z, v, a, R)
+            report[INCREMENT] = moved / w.increment_tolerance
             report[ITERATIONS] += 1
-        residual(loops, batches, system, k, penalty)
-        soften(k, starts, columns, compliances, z[n_q:n], r[n_q:n])
+        residual(loops, batches, system, w.k, w.penalty)
+        soften_rows(w, z, r)
         forces, constraints = norms(
-            r, size, kind, n, length, force_tolerance, constraint_tolerance, share, k, stiffness, reach
+            r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, w.k, w.stiffness, w.reach
         )
-        code = judge(report, forces, constraints, most, kept, usable)
+        code = judge(report, forces, constraints, w.most, w.kept, w.usable)
         if code >= 0:
             return code
-        substitute(r[:n], order, fronts, links, factors, exchanges, vectors, x)
-        pending = True
+        call(w.substitute, w.substitute_words, 0)
+        w.pending = 1
 
 
 @kernel
@@ -103,3 +123,59 @@ def judge(report, forces, constraints, most, kept, usable):
         return -1
     slow = worst * worst > report[LAST] if kept and iteration == 1 else worst > SLOW * report[LAST]
     return STALE if slow else -1
+
+
+@kernel
+def renew(w):
+    """Factor the tangent at TRIAL and solve for the residual there: STALE if iterations may go on, or a code."""
+    evaluate(w, TRIAL)
+    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
+    report = floats(w.report, 8)
+    forces, constraints = norms(
+        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, 1.0, w.k, w.stiffness, w.reach
+    )
+    report[WORST] = max(forces, constraints)
+    if report[ITERATIONS] == 0.0:
+        report[FIRST] = report[WORST]
+    if not np.isfinite(report[WORST]):
+        return NOT_FINITE
+    if report[INCREMENT] * w.increment_tolerance > MOST_MOVED:
+        return DIVERGES
+    copy_state(w, TRIAL, RENEWED)
+    w.renewed = 1
+    return factor(w)
+
+
+@kernel
+def factor(w):
+    """Factor the tangent and solve for the residual: STALE, or OTHERWISE where the fixed order does not do."""
+    results = floats(w.solve_results, 3)
+    call(w.solve, w.solve_words, w.solve_results)
+    if not results[2] <= ACCEPT_BELOW:
+        return OTHERWISE
+    w.usable, w.pending, w.stale = 1, 1, 0
+    return STALE
+
+
+@kernel
+def evaluate(w, which):
+    """Evaluate residual and tangent at one of the four states, with the compliance."""
+    z, v, a, R = motion_of(w, which)
+    T, system = floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
+    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
+    loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
+    t, modes, memory = time_of(w, which)[0], integers(w.modes, w.n_modes), memory_of(w, which)
+    assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
+    soften_rows(w, z, floats(w.residual, w.n_all))
+    places, values = integers(w.entry_places, w.n_entries), floats(w.entry_values, w.n_entries)
+    data = floats(system[0].data, system[0].n_data)
+    for i in range(w.n_entries):
+        data[places[i]] += values[i]
+
+
+@kernel
+def soften_rows(w, z, r_out):
+    """Let redundant constraints give way (compliance.py)."""
+    if w.n_entries:
+        starts, columns = integers(w.soft_starts, w.n - w.n_q + 1), integers(w.soft_columns, w.n_entries)
+        soften(w.k, starts, columns, floats(w.soft_values, w.n_entries), z[w.n_q : w.n], r_out[w.n_q : w.n])

@@ -79,16 +79,20 @@ class LinearSolver:
             return LinearStatus(True, error, null > 0, True, null, refined)
         return self._solve_otherwise(data, b, x_out, null)
 
+    def calls(self, data, b, x_out):
+        """Return the calls with which compiled code solves A x = b anew, and with the kept factor, as PackedCalls."""
+        new = multifrontal.solve.call_from_compiled_code(data, b, *self._solve_arguments, x_out)
+        return new, multifrontal.substitute.call_from_compiled_code(b, *self._substitute_arguments, x_out)
+
+    def solved(self, label):
+        """Note that compiled code has factored the matrix of this ``label``."""
+        self._other, self.label = None, label
+
     @property
     def nbytes(self):
         """Memory of the factors and of what makes them [B]."""
         arrays = (*self._tables, self._equations, *self._solve_arguments[5:9])
         return sum(array.nbytes for array in arrays)
-
-    @property
-    def factor(self):
-        """What ``multifrontal.substitute`` takes between b and x."""
-        return self._substitute_arguments
 
     @property
     def kept(self):

@@ -10,45 +10,45 @@ Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theor
 with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
 """
 
+import time as clock
 from dataclasses import dataclass
 
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure
-from mecano.model.loops import residual
+from mecano.model.loops import residual, tangent
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.diagnostics.analysis import analyse
 from mecano.solve.diagnostics.apart import redundant_groups
-from mecano.solve.diagnostics.scales import Tolerances, balance, norms
+from mecano.solve.diagnostics.scales import Tolerances, balance
 from mecano.solve.events.compliance import NO_ROWS, soften
-from mecano.solve.linear.kept_tangent import SHARE, keep
+from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
-    DIVERGES,
     FAILURES,
-    FIRST,
     FORCES,
     INCREMENT,
     ITERATIONS,
     MESSAGES,
     NOT_FINITE,
-    REPORT,
+    OTHERWISE,
+    PAUSE,
     SINGULAR,
     STALE,
-    WORST,
-    iterate,
 )
 from mecano.solve.time.consistent import Consistent
-from mecano.solve.time.increments import finish, largest_change, predict, tangents
+from mecano.solve.time.increments import largest_change, tangents
 from mecano.solve.time.resolved import resolver
+from mecano.solve.time.step import attempt
+from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, Workspace
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 MOST_OTHERS = 12  # constraints named that contradict one
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
-MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+PATIENCE = 0.2  # s of wall-clock time between two looks at signals
 CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
@@ -126,6 +126,8 @@ class GeneralizedAlpha:
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
+        self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
+        self.workspace = Workspace(system)
         self.use(compliance)
 
     def use(self, compliance):
@@ -145,16 +147,27 @@ class GeneralizedAlpha:
         self._bind()
 
     def _bind(self):
-        """The compiled functions of a step with the arguments that never change."""
-        system, of, c, length, to = self.system, self.system.numbering, self.coefficients, self.length, self.tolerances
-        moving = self._kind, of.rotation_dof, of.n_q, of.n
-        self._predict = predict.bind(c.am, c.af, c.beta, c.gamma, *moving)
-        self._tangents = tangents.bind(of.rotation_dof, of.n_q)
-        self._finish = finish.bind(c.am, c.af, length, self.duration, self._kind, of.rotation_dof, of.n_q, of.n)
-        self._norms = norms.bind(system.residual, system.size, self._kind, of.n, length, to.force, to.constraint)
-        equations = (*system.loops(residual), system.record, system.residual, system.size, *self._rows)
-        limits = (length, to.force, to.constraint, to.increment, to.max_iterations)
-        self._iterate = iterate.bind(*equations, *self.linear.factor, *moving, *limits, self._increment)
+        """Enter what is the same in all steps into the workspace of the compiled step."""
+        of, c, to = self.system.numbering, self.coefficients, self.tolerances
+        loops, batches = self.system.loops(residual)
+        tangent_loops, tangent_batches = self.system.loops(tangent)
+        new, kept = self.linear.calls(self.system.data, self._equations, self._increment)
+        starts, columns, values = self._rows
+        entries = NO_ROWS[1] if self.compliance is None else self.compliance.places
+        self._entry_values = np.zeros(len(entries))
+        self.workspace.point_to(
+            am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
+            force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
+            most=to.max_iterations, n_relaxing=len(self._relaxing), relaxing=self._relaxing,
+            n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
+            tangent_batches=tangent_batches, residual=self.system.residual, size=self.system.size,
+            increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
+            n_entries=len(entries), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=entries,
+            entry_values=self._entry_values, solve=new.function, solve_words=new.words,
+            solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
+            substitute_words=kept.words,
+        )  # fmt: skip
+        self._packed = new, kept
 
     def start(self, s, h, consistent=None):
         """Consistent state and history for steps of size h: from rest, after an event.
@@ -333,23 +346,36 @@ class GeneralizedAlpha:
 
     def step(self, s0, history, h):
         """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
-        scales, tangent = self._scales(history, h), history.tangent
-        if tangent is not None and self.linear.label is not tangent:
-            self._factor(tangent, scales)
+        self.prepare(s0, history, h)
         iterations = 0
-        for slope, bend in self._guesses(s0, history):
-            s, code, report = self._attempt(s0, history, h, scales, slope, bend)
-            iterations += int(report[ITERATIONS])
+        for guess in self._guesses(s0, history):
+            code = self._attempt(guess)
+            iterations += int(self.workspace.report[ITERATIONS])
             if code in (CONVERGED, NOT_FINITE):
                 break
-        reached = tuple(report[FORCES : INCREMENT + 1].tolist())
+        return self.trial(s0, history, iterations)
+
+    def prepare(self, s0, history, h):
+        """Enter a state and its history into the workspace, for steps of size h."""
+        k, penalty, cC, cM = scales = self._scales(history, h)
+        if history.tangent is not None and self.linear.label is not history.tangent:
+            self._factor(history.tangent, scales)
+        w = self.workspace
+        w.put_state(BEGIN, s0)
+        w.put_history(history)
+        w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
+        if self.compliance is not None:
+            self._entry_values[:] = self.compliance.in_tangent(k, self.compliance.values)
+
+    def trial(self, s0, history, iterations):
+        """The step in the workspace, from ``s0`` with ``history``: (state, history, StepInfo)."""
+        w, h, report = self.workspace, self.workspace.record["h"][0], self.workspace.report
+        code, reached = int(w.record["code"][0]), tuple(report[FORCES : INCREMENT + 1].tolist())
+        s = w.state(TRIAL, s0.modes, s0.memory)
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
-        a, slope, bend = np.zeros(len(s.a)), np.empty(self.system.n), np.empty(self.system.n)
-        change, turn, turning = self._finish(
-            h, history.a, history.slope, history.known, s0.a, s0.z, s.a, s.z, s.v, a, slope, bend
-        )
+        change, turn, turning, lag = (float(w.record[name][0]) for name in ("change", "turn", "turning", "lag"))
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         if len(self._released):
@@ -361,10 +387,8 @@ class GeneralizedAlpha:
         if len(self._soft) and (text := self._gap(s)):
             text = CONTRADICTION.format("the others leave a gap", *text)
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
-        known = min(history.known + 1, 2)
-        kept = keep(history, self.linear.label, report)
-        new = History(a, h, slope, bend, known, self._no_shift, history.k, *kept)
-        error, lag = self.coefficients.error * h * h * change, self._lag(h, history.a, a)
+        new = w.new_history(TRIAL, self._no_shift, self.linear.label)
+        error = self.coefficients.error * h * h * change
         return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
 
     def _guesses(self, s0, history):
@@ -380,42 +404,31 @@ class GeneralizedAlpha:
         slope[:n_q] = ((1.0 - c.am) * a1 + c.am * a0 - c.af * s0.a[:n_q]) / (1.0 - c.af) - s0.a[:n_q]
         yield slope, self._no_slope
 
-    def _attempt(self, s0, history, h, scales, slope, bend):
-        """Newton's iterations from one guess: (state, a code of newton.py, report)."""
-        self.pause()
-        s, report = s0.copy(), np.zeros(len(REPORT))
-        s.t = s0.t + h
-        reach = self._predict(h, history.a, s0.a, slope, bend, history.v_shift, s0.R, s.z, s.v, s.a, s.R)
-        kept = history.tangent is not None and self.linear.label is history.tangent
-        return s, self._solve(s, s0.R, scales, history.k, reach, kept, report), report
+    def _attempt(self, guess):
+        """Newton's iterations from one guess, with the decisions that compiled code leaves; a code of newton.py."""
+        w, r = self.workspace, self.workspace.record
+        w.guess[:] = guess
+        r["begun"] = False
+        while True:
+            self.pause()
+            r["due"] = clock.monotonic() + PATIENCE
+            renewed = bool(r["renewed"][0])
+            attempt(r)
+            if r["renewed"][0] and not renewed:
+                self.linear.solved(w.state(RENEWED, w.modes.copy()))
+            code = int(r["code"][0])
+            if code == OTHERWISE:
+                code = self._solve_otherwise()
+            if code not in (PAUSE, STALE):
+                return code
 
-    def _solve(self, s, R0, scales, stiffness, reach, kept, report):
-        """Newton's iterations from the predicted state ``s``, moved in place; a code of newton.py."""
-        usable = self.linear.kept
-        motion = (s.t, R0, s.z, s.v, s.a, s.R, s.modes, s.memory, report)
-        code = STALE
-        if kept and usable:
-            code = self._iterate(*scales, stiffness, reach, SHARE, True, True, False, *motion)
-        while code == STALE:
-            code = self._renew(s, scales, stiffness, reach, report)
-            if code == STALE:
-                usable = self.linear.kept
-                code = self._iterate(*scales, stiffness, reach, 1.0, kept, usable, True, *motion)
-        return code
-
-    def _renew(self, s, scales, stiffness, reach, report):
-        """Factor the tangent at ``s`` and solve for the residual there: STALE if iterations may go on, or a code."""
-        self.pause()
-        self._assemble(s, scales)
-        report[WORST] = max(self._norms(1.0, scales[0], stiffness, reach))
-        if not report[ITERATIONS]:
-            report[FIRST] = report[WORST]
-        if not np.isfinite(report[WORST]):
-            return NOT_FINITE
-        if report[INCREMENT] * self.tolerances.increment > MOST_MOVED:
-            return DIVERGES
-        solved = self.linear.solve(self.system.data, self._equations, self._increment, s.copy())
-        return STALE if solved.ok else SINGULAR
+    def _solve_otherwise(self):
+        """Solve the equations that stand in the system with row exchanges everywhere: STALE, or SINGULAR."""
+        r = self.workspace.record
+        solved = self.linear.solve(self.system.data, self._equations, self._increment, self.linear.label)
+        r["code"] = STALE if solved.ok else SINGULAR
+        r["usable"], r["pending"], r["stale"] = self.linear.kept, True, False
+        return int(r["code"][0])
 
     def _assemble(self, s, scales):
         """Residual and tangent at ``s``, with the compliance."""

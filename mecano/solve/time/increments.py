@@ -41,23 +41,16 @@ def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
             put_matrix(tangent(vec(z, d)), T_out[r])
 
 
-@entry
+@kernel
 def predict(
-    # method
-    am: float, af: float, beta: float, gamma: float,
-    # model
-    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
-    # step
-    h: float,
-    # state and history at its beginning
-    a0: Vector, acceleration0: Vector, slope: Vector, bend: Vector, v_shift: Vector, R0: Matrices,
-    # out: the state at its beginning, moved to its end
-    z_out: Vector, v_out: Vector, acceleration_out: Vector, R_out: Matrices,
-) -> float:  # fmt: skip
-    """Move a state to the end of a step: accelerations and multipliers extrapolated by a parabola.
+    am, af, beta, gamma, kind, rotation_dof, n_q, n, h, a0, acceleration0, slope, bend, v_shift, R0,
+    z_out, v_out, acceleration_out, R_out,
+):  # fmt: skip
+    """Move a state to the end of a step of size h: accelerations and multipliers extrapolated by a parabola.
 
-    a0 (n_all,) algorithmic, acceleration0 (n_all,) true acceleration at the beginning of the step; slope, bend (n,)
-    differences of the true ones and of the multipliers. Returns the largest coordinate [m].
+    z_out, v_out, acceleration_out (n_all,) and R_out hold the state at the beginning of the step and are moved. a0
+    (n_all,) algorithmic, acceleration0 (n_all,) true acceleration there; slope, bend (n,) differences of the true ones
+    and of the multipliers. Returns the largest coordinate [m].
     """
     reach = 0.0
     for i in range(n_q):
@@ -103,19 +96,11 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
     return worst
 
 
-@entry
+@kernel
 def finish(
-    # method
-    am: float, af: float, length: float, duration: float,
-    # model
-    kind: Indices, rotation_dof: Indices, n_q: int, n: int,
-    # history
-    h: float, a0: Vector, slope: Vector, known: int,
-    # both ends of the step
-    acceleration0: Vector, z0: Vector, acceleration: Vector, z: Vector, v: Vector,
-    # out
-    a_out: Vector, slope_out: Vector, bend_out: Vector,
-) -> (float, float, float):  # fmt: skip
+    am, af, length, duration, kind, rotation_dof, n_q, n, h, a0, slope, known, acceleration0, z0, acceleration, z, v,
+    a_out, slope_out, bend_out,
+):  # fmt: skip
     """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for

@@ -1,0 +1,66 @@
+"""One step of generalized-alpha in one compiled call: prediction, Newton's iterations, error estimate."""
+
+from mecano.compiled.entry import Records, entry
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import floats, integers
+from mecano.solve.linear.kept_tangent import keep
+from mecano.solve.linear.newton import CONVERGED, newton
+from mecano.solve.time.increments import finish, predict
+from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, copy_state, history_of, motion_of, time_of
+
+
+@entry
+def attempt(work: Records(STEP)):
+    """Step from BEGIN to TRIAL, or go on with the iterations where that has ``begun``; ``code`` tells how it went."""
+    w = work[0]
+    if not w.begun:
+        w.begun = 1
+        begin(w)
+    w.code = newton(w)
+    if w.code == CONVERGED:
+        complete(w)
+
+
+@kernel
+def begin(w):
+    """Predict the state TRIAL, from the slope and bend in ``guess``, and begin the report on the iterations."""
+    copy_state(w, BEGIN, TRIAL)
+    time_of(w, TRIAL)[0] = time_of(w, BEGIN)[0] + w.h
+    z0, v0, a0, R0 = motion_of(w, BEGIN)
+    z, v, a, R = motion_of(w, TRIAL)
+    kind, rotation_dof, slope, bend = tables(w)
+    w.reach = predict(
+        w.am, w.af, w.beta, w.gamma, kind, rotation_dof, w.n_q, w.n, w.h,
+        history_of(w, BEGIN)[0], a0, slope, bend, floats(w.v_shift, w.n_all), R0, z, v, a, R,
+    )  # fmt: skip
+    floats(w.report, 8)[:] = 0.0
+    w.pending = 0
+    w.kept = 1 if w.has and not w.renewed else 0
+    w.stale = 0 if w.kept and w.usable else 1
+
+
+@kernel
+def tables(w):
+    """Return the kinds (n_all,) and first unknowns (n_rotations,) of the model, slope and bend (n,) of the guess."""
+    slope, bend = floats(w.guess, w.n), floats(w.guess + 8 * w.n, w.n)
+    return integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations), slope, bend
+
+
+@kernel
+def complete(w):
+    """Work out the history at TRIAL, how the step is to be judged, and whether the next one may use its tangent."""
+    z0, v0, a0, R0 = motion_of(w, BEGIN)
+    z, v, a, R = motion_of(w, TRIAL)
+    kind, rotation_dof, _, _ = tables(w)
+    before, slope, _ = history_of(w, BEGIN)
+    algorithmic, new_slope, new_bend = history_of(w, TRIAL)
+    w.change, w.turn, w.turning = finish(
+        w.am, w.af, w.length, w.duration, kind, rotation_dof, w.n_q, w.n, w.h, before, slope, w.known,
+        a0, z0, a, z, v, algorithmic, new_slope, new_bend,
+    )  # fmt: skip
+    largest, relaxing = 0.0, integers(w.relaxing, w.n_relaxing)
+    for i in range(w.n_relaxing):
+        largest = max(largest, abs(algorithmic[relaxing[i]] - before[relaxing[i]]))
+    w.lag = w.error * w.h * w.h * largest / w.length
+    w.next_known = min(w.known + 1, 2)
+    w.next_has, w.next_age, w.next_drift = keep(w.has, w.age, w.drift, w.renewed, floats(w.report, 8))

@@ -1,0 +1,167 @@
+"""The arrays of one step of generalized-alpha, in the memory that compiled code works on.
+
+A step goes from the state BEGIN to the state TRIAL. TANGENT is the state at which the factored tangent of an earlier
+step was evaluated, RENEWED that of a tangent evaluated in this step.
+"""
+
+import ctypes
+import time
+
+import numpy as np
+
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import call, floats, integers, items
+from mecano.model.loops import SYSTEM, fields, record
+from mecano.model.state import History, State
+
+BEGIN, TRIAL, TANGENT, RENEWED = range(4)
+
+# Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
+STEP = fields(
+    floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
+    "h k penalty cC cM stiffness reach change lag turn turning drift next_drift",
+    words="code begun has kept usable stale pending renewed age known next_has next_age next_known most "
+    "n_q n n_all n_rotations n_memory n_modes n_relaxing n_entries state_size "
+    "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
+    "relaxing soft_starts soft_columns soft_values entry_places entry_values "
+    "solve solve_words solve_results substitute substitute_words clock clock_id now "
+    "states modes history guess v_shift report",
+)
+
+
+@kernel
+def motion_of(w, which):
+    """Return z, v, a (n_all,) and R (n_rotations, 3, 3) of one of the four states."""
+    at, n = w.states + 8 * which * w.state_size, w.n_all
+    z, v, a = floats(at, n), floats(at + 8 * n, n), floats(at + 16 * n, n)
+    return z, v, a, floats(at + 24 * n, (w.n_rotations, 3, 3))
+
+
+@kernel
+def memory_of(w, which):
+    """Return the memories (n_memory,) of one of the four states."""
+    return floats(w.states + 8 * (which * w.state_size + 3 * w.n_all + 9 * w.n_rotations), w.n_memory)
+
+
+@kernel
+def time_of(w, which):
+    """Return the time [s] of one of the four states, as an array (1,)."""
+    return floats(w.states + 8 * ((which + 1) * w.state_size - 1), 1)
+
+
+@kernel
+def copy_state(w, source, target):
+    """Copy one of the four states to the place of another one."""
+    read = floats(w.states + 8 * source * w.state_size, w.state_size)
+    written = floats(w.states + 8 * target * w.state_size, w.state_size)
+    for i in range(w.state_size):
+        written[i] = read[i]
+
+
+@kernel
+def history_of(w, which):
+    """Return the algorithmic acceleration (n_all,), slope (n,) and bend (n,) at BEGIN or TRIAL."""
+    at = w.history + 8 * which * (w.n_all + 2 * w.n)
+    slope = at + 8 * w.n_all
+    return floats(at, w.n_all), floats(slope, w.n), floats(slope + 8 * w.n, w.n)
+
+
+@kernel
+def system_of(w):
+    """Return the record SYSTEM as an array (1,)."""
+    return items(w.system, 1, SYSTEM)
+
+
+@kernel
+def aim_at(w, which):
+    """Let the loops work on one of the four states."""
+    s, n = system_of(w)[0], w.n_all
+    at = w.states + 8 * which * w.state_size
+    s.t = time_of(w, which)[0]
+    s.z, s.v, s.a, s.R = at, at + 8 * n, at + 16 * n, at + 24 * n
+    s.modes, s.memory = w.modes, at + 8 * (3 * n + 9 * w.n_rotations)
+
+
+@kernel
+def is_due(w):
+    """Return whether the wall-clock time has come at which Python wants to look at signals."""
+    call(w.clock, w.clock_id, w.now)
+    now = integers(w.now, 2)
+    return now[0] + 1e-9 * now[1] >= w.due
+
+
+class Workspace:
+    """The arrays of steps of one system, and the record STEP that holds their addresses.
+
+    Parameters
+    ----------
+    system : System
+    fixed : dict
+        Fields of STEP that never change: numbers, and arrays in the place of their addresses.
+    """
+
+    def __init__(self, system, **fixed):
+        of = system.numbering
+        self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
+        state = system.initial_state()
+        n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
+        self.states = np.zeros((4, 3 * n_all + 9 * n_rotations + n_memory + 1))
+        self.modes = np.zeros(len(state.modes), np.int64)
+        self.history = np.zeros((2, n_all + 2 * of.n))
+        self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
+        own = ("states", "modes", "history", "guess", "v_shift", "report")
+        self._kept = [np.zeros(2, np.int64)]  # what the record points to
+        self.record = record(
+            STEP, n_q=of.n_q, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
+            n_modes=len(state.modes), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
+            now=self._kept[0].ctypes.data, system=system.record.ctypes.data,
+            **{name: getattr(self, name).ctypes.data for name in own},
+        )  # fmt: skip
+        self.point_to(**fixed)
+
+    def point_to(self, **values):
+        """Set fields of the record: numbers, and addresses of arrays, which are kept."""
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                self._kept.append(value)
+                value = value.ctypes.data
+            self.record[name] = value
+
+    def parts(self, which):
+        """Return z, v, a, R, memory of one of the four states: views."""
+        row, (n, n_rotations) = self.states[which], self._shapes
+        end = 3 * n + 9 * n_rotations
+        return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end:-1]
+
+    def put_state(self, which, s):
+        """Enter a State, with its modes."""
+        for place, values in zip(self.parts(which), (s.z, s.v, s.a, s.R, s.memory), strict=True):
+            place[...] = values
+        self.states[which, -1] = s.t
+        self.modes[:] = s.modes
+
+    def state(self, which, modes, memory=None):
+        """Return one of the four states as a State with these modes, which are not copied."""
+        z, v, a, R, own = (part.copy() for part in self.parts(which))
+        return State(float(self.states[which, -1]), z, v, a, R, modes, own if memory is None else memory)
+
+    def put_history(self, history):
+        """Enter the History with which a step begins."""
+        n, row = self.system.n, self.history[BEGIN]
+        row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
+        self.v_shift[:] = history.v_shift
+        r = self.record
+        r["known"], r["stiffness"], r["h"] = history.known, history.k, history.h
+        r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
+
+    def new_history(self, which, v_shift, tangent):
+        """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
+        n, row, r, now = self.system.n, self.history[which], self.record[0], "" if which == BEGIN else "next_"
+        return History(
+            row[: -2 * n].copy(), float(r["h"]), row[-2 * n : -n].copy(), row[-n:].copy(), int(r[f"{now}known"]),
+            v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),
+            float(r[f"{now}drift"]),
+        )  # fmt: skip
+
+
+CLOCK = ctypes.cast(ctypes.CDLL(None).clock_gettime, ctypes.c_void_p).value
