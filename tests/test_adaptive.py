@@ -5,7 +5,7 @@ import pytest
 from marching import March, deck
 from work_precision import CASES, adaptive, fixed
 
-from mecano.solve.time.step_control import AdaptiveStep, FixedStep
+from mecano.solve.time.step_control import StepControl
 
 FAST = {"four_bar": (1e-3, 1e-4, 1e-5), "heavy_top": (1e-3, 1e-4), "wheel_drop": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
@@ -123,8 +123,8 @@ def test_a_looser_tolerance_never_costs_more():
 
 def test_what_scalars_without_inertia_forget():
     """Their error in a step may be a thousandth of the tolerance, or the share of the step where that is more."""
-    control = AdaptiveStep(1e-3, 10.0, 1e-9, 1.0)
+    control = StepControl(1e-3, 10.0, 1e-9, 1.0)
     for h, most in ((1e-6, 1e-6), (1e-3, 1e-6), (0.1, 1e-5)):
         assert control.accept(control.forgotten(0.999 * most, h), h)
         assert not control.accept(control.forgotten(1.001 * most, h), h)
-    assert FixedStep(1e-3, 1e-9).forgotten(0.5, 1e-3) == 0.5
+    assert StepControl.fixed(1e-3, 1e-9).forgotten(0.5, 1e-3) == 0.5

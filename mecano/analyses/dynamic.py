@@ -20,30 +20,34 @@ from mecano.results.writer import Writer, refuse_existing
 
 
 def run(
-    deck, path, *, force=False, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL
+    deck, path, *, force=False, observers=(), reporters=(), announce=lambda text: None, interruption=None,
+    interval=INTERVAL,
 ):  # fmt: skip
     """Run a checked deck into the results file ``path``; returns the final RunState.
 
-    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Checkpoints
-    are written every ``interval`` [s] of wall-clock time, and where an ``interruption`` ends the run by Stopped.
-    Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
-    start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
+    ``observers`` are called with every accepted step (Accepted), which takes time; ``reporters`` with the RunState now
+    and then; ``announce`` with what a user should know before the march. Checkpoints are written every ``interval`` [s]
+    of wall-clock time, and where an ``interruption`` ends the run by Stopped. Whatever stops the run, the file keeps
+    every acknowledged step and says why it ended. Raises AssemblyError (the start), ConvergenceError, NonFiniteError
+    (the march, the equilibrium it starts from), ResultsError (the file).
     """
-    with begun(deck, path, force, observers, announce, interruption, interval) as ongoing:
+    with begun(deck, path, force, observers, reporters, announce, interruption, interval) as ongoing:
         return ongoing.to_the_end()
 
 
 @contextmanager
-def begun(deck, path, force, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+def begun(
+    deck, path, force, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL
+):
     """Find the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
     with locked(path):
         _refuse_existing(path, force)
-        with _from_the_start(deck, path, force, observers, announce, interruption, interval) as ongoing:
+        with _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval) as ongoing:
             yield ongoing
 
 
 @contextmanager
-def _from_the_start(deck, path, force, observers, announce, interruption, interval):
+def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """``begun`` while no other process writes the file."""
     prepared = prepare(deck)
     found = abandonable(bring_to_start, prepared)
@@ -55,9 +59,9 @@ def _from_the_start(deck, path, force, observers, announce, interruption, interv
     with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
             announce(text)
-        recorder = Recorder(prepared, writer, sampler, march.control)
+        recorder = Recorder(prepared, writer, sampler, march)
         recorder.first(start)
-        yield Ongoing(deck, start, march, recorder, observers, announce, notes, interruption, interval)
+        yield Ongoing(deck, start, march, recorder, observers, reporters, announce, notes, interruption, interval)
 
 
 def _refuse_existing(path, force):
@@ -80,7 +84,7 @@ def _resumable(path):
         return False
 
 
-def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
     """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
 
     Without such a file, or without a checkpoint in it, the run begins at its start; None when it is complete. The
@@ -90,12 +94,12 @@ def resume(deck, path, *, observers=(), announce=lambda text: None, interruption
     written; and what ``run`` raises.
     """
     with locked(path):
-        return _resume(deck, path, observers, announce, interruption, interval)
+        return _resume(deck, path, observers, reporters, announce, interruption, interval)
 
 
 def _resume(deck, path, *around):
     """``resume`` while no other process writes the file."""
-    observers, announce, interruption, interval = around
+    observers, reporters, announce, interruption, interval = around
     if not exists(path):
         with _from_the_start(deck, path, False, *around) as ongoing:
             return ongoing.to_the_end()
@@ -106,7 +110,7 @@ def _resume(deck, path, *around):
         left = Remains(path, deck)
     with closing(left):
         if left.checkpoint is not None and not left.complete:
-            return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
+            return _go_on(deck, left, observers, reporters, announce, interruption or Interruption(), interval)
     if left.complete:
         verify(path)  # what has changed in it is not complete, and no study is to go on with it
         announce(COMPLETE.format(path))
@@ -116,7 +120,7 @@ def _resume(deck, path, *around):
         return ongoing.to_the_end()
 
 
-def _go_on(deck, left, observers, announce, interruption, interval):
+def _go_on(deck, left, observers, reporters, announce, interruption, interval):
     """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
     prepared = prepare(deck)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -128,10 +132,10 @@ def _go_on(deck, left, observers, announce, interruption, interval):
     begin = partial(left.copy_to, interruption=interruption)
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
         announce(note)
-        recorder = Recorder(prepared, writer, sampler, march.control)
+        recorder = Recorder(prepared, writer, sampler, march)
         recorder.from_plain(recorded)
         return Ongoing(
-            deck, start, march, recorder, observers, announce, left.remarks, interruption, interval
+            deck, start, march, recorder, observers, reporters, announce, left.remarks, interruption, interval
         ).to_the_end()
 
 
@@ -153,18 +157,19 @@ class Ongoing:
     A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
     """
 
-    def __init__(self, deck, start, march, recorder, observers, announce, notes, interruption, interval):
+    def __init__(self, deck, start, march, recorder, observers, reporters, announce, notes, interruption, interval):
         self.deck, self.state, self.march, self.recorder = deck, start, march, recorder
         self._announce, self._notes = announce, notes
         self._keeper = march.pause = Keeper(march, recorder, interruption, interval)
         recorder.look = self._keeper.look
-        march.observers, march.restarted = (recorder, *observers), recorder.restarted
+        march.recorder, march.observers, march.reporters = recorder, tuple(observers), (recorder.report, *reporters)
 
     def advance(self, t):
         """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
-            self.state = self.march.to(t, self.state)
+            with recorder.emptied():
+                self.state = self.march.to(t, self.state)
         except (ConvergenceError, NonFiniteError) as error:
             known = [*self._notes, *self.march.remarks, *exceeded(deck, sampler, recorder.writer.extremes)]
             latches = open_latches(deck, recorder.row, sampler)

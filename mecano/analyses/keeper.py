@@ -35,6 +35,7 @@ class Keeper:
 
     def keep(self, run):
         """Write a checkpoint; raises ResultsError."""
+        self.recorder.flush()
         march = json.dumps(self.march.to_plain())
         state = {"run": to_plain(run), "march": march, "recorder": self.recorder.to_plain()}
         self.recorder.writer.checkpoint(state)

@@ -22,7 +22,7 @@ from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start
 from mecano.solve.time.march import March
-from mecano.solve.time.step_control import AdaptiveStep, FixedStep
+from mecano.solve.time.step_control import StepControl
 
 METHODS = {
     "generalized_alpha": Coefficients.generalized_alpha,
@@ -107,9 +107,9 @@ def control_of(values):
     step, adaptive = values["step"], values["adaptive"]
     smallest = max(SMALLEST_STEP * step, finest_step(values))
     if adaptive is None:
-        return FixedStep(step, smallest)
+        return StepControl.fixed(step, smallest)
     duration = values["end"] - values["start"]
-    return AdaptiveStep(
+    return StepControl(
         adaptive["tolerance"], duration,
         minimum=given(adaptive["minimum_step"], smallest),
         maximum=given(adaptive["maximum_step"], duration / 20),

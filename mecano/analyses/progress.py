@@ -17,7 +17,7 @@ COMPILING = "compiling elements used for the first time: this takes a minute or 
 
 
 class Progress:
-    """Observer of accepted steps; all output goes to the standard error stream."""
+    """Reporter of a march; all output goes to the standard error stream."""
 
     def __init__(self, values, quiet, path):
         self.start, self.end, self.path = values["start"], values["end"], path
@@ -40,20 +40,20 @@ class Progress:
             )
             self._say("\n".join(lines) + "\n")
 
-    def __call__(self, accepted):
+    def __call__(self, run):
         """Show simulated time, step size and the time that is left."""
         if self.quiet:
             return
-        now, share = time.monotonic(), self._share(accepted.run)
+        now, share = time.monotonic(), self._share(run)
         self.marching = self.marching or (now, share)
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
             filled = int(BAR * share)
             bar = "#" * filled + "." * (BAR - filled)
-            self._say(f"\r[{bar}] {self._numbers(accepted, now, share)}\x1b[K")
+            self._say(f"\r[{bar}] {self._numbers(run, now, share)}\x1b[K")
         elif not self.terminal and int(LINES * share) > self.tenths:
             self.tenths = int(LINES * share)
-            self._say(f"{self._numbers(accepted, now, share)}\n")
+            self._say(f"{self._numbers(run, now, share)}\n")
 
     def done(self, run):
         """The last lines: how it went and where the results are."""
@@ -72,9 +72,9 @@ class Progress:
     def _share(self, run):
         return (run.motion.t - self.start) / (self.end - self.start)
 
-    def _numbers(self, accepted, now, share):
+    def _numbers(self, run, now, share):
         begun, first = self.marching
-        text = f"t = {accepted.run.motion.t:.4g} of {self.end:g} s, step {accepted.h:.2g} s"
+        text = f"t = {run.motion.t:.4g} of {self.end:g} s, step {run.h:.2g} s"
         return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
 
     def _clear(self):

@@ -16,9 +16,9 @@ def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=Fa
     progress.announce_compiling()
     runs = import_module("mecano.analyses.static" if static else "mecano.analyses.dynamic")
     begin = runs.resume if resume else partial(runs.run, force=force)
-    options = {} if static else {"interruption": interruption}
+    options = {"observers": (progress,)} if static else {"reporters": (progress,), "interruption": interruption}
     if checkpoint is not None:
         options["interval"] = checkpoint
-    final = begin(checked, path, observers=(progress,), announce=progress.note, **options)
+    final = begin(checked, path, announce=progress.note, **options)
     if final is not None:
         progress.done(final)

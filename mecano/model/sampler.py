@@ -83,13 +83,13 @@ class Sampler:
                 self._declare(path, outputs)
         self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())
-        self._fill = _fill.bind(self.row, system.outputs, system.energy, *self.nodes)
+        self._fill = fill.bind(self.row, system.outputs, system.energy, *self.nodes)
         starts = {column.path: column.start for column in self.columns}
         rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
         pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
-        self._pairs = np.array(pairs, np.int64).reshape(-1, 2)
+        self.pairs = np.array(pairs, np.int64).reshape(-1, 2)
         turned = [c.start for c in self.columns if c.shape == QUATERNION and c.start >= self.node_size]
-        self._rotations = np.array(turned, np.int64)
+        self.rotations = np.array(turned, np.int64)
 
     def _size(self):
         return self.columns[-1].start + self.columns[-1].size if self.columns else 0
@@ -115,13 +115,13 @@ class Sampler:
         of position or velocity into any force.
         """
         row = np.empty_like(row0)
-        _blend(u, h, self.node_size, self._pairs, self._rotations, row0, row1, row)
-        _node_rows(*self.nodes, state.z, state.v, state.R, row)
+        blend(u, h, self.node_size, self.pairs, self.rotations, row0, row1, row)
+        node_rows(*self.nodes, state.z, state.v, state.R, row)
         return row
 
 
 @entry
-def _blend(
+def blend(
     u: float, h: float, first: int, pairs: Table, rotations: Indices, row0: Vector, row1: Vector, row_out: Vector
 ):  # fmt: skip
     """Interpolate the numbers of the row from ``first`` on: ``pairs`` (m, 2) of coordinate and rate, quaternions."""
@@ -150,12 +150,12 @@ def _turn(u, i, row0, row1, row_out):
 
 
 @entry
-def _fill(
+def fill(
     row_out: Vector, outputs: Vector, energy: Vector, x: Indices, r: Indices, rotation: Indices,
     z: Vector, v: Vector, R: Matrices, dissipated: float, given: float,
 ):  # fmt: skip
     """Write the motion of the nodes, the outputs of the elements, and the ENERGIES into the row."""
-    _node_rows(x, r, rotation, z, v, R, row_out)
+    node_rows(x, r, rotation, z, v, R, row_out)
     kinetic, potential = energy[0], energy[1]
     energies = kinetic, potential, dissipated, given, kinetic + potential, kinetic + potential + dissipated - given
     first = row_out.shape[0] - len(energies)
@@ -166,7 +166,7 @@ def _fill(
 
 
 @entry
-def _node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, R: Matrices, row_out: Vector):
+def node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, R: Matrices, row_out: Vector):
     """Position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
     for i in range(x.shape[0]):
         A = mat(R[rotation[i]])

@@ -84,7 +84,7 @@ class System:
 
     def _record(self):
         """The record SYSTEM of the loops, and those of the batches."""
-        self._event_values = _joined(self.batches, "event_values", "n_events")
+        self.values_of_events = _joined(self.batches, "event_values", "n_events")
         self.outputs = _joined(self.batches, "y", "n_outputs")
         self._batch_records = np.concatenate([b.record() for b in self.batches])
         arrays = {
@@ -236,14 +236,14 @@ class System:
     @property
     def has_events(self):
         """True when some element has events."""
-        return len(self._event_values) > 0
+        return len(self.values_of_events) > 0
 
     def event_values(self, s):
         """One number for each event of each element, (n_events,), batch by batch; -inf where it is not watched."""
         if not self.has_events:
-            return self._event_values
+            return self.values_of_events
         self._write_event_values(*_motion(s))
-        return self._event_values.copy()
+        return self.values_of_events.copy()
 
     def commit(self, s):
         """The memory after an accepted step at ``s``."""

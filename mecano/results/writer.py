@@ -15,10 +15,10 @@ import numpy as np
 
 from mecano.compiled.store import compile_time
 from mecano.errors import ResultsError
+from mecano.model.extremes import Extremes
 from mecano.results.blank import CHANGING, RUNNING, TEXT_LENGTHS, blank
 from mecano.results.checkpoints import Slots
 from mecano.results.disk import SIGNATURE, Disk, open_file, undisturbed
-from mecano.results.extremes import Extremes
 from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
@@ -138,9 +138,13 @@ class Writer:
 
     def extend(self, table, rows):
         """Append rows (n, width), the time first, as ``Results.rows`` gives them, to "output" or "solver"."""
+        if not len(rows):
+            return
         {"output": self._outputs, "solver": self._steps}[table].extend(rows)
         if table == "output":
             self._last_time = float(rows[-1, 0])
+        if clocks.monotonic() >= self._due:
+            self.flush()
 
     def append_event(self, time, element, name, before="", after="", impulse=0.0, unit="", lost=0.0):
         """Record an event: when [s], to which element, joint or load, which, and the modes before and after.
@@ -214,7 +218,8 @@ class Writer:
         now = self._position()
         if not all(np.array_equal(now[key], position[key]) for key in ("rows", "sums")):
             raise ResultsError(f"what {self.path} holds before its checkpoint has changed since it was written")
-        vars(self.extremes).update(position["extremes"])
+        for name, values in position["extremes"].items():
+            getattr(self.extremes, name)[:] = values
         self._started -= position["clock"][0]
         self._used += position["clock"][1]
         self._compiled += position.get("compile_time", 0.0)

@@ -124,7 +124,7 @@ class NoEvents(Watch):
 
 
 @entry
-def _some_happened(g0: Vector, g1: Vector) -> bool:
+def some_happened(g0: Vector, g1: Vector) -> bool:
     """True when an event has happened between values g0 and g1 (n_events,), or had already before."""
     for i in range(g0.shape[0]):
         if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
@@ -140,7 +140,7 @@ def locate(watch, step, s0, g0, trial, h):
     of the event: five to eight steps where they are smooth.
     """
     g1 = watch.values(trial[0])
-    if not _some_happened(g0, g1):
+    if not some_happened(g0, g1):
         return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
         return Located(0.0, None, (g0 > 0) & (g1 > 0))

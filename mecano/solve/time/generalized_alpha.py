@@ -135,16 +135,21 @@ class GeneralizedAlpha:
         self.compliance, self._redundant = compliance, None
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, but for those that are let go
-        self._released = NO_ROWS[1] if compliance is None else compliance.released
+        self.released = NO_ROWS[1] if compliance is None else compliance.released
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
         of = self.system.numbering
         allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
-        self._share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
+        self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
         self._exact_rates = self.system.numbering.of_rates.copy()
-        self._exact_rates[self._released] = False
+        self._exact_rates[self.released] = False
         self._kind[of.n_q : of.n] = of.kind[of.n_q : of.n]
-        self._kind[of.n_q + self._released] = RELEASED
+        self._kind[of.n_q + self.released] = RELEASED
         self._bind()
+
+    @property
+    def gives_way(self):
+        """True when constraints repeat one another, so that they give way."""
+        return len(self._soft) > 0
 
     def _bind(self):
         """Enter what is the same in all steps into the workspace of the compiled step."""
@@ -185,7 +190,7 @@ class GeneralizedAlpha:
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
         consistent.project_velocity(s)
         for rows, others in (
-            (self._released, "those on positions leave a slip"),
+            (self.released, "those on positions leave a slip"),
             (self._soft, "the others leave a rate"),
         ):
             if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
@@ -276,7 +281,7 @@ class GeneralizedAlpha:
     def _gap(self, s):
         """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
         off = self.system.levels(s)[:, 0]
-        size = off * self._share_of_gap
+        size = off * self.share_of_gap
         if size @ size <= 1.0:
             return ()
         worst, of = int(np.abs(size).argmax()), self.system.numbering
@@ -361,6 +366,7 @@ class GeneralizedAlpha:
         if history.tangent is not None and self.linear.label is not history.tangent:
             self._factor(history.tangent, scales)
         w = self.workspace
+        w.held = None
         w.put_state(BEGIN, s0)
         w.put_history(history)
         w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
@@ -378,10 +384,10 @@ class GeneralizedAlpha:
         change, turn, turning, lag = (float(w.record[name][0]) for name in ("change", "turn", "turning", "lag"))
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
-        if len(self._released):
+        if len(self.released):
             slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
-            soften(scales[2], *self._rows, s.z[self.system.n_q : self.system.n], slips)
-            if text := self._contradiction(s, h, self._released, slips, SLIPS):
+            soften(float(w.record["cC"][0]), *self._rows, s.z[self.system.n_q : self.system.n], slips)
+            if text := self._contradiction(s, h, self.released, slips, SLIPS):
                 text = CONTRADICTION.format("those on positions leave a slip", *text)
                 return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         if len(self._soft) and (text := self._gap(s)):

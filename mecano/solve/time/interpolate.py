@@ -17,7 +17,7 @@ def interpolate(s0, s1, t, of):
     out = s1.copy()
     out.t, out.modes, out.memory = t, s0.modes, s0.memory
     u, h = (t - s0.t) / (s1.t - s0.t), s1.t - s0.t
-    _between(
+    between_states(
         u, h, s0.z, s0.v, s0.a, s0.R, s1.z, s1.v, s1.a, s1.R, of.kind, of.rotation_dof, of.n_q,
         out.z, out.v, out.a, out.R,
     )  # fmt: skip
@@ -25,7 +25,7 @@ def interpolate(s0, s1, t, of):
 
 
 @entry
-def _between(
+def between_states(
     # place in the step
     u: float, h: float,
     # state at both ends
@@ -35,6 +35,7 @@ def _between(
     # out
     z_out: Vector, v_out: Vector, a_out: Vector, R_out: Matrices,
 ):  # fmt: skip
+    """Interpolate the motion at the fraction u of a step of size h."""
     for i in range(z0.shape[0]):
         a_out[i] = (1.0 - u) * a0[i] + u * a1[i]
         z_out[i] = (1.0 - u) * z0[i] + u * z1[i]

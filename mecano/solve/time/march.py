@@ -12,16 +12,16 @@ from mecano.solve.events.events import Watch, locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
+from mecano.solve.time.stride import PROBE, STRETCH, Strides
 
 STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
 MOST_REBOUNDS = 10  # of one contact while time stands still: what rebounds so quickly has come to rest
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 SLIVER = 1e-6  # of a step: no step is made to cover less
 LEAST_ULPS = 1e4  # spacings of floating-point numbers in a step: those between times so near tell them apart too badly
+MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_NAMES = 8  # named in a remark
-PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
 SHORT = 1e-3  # of a step: what a shorter one tells of reactions is rounding
-STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
 
 
 @dataclass(slots=True)
@@ -43,15 +43,17 @@ class March:
     system: object
     method: object
     control: object
-    observers: tuple = ()
+    observers: tuple = ()  # called with Accepted at every step
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
     pause: object = lambda run: None  # called in a step with the RunState before it; may raise
-    restarted: object = lambda run: None  # called behind an event or a corner of a law, where forces may have jumped
+    recorder: object = None  # takes steps from compiled code, see ``Strides``; and, called with Accepted, from Python
+    reporters: tuple = ()  # called with the RunState now and then
     watch: Watch = field(init=False)
     shocks: Shocks = field(init=False)
     remarks: list = field(init=False, default_factory=list)  # what a user should know at the end
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
+    _strides: Strides = field(init=False, default=None)
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
     _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
@@ -84,8 +86,9 @@ class March:
             if stop - run.motion.t < self._shortest(stop):
                 run = replace(run, motion=replace(run.motion, t=stop))
             while run.motion.t < stop:
-                self._before = run
-                run = self._advance(run, stop)
+                run = self._onward(run, stop)
+                for report in self.reporters:
+                    report(run)
             if stop < end:
                 run = self._start_again(run, run.motion)
         return run
@@ -106,12 +109,31 @@ class March:
         self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
         self._tire()
 
-    def _advance(self, run, stop):
-        """One accepted step towards ``stop``, or an event at the beginning of it."""
+    def _onward(self, run, stop):
+        """Ordinary steps towards ``stop`` in compiled code; if none can be made, or the next is not, one by Python."""
+        self._before = run
+        self.pause(run)
+        run, trial, decide = self.ordinary(run, stop)
+        self._before = run
+        return self._advance(run, stop, trial) if decide else run
+
+    def ordinary(self, run, stop):
+        """Make ordinary steps towards ``stop``: see ``Strides.advance``; one at a time where each is observed."""
+        if self._strides is None:
+            self._strides = Strides(self.system, self.method, self.control, self.shocks, self.recorder)
+        if not self.observers:
+            return self._strides.advance(run, stop, MOST_STEPS)
+        new, trial, decide = self._strides.advance(run, stop, 1)
+        if new is not run:
+            self._observed(Accepted(run.motion, new, self._strides.info(run), run.h, 0))
+        return new, trial, decide
+
+    def _advance(self, run, stop, trial=None):
+        """One accepted step towards ``stop``, or an event at the beginning of it; ``trial``, if given, is that step."""
         g0 = self.shocks.departing(run.motion, self.watch.values(run.motion))
         h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
-            trial = self._step(run, h)
+            trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
             smaller = self._instead(run, trial, h, cuts)
             if smaller is None:
@@ -278,7 +300,8 @@ class March:
         s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
         new = replace(run, motion=s, history=history, powers=self._powers())
-        self.restarted(new)
+        if self.recorder is not None:
+            self.recorder.restarted(new)  # forces may have jumped
         return new
 
     def _observe(self, s):
@@ -300,6 +323,11 @@ class March:
         return float(self.system.energy[2]), float(self.system.energy[3])
 
     def _tell(self, accepted):
+        if self.recorder is not None:
+            self.recorder(accepted)
+        self._observed(accepted)
+
+    def _observed(self, accepted):
         for observer in self.observers:
             observer(accepted)
 

@@ -36,7 +36,7 @@ class RingingWatch:
         self.columns = columns
         self.difference, self.signs = np.zeros(n), np.zeros(n, np.int64)
         self.swing, self.time, self.largest = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._take = _take.bind(*self.to_plain().values(), columns)
+        self._take = count_changes.bind(*self.to_plain().values(), columns)
 
     def begin(self):
         """Begin anew behind an event, where forces may jump."""
@@ -78,7 +78,7 @@ def ones(bits):
 
 
 @entry
-def _take(
+def count_changes(
     difference_out: Vector, signs_out: Indices, swing_out: Vector, time_out: Vector, largest_out: Vector,
     columns: Indices, t: float, row0: Vector, row: Vector,
 ):  # fmt: skip

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from mecano.compiled.kernel import kernel
+
 SAFETY = 0.9
 GROWTH = 2.0
 SHRINK = 0.2
@@ -10,47 +12,44 @@ HOLD = 1.25  # a step that could grow by less keeps its size, because a change c
 RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the next ones keep their size
 AFTER_FAILURE = 0.25
 FORGOTTEN = 1e-3  # of the tolerance: the error of one step in what forgets it
+AT_ONCE = 1e-300  # s: the duration for which any step is long
+
+
+@kernel
+def allowed(tolerance, duration, h):
+    """Return the share of the tolerance of a step of size h."""
+    return tolerance * h / duration
+
+
+@kernel
+def forgotten(lag, duration, h):
+    """Return the error that counts for a ``lag`` which the next steps forget: each may be FORGOTTEN."""
+    return lag * min(h / duration / FORGOTTEN, 1.0)
+
+
+@kernel
+def factor(error, share):
+    """Return the change of the step size for which the ``error`` becomes its ``share`` of the tolerance."""
+    return SAFETY * math.sqrt(share / error) if error > 0.0 else GROWTH
+
+
+@kernel
+def planned(error, share, h, minimum, maximum):
+    """Return the next step size after an accepted step of size h, whose error was allowed a ``share``."""
+    change = factor(error, share)
+    if 1.0 <= change < HOLD:
+        return h
+    change = min(change, GROWTH) if change > 1.0 else change * RESERVE
+    return min(max(h * change, minimum), maximum)
 
 
 @dataclass(frozen=True)
-class FixedStep:
-    """Steps of one size; smaller only where Newton fails, at events and at times that must be met."""
-
-    step: float
-    minimum: float
-
-    @property
-    def maximum(self):
-        """The longest step."""
-        return self.step
-
-    def allowed(self, h):
-        """Any error: a fixed step has no error control."""
-        return math.inf
-
-    def forgotten(self, lag, h):
-        """The error that counts for one which the next steps forget: the same."""
-        return lag
-
-    def accept(self, error, h):
-        """Always."""
-        return True
-
-    def holds(self, error, h):
-        """Never: no error keeps a fixed step from growing."""
-        return False
-
-    def after(self, error, h):
-        """The next step size after an accepted step of size h."""
-        return min(self.step, GROWTH * h)
-
-
-@dataclass(frozen=True)
-class AdaptiveStep:
+class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
 
     The tolerance is relative to the length scale of the mechanism (or to one radian). The local error falls as h^3,
-    its sum as h^2, which gives the exponent 1/2.
+    its sum as h^2, which gives the exponent 1/2. Steps of one size have any error; they are smaller only where Newton
+    fails, at events and at times that must be met.
     """
 
     tolerance: float
@@ -58,33 +57,31 @@ class AdaptiveStep:
     minimum: float
     maximum: float
 
+    @classmethod
+    def fixed(cls, step, minimum):
+        """Steps of one size."""
+        return cls(math.inf, AT_ONCE, minimum, step)
+
     def allowed(self, h):
-        """The share of the tolerance of a step of size h."""
-        return self.tolerance * h / self.duration
+        """Return the share of the tolerance of a step of size h."""
+        return allowed(self.tolerance, self.duration, h)
 
     def forgotten(self, lag, h):
-        """The error in a step of size h that counts for one which the next steps forget: each may be FORGOTTEN."""
-        return lag * min(h / self.duration / FORGOTTEN, 1.0)
-
-    def _factor(self, error, h):
-        return SAFETY * (self.allowed(h) / error) ** 0.5 if error > 0 else GROWTH
+        """Return the error in a step of size h that counts for one which the next steps forget."""
+        return forgotten(lag, self.duration, h)
 
     def accept(self, error, h):
-        """True when the error is within its share, or the step was cut to less than the minimum to meet a time."""
+        """Return whether the error is within its share, or the step was cut below the minimum to meet a time."""
         return error <= self.allowed(h) or h < self.minimum
 
     def holds(self, error, h):
-        """True when the error keeps an accepted step of size h from growing."""
-        return h < self.maximum and self._factor(error, h) < HOLD
+        """Return whether the error keeps an accepted step of size h from growing."""
+        return h < self.maximum and factor(error, self.allowed(h)) < HOLD
 
     def after(self, error, h):
-        """The next step size after an accepted step of size h."""
-        factor = self._factor(error, h)
-        if 1.0 <= factor < HOLD:
-            return h
-        factor = min(factor, GROWTH) if factor > 1.0 else factor * RESERVE
-        return min(max(h * factor, self.minimum), self.maximum)
+        """Return the next step size after an accepted step of size h."""
+        return planned(error, self.allowed(h), h, self.minimum, self.maximum)
 
     def retry(self, error, h):
-        """The step size to try after a rejected step of size h."""
-        return max(h * max(self._factor(error, h), SHRINK), self.minimum)
+        """Return the step size to try after a rejected step of size h."""
+        return max(h * max(factor(error, self.allowed(h)), SHRINK), self.minimum)

@@ -1,7 +1,7 @@
 """The arrays of one step of generalized-alpha, in the memory that compiled code works on.
 
 A step goes from the state BEGIN to the state TRIAL. TANGENT is the state at which the factored tangent of an earlier
-step was evaluated, RENEWED that of a tangent evaluated in this step.
+step was evaluated, RENEWED that of a tangent evaluated in this step; BETWEEN is interpolated.
 """
 
 import ctypes
@@ -14,7 +14,7 @@ from mecano.compiled.memory import call, floats, integers, items
 from mecano.model.loops import SYSTEM, fields, record
 from mecano.model.state import History, State
 
-BEGIN, TRIAL, TANGENT, RENEWED = range(4)
+BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN = range(5)
 
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
 STEP = fields(
@@ -31,7 +31,7 @@ STEP = fields(
 
 @kernel
 def motion_of(w, which):
-    """Return z, v, a (n_all,) and R (n_rotations, 3, 3) of one of the four states."""
+    """Return z, v, a (n_all,) and R (n_rotations, 3, 3) of one of the states."""
     at, n = w.states + 8 * which * w.state_size, w.n_all
     z, v, a = floats(at, n), floats(at + 8 * n, n), floats(at + 16 * n, n)
     return z, v, a, floats(at + 24 * n, (w.n_rotations, 3, 3))
@@ -39,19 +39,19 @@ def motion_of(w, which):
 
 @kernel
 def memory_of(w, which):
-    """Return the memories (n_memory,) of one of the four states."""
+    """Return the memories (n_memory,) of one of the states."""
     return floats(w.states + 8 * (which * w.state_size + 3 * w.n_all + 9 * w.n_rotations), w.n_memory)
 
 
 @kernel
 def time_of(w, which):
-    """Return the time [s] of one of the four states, as an array (1,)."""
+    """Return the time [s] of one of the states, as an array (1,)."""
     return floats(w.states + 8 * ((which + 1) * w.state_size - 1), 1)
 
 
 @kernel
 def copy_state(w, source, target):
-    """Copy one of the four states to the place of another one."""
+    """Copy one of the states to the place of another one."""
     read = floats(w.states + 8 * source * w.state_size, w.state_size)
     written = floats(w.states + 8 * target * w.state_size, w.state_size)
     for i in range(w.state_size):
@@ -74,7 +74,7 @@ def system_of(w):
 
 @kernel
 def aim_at(w, which):
-    """Let the loops work on one of the four states."""
+    """Let the loops work on one of the states."""
     s, n = system_of(w)[0], w.n_all
     at = w.states + 8 * which * w.state_size
     s.t = time_of(w, which)[0]
@@ -105,16 +105,17 @@ class Workspace:
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
-        self.states = np.zeros((4, 3 * n_all + 9 * n_rotations + n_memory + 1))
+        self.states = np.zeros((5, 3 * n_all + 9 * n_rotations + n_memory + 1))
         self.modes = np.zeros(len(state.modes), np.int64)
         self.history = np.zeros((2, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "modes", "history", "guess", "v_shift", "report")
-        self._kept = [np.zeros(2, np.int64)]  # what the record points to
+        self.held = None  # RunState from which compiled code can step on without anything being entered
+        self._kept = {"now": np.zeros(2, np.int64)}  # what the record points to
         self.record = record(
             STEP, n_q=of.n_q, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
             n_modes=len(state.modes), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
-            now=self._kept[0].ctypes.data, system=system.record.ctypes.data,
+            now=self._kept["now"].ctypes.data, system=system.record.ctypes.data,
             **{name: getattr(self, name).ctypes.data for name in own},
         )  # fmt: skip
         self.point_to(**fixed)
@@ -123,12 +124,12 @@ class Workspace:
         """Set fields of the record: numbers, and addresses of arrays, which are kept."""
         for name, value in values.items():
             if isinstance(value, np.ndarray):
-                self._kept.append(value)
+                self._kept[name] = value
                 value = value.ctypes.data
             self.record[name] = value
 
     def parts(self, which):
-        """Return z, v, a, R, memory of one of the four states: views."""
+        """Return z, v, a, R, memory of one of the states: views."""
         row, (n, n_rotations) = self.states[which], self._shapes
         end = 3 * n + 9 * n_rotations
         return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end:-1]
@@ -140,8 +141,14 @@ class Workspace:
         self.states[which, -1] = s.t
         self.modes[:] = s.modes
 
+    def put_step(self, before, after):
+        """Enter the states between which a step was made."""
+        self.held = None
+        self.put_state(BEGIN, before)
+        self.put_state(TRIAL, after)
+
     def state(self, which, modes, memory=None):
-        """Return one of the four states as a State with these modes, which are not copied."""
+        """Return one of the states as a State with these modes, which are not copied."""
         z, v, a, R, own = (part.copy() for part in self.parts(which))
         return State(float(self.states[which, -1]), z, v, a, R, modes, own if memory is None else memory)
 

@@ -19,13 +19,14 @@ class Extremes:
 
         A row with such a number changes nothing.
         """
-        return _update(t, row, self.high, self.high_time, self.low, self.low_time)
+        return update(t, row, self.high, self.high_time, self.low, self.low_time)
 
 
 @entry
-def _update(
+def update(
     t: float, row: Vector, high_out: Vector, high_time_out: Vector, low_out: Vector, low_time_out: Vector
 ) -> int:
+    """Compare a row with the extremes; see ``Extremes.take``."""
     for i in range(row.shape[0]):
         if not math.isfinite(row[i]):
             return i

@@ -1,0 +1,237 @@
+"""What steps leave for the results file: saved times, history of the solver, extremes, forces that alternate.
+
+Compiled code collects them in buffers, which Python empties when they are full and now and then.
+"""
+
+import numpy as np
+
+from mecano.compiled.entry import Records, entry
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import floats, integers
+from mecano.model.extremes import update
+from mecano.model.loops import fields, record
+from mecano.model.sampler import blend, fill, node_rows
+from mecano.solve.time.interpolate import between_states
+from mecano.solve.time.ringing import count_changes
+from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, motion_of, time_of
+
+DONE, FULL, NOT_FINITE, ENDED = range(4)
+SAMPLE, ENTER, SAVE = range(3)
+SLIVER = 1e-9  # of the interval between saved times: times so near are the same
+NUMBERS = 2**17  # in a buffer
+STEP_NUMBERS = 9  # time, size, iterations, error, its share, rejected trials, three norms
+
+OUTPUT = fields(
+    floats="every start end h iterations error share rejected forces constraints increment dissipated given",
+    words="stage code which saved row_size n_rows rows most_rows n_steps steps most_steps row0 row1 between "
+    "high high_time low low_time n_outputs outputs energy n_nodes x r rotation first n_pairs pairs n_turned turned "
+    "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes",
+)
+
+
+@entry
+def record_step(output: Records(OUTPUT), work: Records(STEP)):
+    """Record the step from BEGIN to TRIAL, whose outputs the system holds; ``code`` tells how far it came.
+
+    FULL: to be called again when the buffers are empty. NOT_FINITE: number ``which`` of the row is not, and nothing was
+    recorded. ENDED: an element, number ``which`` of those watched, can go no further.
+    """
+    o, w = output[0], work[0]
+    row0, row = floats(o.row0, o.row_size), floats(o.row1, o.row_size)
+    t = time_of(w, TRIAL)[0]
+    if o.stage == SAMPLE:
+        sample(o, w, row)
+        o.code, o.which = NOT_FINITE, extend_extremes(o, t, row)
+        if o.which >= 0:
+            return
+        o.stage = ENTER
+    if o.stage == ENTER:
+        o.code = FULL
+        if o.n_steps == o.most_steps:
+            return
+        enter_step(o, t)
+        o.stage = SAVE
+    if not save(o, w, t, row0, row):
+        o.code = FULL
+        return
+    o.stage = SAMPLE
+    watch(o, t, row0, row)
+    for i in range(o.row_size):
+        row0[i] = row[i]
+    o.which = ended(o, row)
+    o.code = ENDED if o.which >= 0 else DONE
+
+
+@kernel
+def sample(o, w, row):
+    """Write the numbers of the state TRIAL into the row."""
+    z, v, a, R = motion_of(w, TRIAL)
+    x, r, rotation = nodes_of(o)
+    fill(row, floats(o.outputs, o.n_outputs), floats(o.energy, 4), x, r, rotation, z, v, R, o.dissipated, o.given)
+
+
+@kernel
+def nodes_of(o):
+    """Return where position, rotation and matrix of each node stand (n_nodes,)."""
+    return integers(o.x, o.n_nodes), integers(o.r, o.n_nodes), integers(o.rotation, o.n_nodes)
+
+
+@kernel
+def extend_extremes(o, t, row):
+    """Compare a row with the extremes; return the index of a number that is not finite, or -1."""
+    n = o.row_size
+    return update(t, row, floats(o.high, n), floats(o.high_time, n), floats(o.low, n), floats(o.low_time, n))
+
+
+@kernel
+def enter_step(o, t):
+    """Append the step to the history of the solver."""
+    line = floats(o.steps + 8 * STEP_NUMBERS * o.n_steps, STEP_NUMBERS)
+    line[0], line[1], line[2], line[3], line[4] = t, o.h, o.iterations, o.error, o.share
+    line[5], line[6], line[7], line[8] = o.rejected, o.forces, o.constraints, o.increment
+    o.n_steps += 1
+
+
+@kernel
+def next_time(o):
+    """Return the next time to be saved; the last one is the end."""
+    return min(o.start + (o.saved + 1) * o.every, o.end)
+
+
+@kernel
+def save(o, w, t, row0, row):
+    """Save the motion at every multiple of the interval in the step, or the step; false when the buffer is full.
+
+    No step is shortened to meet a multiple of the interval: between two steps the motion is interpolated.
+    """
+    if o.every == 0.0:
+        return append(o, t, row)
+    while o.saved >= 0 and next_time(o) <= t + SLIVER * o.every:
+        if o.n_rows == o.most_rows:
+            return False
+        wanted = next_time(o)
+        if wanted > t - SLIVER * o.every:
+            append(o, wanted, row)
+        else:
+            found = floats(o.between, o.row_size)
+            interpolate_row(o, w, wanted, row0, row, found)
+            extend_extremes(o, wanted, found)
+            append(o, wanted, found)
+        o.saved = o.saved + 1 if wanted < o.end else -1
+    return True
+
+
+@kernel
+def append(o, t, row):
+    """Append a row to the saved ones; false when the buffer is full."""
+    if o.n_rows == o.most_rows:
+        return False
+    line = floats(o.rows + 8 * (1 + o.row_size) * o.n_rows, 1 + o.row_size)
+    line[0] = t
+    for i in range(o.row_size):
+        line[1 + i] = row[i]
+    o.n_rows += 1
+    return True
+
+
+@kernel
+def interpolate_row(o, w, t, row0, row, out):
+    """Write the row at a time within the step: motions may peak there."""
+    z0, v0, a0, R0 = motion_of(w, BEGIN)
+    z1, v1, a1, R1 = motion_of(w, TRIAL)
+    z, v, a, R = motion_of(w, BETWEEN)
+    t0, t1 = time_of(w, BEGIN)[0], time_of(w, TRIAL)[0]
+    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
+    copy_state(w, TRIAL, BETWEEN)
+    between_states((t - t0) / (t1 - t0), t1 - t0, z0, v0, a0, R0, z1, v1, a1, R1, kind, rotation_dof, w.n_q, z, v, a, R)
+    pairs, turned = integers(o.pairs, (o.n_pairs, 2)), integers(o.turned, o.n_turned)
+    blend((t - t0) / o.h, o.h, o.first, pairs, turned, row0, row, out)
+    x, r, rotation = nodes_of(o)
+    node_rows(x, r, rotation, z, v, R, out)
+
+
+@kernel
+def watch(o, t, row0, row):
+    """Count how often forces change their direction (ringing.py)."""
+    n = o.n_forces
+    count_changes(
+        floats(o.difference, n), integers(o.signs, n), floats(o.swing, n), floats(o.swing_time, n),
+        floats(o.largest, n), integers(o.columns, n), t, row0, row,
+    )  # fmt: skip
+
+
+@kernel
+def ended(o, row):
+    """Return the number of the first element that can go no further, or -1."""
+    columns, sizes = integers(o.end_columns, o.n_ends), floats(o.end_sizes, o.n_ends)
+    for i in range(o.n_ends):
+        if abs(row[columns[i]]) > sizes[i]:
+            return i
+    return -1
+
+
+class Output:
+    """The buffers of a run, and the record OUTPUT that holds their addresses.
+
+    Parameters
+    ----------
+    sampler : Sampler
+    extremes : Extremes
+    ringing : RingingWatch
+    times : tuple
+        Start and end of the run, and the interval between saved times [s], 0 to save every step.
+    ends : list
+        (column of the row, greatest size) beyond which elements can go no further.
+    """
+
+    def __init__(self, sampler, extremes, ringing, times, ends):
+        n = len(sampler.row)
+        start, end, every = times
+        most_rows, most_steps = max(NUMBERS // (1 + n), 16), 1024
+        self.rows, self.steps = np.zeros((most_rows, 1 + n)), np.zeros((most_steps, STEP_NUMBERS))
+        self.row = np.zeros(n)  # at the beginning of the next step, behind the events there
+        x, r, rotation = sampler.nodes
+        arrays = {
+            "rows": self.rows, "steps": self.steps, "row0": self.row, "row1": np.zeros(n), "between": np.zeros(n),
+            "high": extremes.high, "high_time": extremes.high_time, "low": extremes.low, "low_time": extremes.low_time,
+            "outputs": sampler.system.outputs, "energy": sampler.system.energy, "x": x, "r": r, "rotation": rotation,
+            "pairs": sampler.pairs, "turned": sampler.rotations, "columns": ringing.columns,
+            "difference": ringing.difference, "signs": ringing.signs, "swing": ringing.swing,
+            "swing_time": ringing.time, "largest": ringing.largest,
+            "end_columns": np.array([column for column, _ in ends], np.int64),
+            "end_sizes": np.array([size for _, size in ends]),
+        }  # fmt: skip
+        self._arrays = arrays
+        self.record = record(
+            OUTPUT, every=every, start=start, end=end, row_size=n, most_rows=most_rows, most_steps=most_steps,
+            n_outputs=len(sampler.system.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
+            n_turned=len(sampler.rotations), n_forces=len(ringing.columns), n_ends=len(ends),
+            **{name: array.ctypes.data for name, array in arrays.items()},
+        )  # fmt: skip
+
+    def record_step(self, workspace, accepted, share):
+        """Record an accepted step, which Python made; returns the code of ``record_step``."""
+        run, info, r = accepted.run, accepted.info, self.record[0]
+        workspace.put_step(accepted.before, run.motion)
+        r["h"], r["iterations"], r["error"], r["share"], r["rejected"] = (
+            accepted.h, info.iterations, info.error, share, accepted.rejected,
+        )  # fmt: skip
+        r["forces"], r["constraints"], r["increment"] = info.norms
+        r["dissipated"], r["given"] = run.dissipated, run.given
+        return self.go_on(workspace)
+
+    def go_on(self, workspace):
+        """Record the step in the workspace, or the rest of it; returns the code of ``record_step``."""
+        record_step(self.record, workspace.record)
+        return int(self.record["code"][0])
+
+    def outcome(self):
+        """Return the code of the last step, and the number that it tells of."""
+        return int(self.record["code"][0]), int(self.record["which"][0])
+
+    def taken(self):
+        """Return the rows and the lines of the solver's history in the buffers, which are empty from now on."""
+        r = self.record[0]
+        rows, steps = self.rows[: r["n_rows"]], self.steps[: r["n_steps"]]
+        r["n_rows"] = r["n_steps"] = 0
+        return rows, steps

@@ -1,0 +1,356 @@
+"""Ordinary steps, many in one compiled call: those that are accepted at the first trial and in which nothing happens.
+
+The call returns where a decision is due that is rarely taken: an event, a rejected step, another step size, a time to
+be met, full buffers, a look at signals. Python takes it, and gives the same step the same bits.
+"""
+
+import time as clock
+
+import numpy as np
+
+from mecano.compiled.entry import Records, entry
+from mecano.compiled.kernel import kernel
+from mecano.compiled.memory import call, floats, integers, items
+from mecano.model import conduct, loops
+from mecano.model.loops import BATCH, fields, record
+from mecano.model.numbering import ROTATION
+from mecano.solve.events.events import some_happened
+from mecano.solve.linear.newton import CONVERGED, PAUSE
+from mecano.solve.time.generalized_alpha import MOST_TURN, PATIENCE, TURN, StepInfo
+from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
+from mecano.solve.time.run_state import RunState
+from mecano.solve.time.step import attempt
+from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned
+from mecano.solve.time.workspace import (
+    BEGIN,
+    RENEWED,
+    STEP,
+    TANGENT,
+    TRIAL,
+    copy_state,
+    history_of,
+    is_due,
+    memory_of,
+    motion_of,
+    system_of,
+    time_of,
+)
+
+PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
+STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
+
+ENOUGH, DECIDE, REPEAT, WAIT, RECORDED = range(5)
+READY, STEPPING, RECORDING = range(3)
+
+STRIDE = fields(
+    floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
+    words="phase steps done most iterations renewed_tangents attempt attempt_words records record record_words "
+    "n_events n_event_batches events event_batches event_values before_values n_departing departing "
+    "n_observed observed observed_batches n_committed committed committed_batches "
+    "n_constraints constraints constraint_batches levels "
+    "share_of_gap energy",
+)
+
+
+@entry
+def stride(march: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
+    """Step on from BEGIN.
+
+    ENOUGH: the steps wanted are made, or the next one needs another size. DECIDE: TRIAL is a step to be judged. REPEAT:
+    the step from BEGIN is to be made by Python. WAIT: signals are to be looked at, and the call repeated. RECORDED: as
+    the code in ``output`` says, its buffers are full, or the run cannot go on.
+    """
+    m, w, o = march[0], work[0], output[0]
+    while True:
+        if m.phase == READY:
+            if m.done == m.most or m.planned != w.h or m.until - time_of(w, BEGIN)[0] < STRETCH * w.h:
+                return ENOUGH
+            if departs(m, w):
+                return REPEAT
+            begin(m, w)
+        if m.phase == STEPPING:
+            call(m.attempt, m.attempt_words, 0)
+            if w.code == PAUSE:
+                return WAIT
+            if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
+                return REPEAT
+            error = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
+            share = allowed(m.tolerance, m.duration, w.h)
+            if not (error <= share or w.h < m.minimum) or is_probe(m, w, error, share) or happens(m, w):
+                return DECIDE
+            accept(m, w, o, error, share)
+        if m.phase == RECORDING:
+            call(m.record, m.record_words, 0)
+            if o.code != DONE:
+                if o.code == FULL:
+                    return RECORDED
+                move_on(m, w)
+                return RECORDED
+            move_on(m, w)
+        if is_due(w):
+            return WAIT
+
+
+@kernel
+def begin(m, w):
+    """Prepare the next step: Newton's method begins with the history's own guess."""
+    _, slope, bend = history_of(w, BEGIN)
+    guess = floats(w.guess, 2 * w.n)
+    for i in range(w.n):
+        guess[i] = slope[i]
+        guess[w.n + i] = bend[i]
+    w.begun, w.renewed = 0, 0
+    m.phase = STEPPING
+
+
+@kernel
+def evaluate_events(m, w, which, out):
+    """Write the values of all events at BEGIN or TRIAL."""
+    batches, found = items(m.event_batches, m.n_event_batches, BATCH), floats(m.event_values, m.n_events)
+    conduct.event_values(
+        integers(m.events, m.n_event_batches), batches, system_of(w), time_of(w, which)[0], *motion_of(w, which),
+        integers(w.modes, w.n_modes), memory_of(w, which),
+    )  # fmt: skip
+    for i in range(m.n_events):
+        out[i] = found[i]
+
+
+@kernel
+def departs(m, w):
+    """Return whether a contact that has opened still stands where it closes: its rates tell what comes (shocks.py)."""
+    if not m.n_events:
+        return False
+    values, own = floats(m.before_values, m.n_events), integers(m.departing, m.n_departing)
+    evaluate_events(m, w, BEGIN, values)
+    for i in range(m.n_departing):
+        if values[own[i]] >= 0.0:
+            return True
+    return False
+
+
+@kernel
+def happens(m, w):
+    """Return whether an event happened in the step."""
+    if not m.n_events:
+        return False
+    values = floats(m.before_values, 2 * m.n_events)
+    evaluate_events(m, w, TRIAL, values[m.n_events :])
+    return some_happened(values[: m.n_events], values[m.n_events :])
+
+
+@kernel
+def parts(m, w):
+    """Return whether constraints that repeat one another are apart at TRIAL by more than is allowed."""
+    if not m.n_constraints:
+        return False
+    n = w.n - w.n_q
+    g, weight = floats(m.levels, (n, 3)), floats(m.share_of_gap, n)
+    conduct.levels(
+        integers(m.constraints, m.n_constraints), items(m.constraint_batches, m.n_constraints, BATCH), system_of(w),
+        time_of(w, TRIAL)[0], *motion_of(w, TRIAL), integers(w.modes, w.n_modes), memory_of(w, TRIAL), g,
+    )  # fmt: skip
+    largest = 0.0
+    for i in range(n):
+        largest += (g[i, 0] * weight[i]) * (g[i, 0] * weight[i])
+    return largest > 0.25
+
+
+@kernel
+def is_probe(m, w, error, share):
+    """Return whether it is to be asked if what holds the step back only swings."""
+    return m.steps % PROBE == PROBE - 1 and w.h < m.maximum and factor(error, share) < HOLD
+
+
+@kernel
+def accept(m, w, o, error, share):
+    """Commit memories, observe the outputs, add the work by the trapezoidal rule, plan the next step."""
+    observe(m, w)
+    energy = floats(m.energy, 4)
+    m.dissipated += 0.5 * w.h * (m.power_dissipated + energy[2])
+    m.given += 0.5 * w.h * (m.power_given + energy[3])
+    m.power_dissipated, m.power_given = energy[2], energy[3]
+    report = floats(w.report, 8)
+    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + int(report[0])
+    o.h, o.iterations, o.error, o.share, o.rejected = w.h, report[0], error, error / share, 0.0
+    o.forces, o.constraints, o.increment = report[1], report[2], report[3]
+    o.dissipated, o.given = m.dissipated, m.given
+    plan(m, w, error, share)
+    m.phase = RECORDING
+    if not m.records:
+        move_on(m, w)
+
+
+@kernel
+def observe(m, w):
+    """Commit the memories at TRIAL, and write outputs and energies there."""
+    t, modes, system = time_of(w, TRIAL)[0], integers(w.modes, w.n_modes), system_of(w)
+    z, v, a, R = motion_of(w, TRIAL)
+    memory = memory_of(w, TRIAL)
+    if w.n_memory:
+        loops, batches = integers(m.committed, m.n_committed), items(m.committed_batches, m.n_committed, BATCH)
+        conduct.commit(loops, batches, system, t, z, v, a, R, modes, memory_of(w, BEGIN), memory)
+    loops, batches = integers(m.observed, m.n_observed), items(m.observed_batches, m.n_observed, BATCH)
+    conduct.observe(loops, batches, system, t, z, v, a, R, modes, memory)
+
+
+@kernel
+def plan(m, w, error, share):
+    """Plan the size of the next step; one that grows turns no body too far."""
+    wanted = planned(error, share, w.h, m.minimum, m.maximum)
+    if wanted > w.h:
+        longest = longest_step(w)
+        wanted = min(wanted, longest) if longest >= HOLD * w.h else w.h
+    m.planned = wanted
+
+
+@kernel
+def longest_step(w):
+    """Return the longest step [s] in which no body turns too far at the velocities of TRIAL."""
+    v, kind, fastest = motion_of(w, TRIAL)[1], integers(w.kind, w.n_all), 0.0
+    for i in range(w.n_q):
+        if kind[i] == ROTATION:
+            fastest = max(fastest, abs(v[i]))
+    return TURN * MOST_TURN / fastest if fastest > 0.0 else np.inf
+
+
+@kernel
+def move_on(m, w):
+    """Make TRIAL the beginning of the next step."""
+    copy_state(w, TRIAL, BEGIN)
+    n = w.n_all + 2 * w.n
+    new, old = floats(w.history + 8 * n, n), floats(w.history, n)
+    for i in range(n):
+        old[i] = new[i]
+    floats(w.v_shift, w.n_all)[:] = 0.0
+    if w.renewed:
+        copy_state(w, RENEWED, TANGENT)
+        m.renewed_tangents += 1
+        w.renewed = 0
+    w.known, w.has, w.age, w.drift = w.next_known, w.next_has, w.next_age, w.next_drift
+    m.phase = READY
+
+
+class Strides:
+    """Makes the ordinary steps of a march.
+
+    Parameters
+    ----------
+    system, method, control, shocks :
+        Those of the march.
+    recorder : object or None
+        Has the buffers ``output`` (output.py); ``empty()``, called when they are full; and ``refuse(run, code,
+        number)``, which raises an error where the run cannot go on.
+    """
+
+    def __init__(self, system, method, control, shocks, recorder=None):
+        self.system, self.method, self.control, self.recorder = system, method, control, recorder
+        self.workspace, self.linear = method.workspace, method.linear
+        self._output = record(OUTPUT) if recorder is None else recorder.output.record
+        departing = np.array([c.event for c in shocks.catches if c.opened >= 0], np.int64)
+        self._levels, self._values = np.zeros((system.n_l, 3)), np.zeros((2, len(system.values_of_events)))
+        self._constraints = system.loops(loops.levels)
+        found = {
+            "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
+            "committed": system.loops(loops.commit), "constraints": self._constraints,
+        }  # fmt: skip
+        calls = {"attempt": attempt.call_from_compiled_code(self.workspace.record)}
+        if recorder is not None:
+            calls["record"] = record_step.call_from_compiled_code(self._output, self.workspace.record)
+        self._kept = departing, found, calls  # their addresses stand in the record
+        addresses = {"departing": departing, "levels": self._levels, "before_values": self._values}
+        addresses |= {"event_values": system.values_of_events, "energy": system.energy}
+        addresses |= {name: addressed for name, (addressed, _) in found.items()}
+        addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
+        addresses |= {f"{name}_words": packed.words for name, packed in calls.items()}
+        self.record = record(
+            STRIDE, tolerance=control.tolerance, duration=control.duration, minimum=control.minimum,
+            maximum=control.maximum, records=recorder is not None, n_departing=len(departing),
+            n_events=self._values.shape[1], n_event_batches=len(found["events"][0]),
+            n_observed=len(found["observed"][0]), n_committed=len(found["committed"][0]),
+            **{name: packed.function for name, packed in calls.items()},
+            **{name: array.ctypes.data for name, array in addresses.items()},
+        )  # fmt: skip
+        self._go_on = stride.bind(self.record, self.workspace.record, self._output)
+        self._tangent = self._renewed = None  # States of the tangents in the workspace
+
+    def advance(self, run, stop, most):
+        """March on towards the time ``stop`` by at most so many steps: (run, trial, whether the next step is Python's).
+
+        The trial is a step from where the run is that is to be judged, or None.
+        """
+        if len(self.method.released) or stop - run.motion.t < STRETCH * run.h:
+            return run, None, True
+        if self.workspace.held is not run:
+            self._load(run)
+        r = self.record[0]
+        r["until"], r["most"], r["done"] = stop, most, 0
+        code = self._march()
+        if r["done"]:
+            run = self._run(run)
+        self.workspace.held = run
+        if code == DECIDE:
+            return run, self._trial(run), True
+        if code == REPEAT:
+            r["phase"] = READY
+        return run, None, code == REPEAT or (code == ENOUGH and r["done"] < most)
+
+    def _march(self):
+        """Step on, and empty the buffers of the output as often as they are full; a code above."""
+        while True:
+            self.workspace.record["due"] = clock.monotonic() + PATIENCE
+            before = int(self.record["renewed_tangents"][0])
+            code = self._go_on()
+            self._note_tangents(before)
+            if code != RECORDED:
+                return code
+            if self._output["code"][0] == FULL:
+                self.recorder.empty()
+            else:
+                self.recorder.refuse(float(self.workspace.states[BEGIN, -1]))
+
+    def _load(self, run):
+        """Enter the run, with a history for its step size, into the workspace."""
+        history = run.history
+        if history.h != run.h:
+            history = self.method.restart(run.motion, history, run.h)
+        self.method.prepare(run.motion, history, run.h)
+        self._modes, self._tangent = run.motion.modes, history.tangent
+        r = self.record[0]
+        r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
+        r["dissipated"], r["given"] = run.dissipated, run.given
+        r["power_dissipated"], r["power_given"] = run.powers
+        r["n_constraints"] = len(self._constraints[0]) if self.method.gives_way else 0
+        r["share_of_gap"] = self.method.share_of_gap.ctypes.data
+
+    def _note_tangents(self, before):
+        """Keep the States of tangents that were evaluated, for the factor that the solver holds."""
+        if self.record["renewed_tangents"][0] != before:
+            self._tangent = self.workspace.state(TANGENT, self._modes)
+            self.linear.solved(self._tangent)
+        if self.workspace.record["renewed"][0]:
+            self.linear.solved(self.workspace.state(RENEWED, self._modes))
+
+    def _run(self, run):
+        """The RunState at BEGIN, after steps from ``run``."""
+        r, w = self.record[0], self.workspace
+        s = w.state(BEGIN, self._modes, None if len(run.motion.memory) else run.motion.memory)
+        return RunState(
+            motion=s, history=w.new_history(BEGIN, np.zeros(len(s.v)), self._tangent), h=float(r["planned"]),
+            steps=int(r["steps"]), rejected=run.rejected, iterations=int(r["iterations"]),
+            dissipated=float(r["dissipated"]), given=float(r["given"]),
+            powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=run.compliance,
+        )  # fmt: skip
+
+    def info(self, run):
+        """The StepInfo of the last step, made from ``run``."""
+        o = self._output[0]
+        norms, error = (float(o["forces"]), float(o["constraints"]), float(o["increment"])), float(o["error"])
+        return StepInfo(True, int(o["iterations"]), norms, error, run.history, plain=error)
+
+    def _trial(self, run):
+        """The step at TRIAL as ``method.step`` gives it, with its error."""
+        history = self.workspace.new_history(BEGIN, self.workspace.v_shift.copy(), self._tangent)
+        s, new, info = self.method.trial(run.motion, history, int(self.workspace.report[0]))
+        h = float(self.workspace.record["h"][0])
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
+        return s, new, info
