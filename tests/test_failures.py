@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
+from marching import March, deck, in_python, input_deck
 
 import mecano
 import mecano.analyses.prepare
@@ -173,6 +173,7 @@ def with_failing(when):
     """A change of a march: steps fail where ``when(state, h)``."""
 
     def change(march, run):
+        in_python(march)
         march.method.step = failing(march.method.step, when)
         return run
 
@@ -220,7 +221,7 @@ def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
     def contradict(march, run):
         plain = march.system.event_values
         march.system.event_values = lambda s: plain(s) if s.t < 0.02 else np.ones_like(plain(s))
-        return run
+        return in_python(march, run)
 
     with pytest.raises(ConvergenceError) as error:
         March(deck(STRUTS), change=contradict)

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order, pair
-from marching import March, deck, input_deck, with_history
+from marching import March, deck, in_python, input_deck, with_history
 from scipy.integrate import solve_ivp
 
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
@@ -157,7 +157,7 @@ class Pattern:
 def with_pattern(factors):
     def change(march, run):
         march.control = Pattern(run.h, factors)
-        return run
+        return in_python(march, run)
 
     return change
 

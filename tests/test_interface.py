@@ -105,18 +105,18 @@ class TestRun:
         handler, hook = signal.getsignal(signal.SIGINT), sys.unraisablehook
         seen = []
 
-        def interrupt(self, accepted):
-            seen.append(accepted)
-            if len(seen) == 100:
+        def interrupt(self, run):
+            if run.motion.t > 0.0995 and not seen:
+                seen.append(run)
                 signal.raise_signal(signal.SIGINT)
 
         with monkeypatch.context() as patched:
             patched.setattr("mecano.analyses.progress.Progress.__call__", interrupt)
             with pytest.raises(KeyboardInterrupt, match=r"SIGINT at t = 0.1 s.*'pendulum.h5', resume=True\)"):
-                mecano.run("pendulum.yaml", quiet=True)
+                mecano.run("pendulum.yaml", quiet=True, checkpoint=0.0)
             seen.clear()
             with pytest.raises(KeyboardInterrupt, match=r"'b.h5', set=\{'time.end': 1\}, resume=True"):
-                mecano.run("pendulum.yaml", "b.h5", set={"time.end": 1})
+                mecano.run("pendulum.yaml", "b.h5", set={"time.end": 1}, checkpoint=0.0)
         assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == (handler, hook)
         assert mecano.open_results("pendulum.h5").status == "stopped"
         resumed = mecano.run("pendulum.yaml", resume=True, quiet=True)

@@ -11,6 +11,7 @@ import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
+from mecano.results.extremes import Extremes
 
 import mecano
 from mecano.elements import KINDS
@@ -27,7 +28,6 @@ from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.sheet import Curve, EventMark, Panel, Sheet
 from mecano.post.wire import wire_figure
-from mecano.results.extremes import Extremes
 from mecano.results.reader import Extreme
 
 

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 import surviving
-from marching import deck, input_deck
+from marching import deck, in_python, input_deck
 
 from mecano.analyses.prepare import march_of, prepare
 from mecano.results.state import load_state, save_state
@@ -59,6 +59,7 @@ def test_rejected_steps_leave_nothing_behind():
         return step(s, history, h)
 
     march.method.step = every_third_twice
+    in_python(march)
     disturbed = march.to(1.0, march.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
@@ -84,6 +85,8 @@ def test_every_third_trial_rejected_changes_no_bit(name):
         tell = lambda accepted, happened=happened: happened.extend(accepted.happenings)  # noqa: E731
         usual = march_of(prepared)
         march = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
+        if kind is EveryThird:
+            in_python(march)
         start = march.begin(prepared.state, checked.values["time"]["step"])
         ends.append((march.to(checked.values["time"]["end"], start), happened))
     (plain, events), (disturbed, same) = ends

@@ -18,8 +18,8 @@ def motions(sampler):
     """Which numbers of a row are positions, velocities, or coordinates with their rates: (n,) bool."""
     found = np.zeros(len(sampler.row), bool)
     found[: sampler.node_size] = True
-    found[sampler._pairs.ravel()] = True
-    found[(sampler._rotations[:, None] + np.arange(4)).ravel()] = True
+    found[sampler.pairs.ravel()] = True
+    found[(sampler.rotations[:, None] + np.arange(4)).ravel()] = True
     return found
 
 
@@ -29,21 +29,27 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
     deck = input_deck(name, *(["time.end=1.2"] if name in LATER else []))
     if deck.values["static"]:
         pytest.skip("points of a path are saved as they are")
-    checked = []
+    checked, recorders, row0 = [], [], []
 
-    def between(recorder, accepted, t, row):
-        found = original(recorder, accepted, t, row)
-        low, high = np.minimum(recorder.row, row), np.maximum(recorder.row, row)
-        outside = ((found < low) | (found > high)) & ~motions(recorder.sampler)
+    def restarted(recorder, state):
+        original(recorder, state)
+        recorders[:], row0[:] = [recorder], [recorder.row.copy()]
+
+    def check(accepted):
+        recorder, row = recorders[0], recorders[0].row
+        rows = recorder.output.rows[: recorder.output.record["n_rows"][0], 1:]
+        low, high = np.minimum(row0[0], row), np.maximum(row0[0], row)
+        outside = (((rows < low) | (rows > high)) & ~motions(recorder.sampler)).any(axis=0)
         assert not outside.any(), [
             c.path for c in recorder.sampler.columns if outside[c.start : c.start + c.size].any()
         ]
-        checked.append(t)
-        return found
+        checked.extend(rows)
+        row0[:] = [row.copy()]
+        recorder.flush()
 
-    original = Recorder._between
-    monkeypatch.setattr(Recorder, "_between", between)
-    run(deck, tmp_path / "r.h5")
+    original = Recorder.restarted
+    monkeypatch.setattr(Recorder, "restarted", restarted)
+    run(deck, tmp_path / "r.h5", observers=(check,))
     with h5py.File(tmp_path / "r.h5") as file:
         rows = file["storage/output"][:, 1:]
         count = file["run/acknowledged"][0]

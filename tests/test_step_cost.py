@@ -8,10 +8,10 @@ from marching import input_deck
 from mecano.analyses.dynamic import run
 from mecano.solve.time.march import March
 
-MOST = 160  # calls of Python's functions and of built-in ones for each step; 157 in Python 3.11
+MOST = 0.2  # calls of Python's functions and of built-in ones for each step
 
 
-def test_a_step_of_a_pendulum_makes_no_more_calls(tmp_path, monkeypatch):
+def test_steps_of_a_pendulum_make_hardly_any_calls(tmp_path, monkeypatch):
     counted, to = Counter(), March.to
 
     def count(frame, event, argument):
@@ -24,7 +24,8 @@ def test_a_step_of_a_pendulum_makes_no_more_calls(tmp_path, monkeypatch):
         finally:
             sys.setprofile(None)
 
+    run(input_deck("pendulum", "time.end=0.1"), tmp_path / "first.h5")  # finds the compiled code
     monkeypatch.setattr(March, "to", counting)
-    final = run(input_deck("pendulum"), tmp_path / "r.h5")
-    assert final.steps == 2000 and not final.rejected
-    assert 0.8 * MOST < (counted["call"] + counted["c_call"]) / final.steps <= MOST
+    final = run(input_deck("pendulum", "time.end=10"), tmp_path / "r.h5")
+    assert final.steps == 10000 and not final.rejected
+    assert (counted["call"] + counted["c_call"]) / final.steps <= MOST

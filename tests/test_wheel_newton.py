@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from marching import deck, input_deck
+from marching import deck, in_python, input_deck
 from test_flexible_wheel import DROP, LATERAL
 
 from mecano.analyses.prepare import march_of, prepare
 from mecano.analyses.start import bring_to_start
-from mecano.solve.linear.newton import FIRST, WORST
+from mecano.solve.linear.newton import FIRST, ITERATIONS, TOO_MANY, WORST
+from mecano.solve.time import generalized_alpha
+from mecano.solve.time.step import attempt
 
 TIGHT = "newton: {force_tolerance: 1.0e-13, constraint_tolerance: 1.0e-13}"
-KEPT, USABLE = 7, 8  # arguments of ``iterate``
 ROUNDING = 10.0  # of the tolerance: residuals below are rounding
 NEAR = 0.05  # residuals fall by more than that where the iteration is near the solution
 
@@ -19,19 +20,26 @@ def residuals(checked, monkeypatch):
     """Residuals (over their tolerance) of each attempt of a run, with a new tangent for every correction."""
     prepared = prepare(checked)
     bring_to_start(prepared)
-    march, attempts = march_of(prepared), {}
-    iterate = march.method._iterate
+    march, attempts = march_of(prepared), []
 
-    def corrected(*arguments):
-        report = arguments[-1]
-        code = iterate(*arguments[:KEPT], False, False, *arguments[USABLE + 1 :])
-        attempts.setdefault(id(report), (report, [report[FIRST]]))[1].append(report[WORST])
-        return code
+    def corrected(record):
+        """Iterate once at a time: each begins with a new tangent."""
+        most, report = int(record["most"][0]), march.method.workspace.report
+        record["has"], record["most"], found = False, 1, []
+        while True:
+            attempt(record)
+            found += [report[WORST]] if found else [report[FIRST], report[WORST]]
+            if record["code"][0] != TOO_MANY or len(found) > most:
+                break
+            report[ITERATIONS], record["stale"], record["pending"] = 0, True, False
+        record["most"] = most
+        attempts.append(np.array(found))
 
-    monkeypatch.setattr(march.method, "_iterate", corrected)
+    monkeypatch.setattr(generalized_alpha, "attempt", corrected)
     times = checked.values["time"]
+    in_python(march)
     march.to(times["end"], march.begin(prepared.state, times["step"]))
-    return [np.array(found) for _, found in attempts.values()]
+    return attempts
 
 
 def orders(found):

@@ -162,6 +162,7 @@ class Ongoing:
         self._announce, self._notes = announce, notes
         self._keeper = march.pause = Keeper(march, recorder, interruption, interval)
         recorder.look = self._keeper.look
+        march.method.patience = min(march.method.patience, interval)
         march.recorder, march.observers, march.reporters = recorder, tuple(observers), (recorder.report, *reporters)
 
     def advance(self, t):

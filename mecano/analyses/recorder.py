@@ -68,8 +68,10 @@ class Recorder:
         if accepted.h:
             share = accepted.info.error / self.control.allowed(accepted.h)
             code = self.output.record_step(self._workspace, accepted, share)
+            again = False
             while code == FULL:
-                self.empty()
+                self.empty(again)
+                again = True
                 code = self.output.go_on(self._workspace)
             self.refuse(t)
         for happening in accepted.happenings:
@@ -95,10 +97,11 @@ class Recorder:
             raise
         self.flush()
 
-    def empty(self):
-        """Give the writer what is in the full buffers; may raise Stopped."""
+    def empty(self, again=False):
+        """Give the writer what is in the full buffers; may raise Stopped where one step fills them ``again``."""
         self.flush()
-        self.look()
+        if again:
+            self.look()
 
     def flush(self):
         """Give the writer what is in the buffers."""

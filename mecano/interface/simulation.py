@@ -113,6 +113,7 @@ class Simulation:
     def results(self) -> Results:
         """Open the results saved so far. Raises ResultsError."""
         if not self._left:
+            self._started.recorder.flush()
             self._started.recorder.writer.flush()
         return Results(self.path)
 

@@ -60,8 +60,10 @@ def newton(w):
     """
     while True:
         if w.stale:
-            if is_due(w):
+            if is_due(w) and not w.paused:
+                w.paused = 1
                 return PAUSE
+            w.paused = 0
             code = renew(w)
             if code != STALE:
                 return code

@@ -48,7 +48,7 @@ TURN = 0.8  # of it: a step that is planned to turn a body by more would often f
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
 MOST_OTHERS = 12  # constraints named that contradict one
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
-PATIENCE = 0.2  # s of wall-clock time between two looks at signals
+PATIENCE = 0.2  # s of wall-clock time between two calls of ``pause``
 CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
@@ -118,6 +118,7 @@ class GeneralizedAlpha:
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.duration = k, penalty, duration
+        self.patience = PATIENCE
         self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
         self._relaxing = np.flatnonzero(system.relaxing)
         self._kind = system.numbering.kind.copy()
@@ -417,7 +418,7 @@ class GeneralizedAlpha:
         r["begun"] = False
         while True:
             self.pause()
-            r["due"] = clock.monotonic() + PATIENCE
+            r["due"] = clock.monotonic() + self.patience
             renewed = bool(r["renewed"][0])
             attempt(r)
             if r["renewed"][0] and not renewed:

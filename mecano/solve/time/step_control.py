@@ -30,7 +30,7 @@ def forgotten(lag, duration, h):
 @kernel
 def factor(error, share):
     """Return the change of the step size for which the ``error`` becomes its ``share`` of the tolerance."""
-    return SAFETY * math.sqrt(share / error) if error > 0.0 else GROWTH
+    return SAFETY * math.sqrt(share / error) if error > 0.0 and share < math.inf else GROWTH
 
 
 @kernel

@@ -16,7 +16,7 @@ from mecano.model.loops import BATCH, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, PAUSE
-from mecano.solve.time.generalized_alpha import MOST_TURN, PATIENCE, TURN, StepInfo
+from mecano.solve.time.generalized_alpha import MOST_TURN, TURN, StepInfo
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
@@ -238,8 +238,8 @@ class Strides:
     system, method, control, shocks :
         Those of the march.
     recorder : object or None
-        Has the buffers ``output`` (output.py); ``empty()``, called when they are full; and ``refuse(run, code,
-        number)``, which raises an error where the run cannot go on.
+        Has the buffers ``output`` (output.py); ``empty(again)``, called when they are full, ``again`` in one step; and
+        ``refuse(t)``, which raises an error where the run cannot go on.
     """
 
     def __init__(self, system, method, control, shocks, recorder=None):
@@ -296,17 +296,18 @@ class Strides:
 
     def _march(self):
         """Step on, and empty the buffers of the output as often as they are full; a code above."""
+        full_at = -1
+        self.workspace.record["due"] = clock.monotonic() + self.method.patience
         while True:
-            self.workspace.record["due"] = clock.monotonic() + PATIENCE
             before = int(self.record["renewed_tangents"][0])
             code = self._go_on()
             self._note_tangents(before)
             if code != RECORDED:
                 return code
-            if self._output["code"][0] == FULL:
-                self.recorder.empty()
-            else:
+            if self._output["code"][0] != FULL:
                 self.recorder.refuse(float(self.workspace.states[BEGIN, -1]))
+            self.recorder.empty(again=full_at == self.record["done"][0])
+            full_at = int(self.record["done"][0])
 
     def _load(self, run):
         """Enter the run, with a history for its step size, into the workspace."""

@@ -1,0 +1,45 @@
+"""Steps made many at a time in compiled code are those that Python makes one at a time, bit for bit."""
+
+import numpy as np
+import pytest
+import surviving
+from marching import deck, input_deck
+from surviving import check_same, contents
+
+from mecano.analyses.dynamic import run
+from mecano.solve.time.march import March
+
+TWO_BARS = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {bar: {type: rigid_body, node: a, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}}
+    joints:
+      one: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+      two: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+    time: {end: 0.5, step: 2.0e-3}
+    output: {every: 0.0033}
+"""
+
+
+def decks():
+    """Events, shocks, memory, adaptive steps, tangents that are kept, constraints that repeat one another."""
+    return surviving.decks() | {
+        "pendulum": input_deck("pendulum", "time.end=0.5", "output.every=0.00123"),
+        "rolling_disc": input_deck("rolling_disc", "time.end=0.3"),
+        "two_hinges": deck(TWO_BARS),
+    }
+
+
+@pytest.mark.parametrize("name", decks())
+def test_many_steps_in_one_call_are_those_of_python(name, tmp_path, monkeypatch):
+    checked = decks()[name]
+    fast, steps = run(checked, tmp_path / "fast.h5"), []
+    run(checked, tmp_path / "observed.h5", observers=(lambda accepted: steps.append(accepted.h),))
+    monkeypatch.setattr(March, "ordinary", lambda march, run, stop: (run, None, True))
+    slow = run(checked, tmp_path / "slow.h5")
+    assert (fast.steps, fast.rejected, fast.iterations) == (slow.steps, slow.rejected, slow.iterations)
+    assert len([h for h in steps if h]) == fast.steps
+    assert np.array_equal(fast.motion.z, slow.motion.z) and fast.dissipated == slow.dissipated
+    for other in ("observed.h5", "slow.h5"):
+        check_same(contents(tmp_path / other), contents(tmp_path / "fast.h5"))
