@@ -1,4 +1,4 @@
-"""Sections with which decks are put together; none of them is left in the deck that is checked and solved."""
+"""Sections that are expanded before the check; the deck that is checked and solved no longer contains them."""
 
 from mecano.deck.templates import PLACE
 from mecano.schema import Field, Type, named

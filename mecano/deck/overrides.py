@@ -1,4 +1,4 @@
-"""``--set a.b.c=value``: values of the command line put into the tree of a deck before it is checked."""
+"""``--set a.b.c=value``: values of the command line, inserted into the tree of a deck before it is checked."""
 
 import re
 from dataclasses import replace
@@ -13,11 +13,11 @@ INDEX = re.compile("[0-9]{1,9}")
 
 
 def overridden(root, overrides, sections, problems):
-    """The tree with the overrides applied in order; the given tree stays as it is.
+    """Return a copy of the tree with the overrides applied in order.
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
     from 0, the value is YAML. Keys may be new where the schema may know them; names in a section of names (nodes,
-    laws, parameters...) must be in the deck. Adds to ``problems``.
+    laws, parameters...) must exist in the deck. Adds to ``problems``.
     """
     names = {field.name for field in sections if field.type.name == "named"}
     for text in overrides:
@@ -29,7 +29,7 @@ def overridden(root, overrides, sections, problems):
 
 
 def shown(path):
-    """What stands in the place of a file in messages on an override."""
+    """Return the text shown in place of a file name in messages on an override."""
     printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in path)
     return f"--set {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
 
@@ -52,7 +52,7 @@ def _applied(root, text, names):
 
 
 def _replaced(node, places, depth, new, names):
-    """A copy of ``node`` in which the value at places[depth:] is ``new``."""
+    """Return a copy of ``node`` in which the value at places[depth:] is ``new``."""
     if depth == len(places):
         return new
     place, key = places[depth], places[depth].value

@@ -1,4 +1,4 @@
-"""Checks of values taken together: what each kind says of itself, nodes and names used twice or not at all."""
+"""Checks of values in combination: the checks of each kind, nodes and names used twice or not at all."""
 
 from collections import Counter
 
@@ -18,7 +18,7 @@ OTHER_AXIS = 1e-3  # rad
 
 
 def element_nodes(kind, values):
-    """Names of the nodes of an element, joint or load: its fields of node types, in their order."""
+    """Return the names of the nodes of an element, joint or load: its fields of node types, in their order."""
     names = []
     for field in kind.fields:
         value = values[field.name]
@@ -30,7 +30,7 @@ def element_nodes(kind, values):
 
 
 def rotations(vectors):
-    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad], after Rodrigues."""
+    """Return the rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad] by Rodrigues' formula."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
     H = np.zeros((len(vectors), 3, 3))
     H[:, 2, 1], H[:, 0, 2], H[:, 1, 0] = vectors.T
@@ -40,14 +40,14 @@ def rotations(vectors):
 
 
 def poses(nodes):
-    """{name: (x (3,) [m], R (3, 3))} of checked nodes."""
+    """Return {name: (x (3,) [m], R (3, 3))} of checked nodes."""
     x = np.array([node["position"] for node in nodes.values()])
     R = rotations(np.array([node["orientation"] for node in nodes.values()]))
     return {name: (x[i], R[i]) for i, name in enumerate(nodes)}
 
 
 def check_model(values, root, scope):
-    """Note everything in the elements, joints, loads and nodes that cannot be."""
+    """Report all inconsistencies in the elements, joints, loads and nodes."""
     at, used, told, sound = poses(values["nodes"]), set(), set(), set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
@@ -70,7 +70,7 @@ def check_model(values, root, scope):
 
 
 def _check_axes(joints, root, scope):
-    """Note angles that are prescribed about another axis than the one that a joint leaves to the same two nodes."""
+    """Report angles prescribed about another axis than the free axis of a joint between the same two nodes."""
     free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if d["type"] in TURNING}
     for name, d in joints.items():
         if d["type"] not in PRESCRIBING or frozenset(d["nodes"]) not in free:
@@ -86,7 +86,7 @@ def _check_axes(joints, root, scope):
 
 
 def _check_latches(joints, root, scope):
-    """Note latches that lie beyond a stop of their joint, which can never reach them."""
+    """Report latches beyond a stop of their joint, which the joint can never reach."""
     for name, d in joints.items():
         if not d.get("latch") or not d.get("stops"):
             continue
