@@ -102,7 +102,7 @@ def _check_latches(joints, root, scope):
 
 
 def _place_members(elements, at, kinds):
-    """Add the nodes of members to ``at``; names of those that end at nodes of no member."""
+    """Add the nodes of members to ``at``; return the names of members whose end nodes cannot be placed."""
     members = [
         Element(name, kinds[d["type"]], element_nodes(kinds[d["type"]], d), d)
         for name, d in elements.items()
@@ -115,7 +115,7 @@ def _place_members(elements, at, kinds):
 
 
 def _check_element(kind, element, names, at, entry, root, scope, told):
-    """Whether nothing is wrong; notes what the kind says, of a law or ground of several elements once (``told``)."""
+    """Report errors of an element, those of a shared law or ground once (``told``); return True if there are none."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
@@ -132,7 +132,7 @@ def _check_element(kind, element, names, at, entry, root, scope, told):
 
 
 def _texts(kind, element, nodes):
-    """Return the texts of the check of a kind, or that its numbers are beyond the limits of floating point."""
+    """Return the texts of the check of a kind, or a text on numbers beyond the limits of floating point."""
     try:
         with np.errstate(all="ignore"):
             return kind.check(element, nodes)

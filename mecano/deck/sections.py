@@ -1,4 +1,4 @@
-"""The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
+"""Sections of a deck, version 1, without the fields declared by kinds of elements, joints and loads, and by laws."""
 
 import math
 
@@ -45,7 +45,7 @@ LEAST_ULPS = 16.0  # spacings of floating-point times in a step
 
 
 def check_time(time):
-    """Check of the values together: an interval, steps that fit into it and into their bounds."""
+    """Check the interval, and that steps fit into it and into their bounds; return the error text or None."""
     if not time["end"] > time["start"]:
         return f"'end' must be later than 'start', {time['start']:g} s"
     if time["step"] > time["end"] - time["start"]:
@@ -66,7 +66,7 @@ def check_time(time):
 
 
 def shortest_interval(time):
-    """Return the shortest interval [s] that steps and saved times may have: it must be more than rounding of times."""
+    """Return the shortest interval [s] of steps and saved times, which must exceed the rounding of times."""
     return max(abs(time["start"]), abs(time["end"])) / MOST_INTERVALS
 
 
@@ -76,14 +76,14 @@ def finest_step(time):
 
 
 def check_initial(initial):
-    """Check of the values together: one kind of start."""
+    """Check that only one kind of initial state is given; return the error text or None."""
     if initial["static"] is not None and initial["steady"] is not None:
         return "'steady' and 'static' exclude one another"
     return None
 
 
 def check_velocity(entry):
-    """Check of the values together: a turning set of nodes needs a point about which it turns."""
+    """Check that a rotating set of nodes has a centre of rotation; return the error text or None."""
     several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
     if several and any(entry["angular_velocity"]) and entry["about"] is None:
         return "'about' is missing: the point about which the nodes turn, or 'own' for each about itself"

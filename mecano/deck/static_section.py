@@ -1,4 +1,4 @@
-"""The section ``static`` of a deck, and ``initial.static``: how an equilibrium is reached."""
+"""The section ``static`` of a deck, and ``initial.static``: search for an equilibrium."""
 
 import math
 
@@ -19,7 +19,7 @@ from mecano.schema import (
 
 
 def check_static(static):
-    """Check of the values together: an interval, and ends that the method knows."""
+    """Check the interval, and the criteria of the end against the method; return the error text or None."""
     over_time = static["over"] == "time"
     if static["end"] <= (static["start"] if over_time else 0.0):
         return "'end' must be greater than " + (f"'start', {static['start']:g} s" if over_time else "zero")

@@ -1,8 +1,8 @@
-"""What other programs and books call things, and what mecano has for it: targets of `mecano explain`, or commands."""
+"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, or commands."""
 
 import re
 
-NOTES = {  # (targets, what has to be said besides), of words that mean the same
+NOTES = {  # words with the same meaning: (targets, note)
     "motor, actuator, drive, servo, angle driver, rheonomic": ("prescribed_angle prescribed_position couple", ""),
     "linear actuator, hydraulic cylinder, jack, ram": (
         "prescribed_position bar screw",
@@ -118,14 +118,14 @@ SEPARATORS = re.compile(r"[\s_-]+")
 
 
 def synonym(name):
-    """(names of what mecano has for it, most fitting first; note) of a word from elsewhere, or None."""
+    """Return (names of the equivalents in mecano, best first; note) of a word of other programs, or None."""
     word = SEPARATORS.sub(" ", name.lower().strip())
     entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
 
 
 def _forms(word):
-    """A word, and its other forms: singular, without "joint" or "element"."""
+    """Yield a word and its other forms: singular, without "joint" or "element"."""
     yield word
     yield word.removesuffix("s")
     yield word.removesuffix(" joint").removesuffix(" element")

@@ -1,4 +1,4 @@
-"""What a study file may contain, and how its values are checked: the fields and types beside those of decks."""
+"""Grammar of study files: fields and types in addition to those of decks, with their checks."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -19,14 +19,14 @@ OF_EVENTS = ("first", "last", "count")
 
 
 class Entry(NamedTuple):
-    """What a study gives a value of the deck: the node of its path, and that of what it is, or may be."""
+    """A value set by a study: the node of its path, and the node of its value or choices."""
 
     key: Node
     node: Node
 
 
 def check_output(output):
-    """Check of the values together: of a series or of events, and what can be taken of it."""
+    """Check that an output is of a series or of events, with a fitting ``take``; return the error text or None."""
     if (output["of"] is None) == (output["event"] is None):
         return "an output is 'of' a series, or of an 'event'"
     known, what = (OF_SERIES, "a series") if output["event"] is None else (OF_EVENTS, "events")
@@ -38,7 +38,7 @@ def check_output(output):
 
 
 def check_number(number):
-    """Check: a number of cases."""
+    """Check a number of cases; return the error text or None."""
     return at_least_one(number) or ("must be at most 100000" if number > 100_000 else None)
 
 
@@ -92,7 +92,7 @@ FIELDS = (
 
 
 def path_of(node, scope):
-    """The text of a path of keys, or INVALID with the problem noted."""
+    """Return the text of a path of keys, or INVALID after reporting the problem."""
     keys = node.value.split(".") if type(node.value) is str else []
     if not keys or not all(keys) or len(keys) > MAX_DEPTH or set(node.value) & set("=\n"):
         return scope.refuse(node, f"{quoted(str(node.value))} is no path of keys with dots between, as 'time.end'")
@@ -100,22 +100,22 @@ def path_of(node, scope):
 
 
 def path(node, field, scope):
-    """A path of keys."""
+    """Return a path of keys."""
     return path_of(node, scope)
 
 
 def settings(node, field, scope):
-    """{path: Entry}, at least one."""
+    """Return {path: Entry}, at least one."""
     return _by_path(node, field, scope, lambda value, name: value)
 
 
 def choices(node, field, scope):
-    """{path: Entry}, each of a list of nodes."""
+    """Return {path: Entry}, each of a list of nodes."""
     return _by_path(node, field, scope, lambda value, name: _values(value, name, scope))
 
 
 def ranges(node, field, scope):
-    """{path: Entry}, each of [lowest, highest], numbers."""
+    """Return {path: Entry}, each of two numbers [lowest, highest]."""
     return _by_path(node, field, scope, lambda value, name: _range(value, name, scope))
 
 
@@ -155,19 +155,19 @@ def _range(node, name, scope):
 
 
 def here(node, value, raw=""):
-    """The node of another value at the place of ``node``; ``raw``: a text written there that has its unit."""
+    """Return the node of another value at the position of ``node``; ``raw``: the written text, with its unit."""
     return Node(value, node.source, node.line, node.column, raw)
 
 
 def plain(node):
-    """The value of a node as JSON has it."""
+    """Return the value of a node as plain JSON data."""
     if type(node.value) is dict:
         return {key: plain(item) for key, (_, item) in node.value.items()}
     return [plain(item) for item in node.value] if type(node.value) is list else node.value
 
 
 def shown(value):
-    """A value as it stands in tables: a quantity as a number in SI units, lists and mappings as text."""
+    """Return a value as shown in tables: a quantity as a number in SI units, lists and mappings as text."""
     if type(value) is str and is_quantity(value):
         try:
             return converted(value, ANY)
