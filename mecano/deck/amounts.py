@@ -40,11 +40,11 @@ def warnings(values, row, history):
             f"({time['end'] - time['start']:g} s)"
         )
     if count > MOST_STEPS:
-        texts.append(f"{count:.3g} steps of {values['time']['step']:g} s are asked for: is 'time.step' meant so?")
+        texts.append(f"{count:.3g} steps of {values['time']['step']:g} s are needed: is 'time.step' intended?")
     size = result_bytes(values, row, history)
     if size > MOST_BYTES:
         texts.append(
             f"the results file will have some {size / 1e9:.3g} GB, for {saved_times(values) or 0:.3g} saved times of "
-            f"{row} numbers and {count:.3g} steps: are 'output.every' and 'time.step' meant so?"
+            f"{row} numbers and {count:.3g} steps: are 'output.every' and 'time.step' intended?"
         )
     return texts

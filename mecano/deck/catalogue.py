@@ -23,7 +23,7 @@ ELSEWHERE = {  # topics of `mecano explain` besides kinds, terms, sections and f
     "units": "Units of numbers, as in 25 mm, 3 bar, 12 deg.", "study": "The files of `mecano sweep`.",
 }  # fmt: skip
 LAWS = [
-    "A law is a sum of terms, each with its fields. It stands in the section 'laws' under a name, or in place:",
+    "A law is a sum of terms, each with its fields. It is named in the section 'laws' or written in place:",
     "",
     "  laws:",
     "    rising: {polynomial: {coefficients: [0, 0, 60]}}                        # 60 s^2",
@@ -42,13 +42,13 @@ WRITTEN = {
                   "      nodes: {hip: {position: [0, 0, 0]}, toe: {position: [$length, 0, 0]}}",
                   "      joints: {pin: {type: spherical, nodes: [$hold, hip]}}"],
     "place": ["  place:", "    left: {template: leg, position: [0, 1, 0], orientation: [0, 0, 90 deg], "
-              "with: {hold: top, length: 2}}", "  # brings nodes left_hip and left_toe, and the joint left_pin"],
+              "with: {hold: top, length: 2}}", "  # adds nodes left_hip and left_toe, and the joint left_pin"],
 }  # fmt: skip
 UNITS_TEXT = "\n".join([
     "units (of numbers, as in 25 mm, 3 bar, 12 deg, 60 km/h, 2 kN/mm, 40 N m/rad)", "",
     *wrap(f"with the prefixes {' '.join(filter(None, PREFIXES))}: {' '.join(PREFIXED)}", WIDTH),
     *wrap(f"without: {' '.join(ALONE)}", WIDTH), "",
-    "Powers: m2 or m^2. Products: N m. A / divides by the one unit behind it: N/m/s. Without a unit: SI, radians.", "",
+    "Powers: m2 or m^2. Products: N m. A / divides by the one unit after it: N/m/s. Without a unit: SI, radians.", "",
 ])  # fmt: skip
 
 
@@ -61,7 +61,7 @@ def catalogue():
         groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
-    groups["to put decks together:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
+    groups["to compose decks:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
     for title, entries in groups.items():
@@ -70,7 +70,7 @@ def catalogue():
             head, rest = f"  {name:<{width}}  ", " " * (width + 4)
             lines += wrap(_sentence(doc), WIDTH + width, initial_indent=head, subsequent_indent=rest)
         lines.append("")
-    return "\n".join([*lines, "mecano explain NAME says more of each, mecano explain study of study files."])
+    return "\n".join([*lines, "mecano explain NAME describes each, mecano explain study the study files."])
 
 
 def explain(name):
@@ -102,18 +102,18 @@ def _called(name):
 
 def _nearest(name, known):
     """Return a hint for an unknown name: similar names of mecano first, then similar words of other programs."""
-    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` names all"
+    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` lists all"
 
 
 def _for_synonym(name, targets, note, known):
     """Return the text on a word of other programs: in full for one equivalent, first sentences for several."""
-    lines = [f"See also, for {quoted(name)}:" if known else f"{name}: what mecano has for it", ""]
+    lines = [f"See also, for {quoted(name)}:" if known else f"{name}: equivalents in mecano", ""]
     width = max(map(len, targets), default=0)
     for target in targets:
         head, rest = f"  {target:<{width}}  ", " " * (width + 4)
         lines += wrap(_first_words(target), WIDTH, initial_indent=head, subsequent_indent=rest)
     lines += wrap(f"{note[0].upper()}{note[1:]}.", WIDTH) if note else []
-    return "\n".join([*lines, *(["", "mecano explain NAME says more of each."] if targets else []), ""])
+    return "\n".join([*lines, *(["", "mecano explain NAME describes each."] if targets else []), ""])
 
 
 def _first_words(target):

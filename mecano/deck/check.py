@@ -24,7 +24,7 @@ from mecano.schema import mapping as mapping_type
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
-UNCHECKED = "how the parts fit together is checked when this is mended"
+UNCHECKED = "consistency is checked once these errors are fixed"
 
 
 def parameter(node, field, scope):
@@ -140,7 +140,7 @@ def _check_process(root, sections, scope):
         time = fields["time"]
         scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
     elif time and static:
-        hint = "for a march that starts from an equilibrium write 'initial: static'"
+        hint = "to start a dynamic analysis from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
 

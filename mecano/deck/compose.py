@@ -114,7 +114,7 @@ class Composer:
             hint = suggestion(event.anchor, self.anchors)
             self.stop(f"unknown alias {quoted('*' + event.anchor)}", place, hint)
         if self.anchors[event.anchor] is None:
-            self.stop(f"alias {quoted('*' + event.anchor)} stands inside the value that it means", place)
+            self.stop(f"alias {quoted('*' + event.anchor)} is inside the value that it refers to", place)
         node, size, height = self.anchors[event.anchor]
         self.expanded += size
         if self.expanded > MAX_EXPANDED:
@@ -162,7 +162,7 @@ class Composer:
         if type(frame.node.value) is list:
             frame.node.value.append(node)
             if len(frame.node.value) > MAX_ITEMS:
-                hint = "a long table stands in a CSV file beside the deck: 'table: {file: NAME.csv}'"
+                hint = "put a long table into a CSV file beside the deck: 'table: {file: NAME.csv}'"
                 self.stop(f"a list of more than {MAX_ITEMS} values", frame.node, hint)
         elif frame.key is None:
             frame.key = node
@@ -175,9 +175,9 @@ class Composer:
     def check_key(self, mapping, key):
         """Report a key that is not a text or is a duplicate."""
         if type(key.value) is not str:
-            shown = quoted(key.raw) if key.raw else "this"
-            hint = _decimal_comma(mapping, key) or "put names that look so in quotes"
-            self.problem(f"a key must be a name, and {shown} is none", key, hint)
+            shown = quoted(key.raw) if key.raw else "nothing" if key.value is None else "a list or mapping"
+            hint = _decimal_comma(mapping, key) or "put such names in quotes"
+            self.problem(f"a key must be a name, got {shown}", key, hint)
         elif key.value in mapping:
             line = mapping[key.value][0].line + 1
             self.problem(f"duplicate key {quoted(key.value)}, first given in line {line}", key)
@@ -235,7 +235,7 @@ def _syntax_hint(error, place):
     if "expected key" in problem:
         return "keys that belong together begin in the same column"
     if "mapping values are not allowed" in problem:
-        return "a text with ': ' stands in quotes, and keys that belong together begin in the same column"
+        return "put a text with ': ' in quotes; keys that belong together begin in the same column"
     return ""
 
 

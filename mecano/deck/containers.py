@@ -98,7 +98,7 @@ def filled(node, field, fields, scope, given=None):
 def _meant(key, known, field, scope):
     """Return a hint for an unknown key."""
     if ":" in key:
-        return "a space stands behind ':'"
+        return "write a space after ':'"
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
     if name in known:
         return f"here it is called {quoted(name)}"
@@ -234,5 +234,5 @@ def _unknown_kind(type_node, found, section, scope):
     known = next((name for name in meant if name in _kinds_of(section, scope)), None)
     known = known or next((name for name in meant if name in scope.kinds), None)
     hint = f"here it is called {quoted(known)}" if known else ""
-    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` names all"
+    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` lists all"
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

@@ -126,7 +126,7 @@ class Copies:
         """Return the tree with the values of the current parameters in place of expressions and inserts."""
         self.count += 1
         if self.count > MOST_VALUES:
-            text = f"'repeat' and 'place' come to more than {MOST_VALUES} values"
+            text = f"'repeat' and 'place' make more than {MOST_VALUES} values"
             raise DeckError([*self.scope.problems, Problem(text, node.mark)])
         value, source = node.value, level.source(node.source)
         if type(value) is str and "$" in value:

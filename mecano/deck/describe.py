@@ -48,7 +48,7 @@ def describe_term(term):
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
     example = example_lines(term.name, "laws", WIDTH)
-    return "\n".join([*parts, *example, "", "More of laws: mecano explain laws"]) + "\n"
+    return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"
 
 
 def describe_section(field):

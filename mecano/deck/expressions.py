@@ -83,7 +83,7 @@ def inserted(text, parameters):
         end = match.end()
     parts.append(text[end:])
     if any("$" in part for part in parts):
-        raise ExpressionError(f"the name {quoted(text)} has a $ without a value behind it", text.find("$"))
+        raise ExpressionError(f"the name {quoted(text)} has a $ without a value after it", text.find("$"))
     if sum(map(len, parts)) > LONGEST_NAME:
         raise ExpressionError(f"the name would have more than {LONGEST_NAME} characters")
     return "".join(parts)
@@ -174,7 +174,7 @@ class _Reading:
         try:
             return _real(FUNCTIONS[name](*inner))
         except TypeError:
-            raise ExpressionError(f"'{name}' takes another number of arguments", self._column(tree)) from None
+            raise ExpressionError(f"'{name}' takes a different number of arguments", self._column(tree)) from None
 
     def _named(self, tree):
         column = self._column(tree)
@@ -185,7 +185,7 @@ class _Reading:
             if self.bare:
                 return self.parameters(tree.id, column)
             if self.text[column] == "$":
-                raise _wrong(self.text, "has a $ without the name of a parameter behind it", column)
+                raise _wrong(self.text, "has a $ without the name of a parameter after it", column)
             hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"
             raise ExpressionError(f"there is no constant '{tree.id}'; {hint}", column)
         return self.parameters(match[1], column)

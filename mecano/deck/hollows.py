@@ -44,7 +44,7 @@ def _way(values):
 def _text(hollow, radius):
     text = (
         f"'ground.profile.height' has a hollow at {hollow.place:.5g} m whose radius, {hollow.radius:.4g} m, is less "
-        f"than that of the wheel, {radius:g} m: the wheel would touch on both sides of it, and has one contact only"
+        f"than that of the wheel, {radius:g} m: the wheel would touch both of its sides, but has only one contact"
     )
     if hollow.count > 1:
         text += f"; so have {hollow.count} hollows between {hollow.low:.5g} and {hollow.high:.5g} m"
@@ -55,4 +55,4 @@ def _hint(hollow, radius):
     """Return the admissible factors: the radii of hollows grow with the square of lengths, and fall with heights."""
     ratio = hollow.radius / radius
     heights, lengths = math.floor(990 * ratio) / 1000, math.ceil(101 / math.sqrt(ratio)) / 100
-    return f"heights {heights:g} times these, or lengths {lengths:g} times these, would do"
+    return f"multiply heights by {heights:g} or less, or lengths by {lengths:g} or more"

@@ -61,7 +61,9 @@ def _term(name, key, node, field, scope):
         hint = scope.suggest(name, scope.terms)
         return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
     if not fits(term, field.type.name):
-        return scope.refuse(key, f"{quoted(name)} is a force of extension and rate; here must be {field.type.expects}")
+        return scope.refuse(
+            key, f"{quoted(name)} is a force of extension and rate; {field.type.expects} is required here"
+        )
     scope.owner = key
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
         node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)

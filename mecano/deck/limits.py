@@ -4,7 +4,7 @@ import numpy as np
 
 AUTOMATIC = "automatic"
 ARITHMETIC = (ArithmeticError, np.linalg.LinAlgError)  # errors of calculations near the limits of floats
-BEYOND_FLOATS = "too large or too small, taken together, to calculate with"
+BEYOND_FLOATS = "too large or too small in combination for floating-point arithmetic"
 
 
 def not_empty(value):

@@ -13,15 +13,15 @@ from mecano.deck.wording import quoted
 from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem
 
-PUSHES = "it pushes away from its zero instead of back to it; is it meant so, as where something snaps through?"
-DRIVES = "it drives slow motions on instead of braking them; is it meant so, as in what keeps itself swinging?"
+PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
+DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"
 SUSPECT = {  # term of a law: the quantity that may be negative, its value, the consequence
     "spring": ("stiffness", lambda values: values["stiffness"], PUSHES),
     "linear": ("slope", lambda values: values["slope"], PUSHES),
     "damper_polynomial": ("coefficients[1]", lambda values: sum(values["coefficients"][1:2]), DRIVES),
 }
 MOST_NAMES = 3
-MEANT_DEGREES = "is {0:g} rad, more than a turn; is it meant so? Degrees are written as '{0:g} deg'"
+MEANT_DEGREES = "is {0:g} rad, more than a turn; is this intended? Degrees are written as '{0:g} deg'"
 MATERIALS = {  # field of a section: its unit, the smallest value of a solid, what a smaller value means, another unit
     "E": ("Pa", 1e6, "softer than rubber", "GPa"),
     "density": ("kg/m3", 5.0, "lighter than foam", "g/cm3"),
@@ -77,7 +77,7 @@ def _gravity(vector):
     power = round(math.log10(size / 9.81))
     shifted = (power > 0 or power == -3) and OF_THE_EARTH[0] <= size / 10.0**power <= OF_THE_EARTH[1]
     if shifted or size > LARGEST_GRAVITY:
-        text = f"'gravity' has {size:g} m/s2; that of the earth has 9.81, and the units of decks are m, kg and s"
+        text = f"'gravity' is {size:g} m/s2; on earth it is 9.81, and the units of decks are m, kg and s"
         yield ("gravity",), text
 
 
@@ -149,7 +149,7 @@ def _materials(sections):
     for name, d in sections.items():
         for field, (unit, least, what, other) in MATERIALS.items():
             if 0.0 < d.get(field, 0.0) < least:
-                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
+                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it intended, or in {other}?"
                 yield ("sections", name, field), text
 
 
@@ -165,5 +165,5 @@ def _idle(loads, nodes):
     """Yield (path, text) on loads without effect."""
     for name, d in loads.items():
         if d.get("node") in nodes and nodes[d["node"]]["fixed"]:
-            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load moves nothing"
+            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load has no effect"
             yield ("loads", name, "node"), text

@@ -62,7 +62,7 @@ def _similar(name, known, command):
 def list_of_starters():
     """Return the text that lists the starters, each with the first line of its deck."""
     summaries = {name: text.splitlines()[0].lstrip("# ") for name, text in starters().items()}
-    return _list("decks to begin with:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
+    return _list("decks to start from:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
 
 
 def list_of_examples():
@@ -92,6 +92,6 @@ def _write(path, data, replace=False):
         with open(path, "wb" if replace else "xb") as stream:
             stream.write(data)
     except FileExistsError:
-        raise UsageError(f"{os.fspath(path)} is there already; it is not replaced") from None
+        raise UsageError(f"{os.fspath(path)} already exists and is not replaced") from None
     except (OSError, ValueError) as error:
         raise ResultsError(f"{os.fspath(path)} cannot be written: {getattr(error, 'strerror', error)}") from None

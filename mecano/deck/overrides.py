@@ -61,18 +61,18 @@ def _replaced(node, places, depth, new, names):
         if key not in known and depth == 1 and places[0].value in names:
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", suggestion(key, known))
         if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
-            _refuse(place, f"the deck has no {quoted(key)}, of which an item could be set", "set the whole list")
+            _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
         written, child = known.get(key, (place, _like(place, {})))
         child = _replaced(child, places, depth + 1, new, names)
         return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})
     if type(node.value) is list:
         items = list(node.value)
         if not INDEX.fullmatch(key) or int(key) >= len(items):
-            _refuse(place, f"{quoted(key)} is no item of a list of {len(items)}", "items are counted from 0")
+            _refuse(place, f"{quoted(key)} is not an item of a list of {len(items)}", "items are counted from 0")
         items[int(key)] = _replaced(items[int(key)], places, depth + 1, new, names)
         return _like(node, items)
     above = quoted(".".join(p.value for p in places[:depth]))
-    _refuse(place, f"{above} holds a single value, so there is no {quoted(key)} in it")
+    _refuse(place, f"{above} is a single value and has no {quoted(key)}")
 
 
 def _like(node, value):

@@ -63,9 +63,9 @@ class Parameters:
         self.used.add(name)
         if name in self._open:
             circle = [*self._open[self._open.index(name) :], name]
-            raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)
+            raise Circle(f"parameters depend on one another in a circle: {' -> '.join(circle)}", column)
         if self.word(name) and not _reads_as_number(self.nodes[name].value):
-            raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', no number", column)
+            raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', not a number", column)
         self._work_out(name, column)
         if self.values[name] is None:
             raise Refused
@@ -97,7 +97,7 @@ class Parameters:
         """Raise Circle where ``path`` returns to ``name``; those that lead into it have no value either."""
         first = path.index(name)
         self.values |= dict.fromkeys([other for other in path[:first] if other not in self._open])
-        raise Circle(f"parameters go round in a circle: {' -> '.join([*path[first:], name])}", column)
+        raise Circle(f"parameters depend on one another in a circle: {' -> '.join([*path[first:], name])}", column)
 
     def _worked_out(self, name):
         value = self.nodes[name].value

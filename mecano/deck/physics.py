@@ -59,7 +59,7 @@ def check_model(values, root, scope):
             if section != "loads":
                 used.update(names)
             if name in left:
-                scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
+                scope.refuse(key, "depends on itself, or on members that are wrong or depend on it")
             elif all(node in at for node in names if node != "ground"):
                 if _check_element(kind, element, names, at, (key, node), root, scope, told):
                     sound.add((section, name))
@@ -82,7 +82,7 @@ def _check_axes(joints, root, scope):
             scope.subject = f"{d['type']} {quoted(name)}"
             free_axis = ", ".join(f"{c:g}" for c in hinge["axis"])
             text = f"'axis' is not that of {hinge['type']} {quoted(other)} between the same nodes, [{free_axis}]"
-            scope.refuse(place_of(text, node, key), f"{text}, about which alone they can turn")
+            scope.refuse(place_of(text, node, key), f"{text}, the only axis about which they can turn")
 
 
 def _check_latches(joints, root, scope):
@@ -97,7 +97,7 @@ def _check_latches(joints, root, scope):
             _, node = root.value["joints"][1].value[name]
             scope.subject = f"{d['type']} {quoted(name)}"
             text = f"'latch.{quantity}' lies at {value:g} {unit}, beyond the {side} stop at {stop:g} {unit}"
-            hint = f"move the stop to {value:g} {unit} or beyond, or let the latch come before it"
+            hint = f"move the stop to {value:g} {unit} or beyond, or move the latch before it"
             scope.refuse(node.value["latch"][1].value[quantity][1], f"{text}: the joint would never lock", hint)
 
 

@@ -48,7 +48,7 @@ def _nodes_of_members(elements, kinds):
 def _unknown(reference, known, scope):
     what = singular(reference.section)
     if reference.name == "ground" and reference.section == "nodes":
-        hint = "'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"
+        hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif known:
         hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
     else:
@@ -63,5 +63,5 @@ def _check_terms(reference, law, scope):
     for name, _ in law:
         if not fits(scope.terms[name], reference.wanted):
             text = f"law {quoted(reference.name)} is a force of extension and rate ({quoted(name)}); "
-            scope.refuse(reference.node, text + "here must be a curve")
+            scope.refuse(reference.node, text + "a curve is required here")
             return

@@ -10,7 +10,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "pulley, sheave, block": (
         "rack_and_pinion gear_pair cable",
-        "there is none; a rack_and_pinion ties a rope to the turn of a drum, a gear_pair one drum to another"
+        "there is none; a rack_and_pinion couples a rope to the rotation of a drum, a gear_pair one drum to another"
     ),
     "belt, chain drive, sprocket, timing belt": ("gear_pair", "there is none; a gear_pair may have a 'ratio'"),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),

@@ -14,7 +14,7 @@ ZERO = (0.0, 0.0, 0.0)
 ARGUMENTS = Type("arguments", "a mapping of numbers and words")
 PLACE_FIELDS = (
     Field("template", TEXT, "-", "name of the template"),
-    Field("position", POSITION, "m", "where the origin of the template comes to stand, inertial", ZERO),
+    Field("position", POSITION, "m", "position of the origin of the template, inertial", ZERO),
     Field(
         "orientation", ORIENTATION, "rad", "rotation vector by which the template is turned about its origin", ZERO
     ),
@@ -22,7 +22,7 @@ PLACE_FIELDS = (
 )  # fmt: skip
 PLACE = Field(
     "place", named(mapping(*PLACE_FIELDS)), "-",
-    "copies of templates: each is named, and its name and '_' begin the names of all that it brings", {},
+    "copies of templates: the name of a copy and '_' begin the names of all its entries", {},
 )  # fmt: skip
 
 

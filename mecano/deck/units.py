@@ -90,7 +90,7 @@ def si_unit(text):
 def factor_of(unit, declared):
     """Return the value of a unit in SI units, for a field declared with another; arguments as in ``converted``."""
     if len(unit) > LONGEST:
-        raise UnitError(f"'{unit[:40]}...' is no unit")
+        raise UnitError(f"'{unit[:40]}...' is not a unit")
     value, powers = _unit(unit)
     wanted = _declared(declared)
     if wanted is not None and not any(_fits(powers, known) for known in wanted):
@@ -135,7 +135,7 @@ def _unit(unit):
     if found is None or not math.isfinite(found[0]):
         near = _meant(unit[:40])
         hint = f"; did you mean '{near}'?" if near else ""
-        raise UnitError(f"'{unit[:40]}' is no unit{hint}")
+        raise UnitError(f"'{unit[:40]}' is not a unit{hint}")
     return found
 
 

@@ -49,7 +49,7 @@ def number(node, field, scope):
     if in_range(value):
         return float(value)
     if abs(value) < SMALLEST:
-        return scope.refuse_value(node, field, f"is not zero, and less than {SMALLEST:g}", hint="write 0")
+        return scope.refuse_value(node, field, f"is not zero, but less than {SMALLEST:g}", hint="write 0")
     return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
 
 
@@ -117,7 +117,7 @@ def coefficients(node, field, scope):
     if go_together({n: item.value for n, item in units.items()}):
         return values
     last, given = node.value[max(units)], ", ".join(f"{item.value} (power {n})" for n, item in units.items())
-    text = f"units do not go together: {given}; each is the unit of the value over that of the argument to the power"
+    text = f"units are inconsistent: {given}; each is the unit of the value over that of the argument to the power"
     return scope.refuse(last, f"{quoted(scope.name_of(field.name))}: {text}", "such as [0, 2 kN/mm, 3 N/mm^2]")
 
 

@@ -38,7 +38,7 @@ def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
     try:
         client = Client(scheduler, timeout=PATIENCE)
     except (OSError, ValueError) as error:
-        raise UsageError(f"no scheduler of Dask answers at {scheduler}: {error}") from error
+        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}") from error
     with client:
         return Tasks(folder, limits, ended, client).run(cases)
 

@@ -13,7 +13,7 @@ from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
-WORDS = "was run with other values, or another deck; --force begins the study anew, -o NAME another one"
+WORDS = "was run with other values, or another deck; --force runs the study again, -o NAME makes another one"
 
 
 @dataclass(frozen=True)

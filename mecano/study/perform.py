@@ -25,7 +25,7 @@ def due(folder, *, resume=False, failed=False, force=False):
     """
     cases = folder.study.cases
     if folder.begun() and not (resume or failed or force):
-        raise UsageError(f"there are cases in {folder.path}: --resume goes on with them, --force begins anew")
+        raise UsageError(f"there are cases in {folder.path}: --resume continues them, --force starts again")
     if force:
         folder.clear(cases)
         return list(cases)

@@ -27,7 +27,7 @@ def _moved(problem, places, case):
     if mark and mark.file in places:
         return replace(problem, mark=_mark(*places[mark.file], mark.column))
     told = [f"{path} = {value}" for path, value in case.values.items()]
-    hint = f"as of case {case.number} of the study" + (f" ({', '.join(told)})" if len(told) <= MOST_TOLD else "")
+    hint = f"in case {case.number} of the study" + (f" ({', '.join(told)})" if len(told) <= MOST_TOLD else "")
     return replace(problem, hint=f"{problem.hint}; {hint}" if problem.hint else hint)
 
 

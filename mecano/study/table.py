@@ -10,11 +10,11 @@ from mecano.results.study_file import StudyTable, column, write_columns, write_s
 from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
-    ("status", "", "complete, failed, stopped (goes on with --resume) or waiting"),
-    ("exit_code", "", "of the process, negative: the signal that ended it"),
-    ("processor_time", "s", "time of the processor, of all processes of the case"),
-    ("wall_time", "s", "time by the clock"),
-    ("memory", "MB", "memory in use at most"),
+    ("status", "", "complete, failed, stopped (--resume continues it) or waiting"),
+    ("exit_code", "", "exit code of the process; negative: the signal that ended it"),
+    ("processor_time", "s", "processor time of all processes of the case"),
+    ("wall_time", "s", "wall-clock time"),
+    ("memory", "MB", "peak memory"),
 )
 MOST_REASONS = 10  # shown in the summary
 

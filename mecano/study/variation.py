@@ -88,5 +88,5 @@ def _table(name, source, scope):
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
     if not rows:
-        scope.refuse(Node(None, found), "the table has no rows: the first line names what is varied")
+        scope.refuse(Node(None, found), "the table has no rows: the first line names the varied values")
     return rows
