@@ -178,6 +178,6 @@ def _walk(fields, place):
 
 
 def _sentence(doc):
-    """The first sentence of a documentation, in one line."""
+    """Return the first sentence of a documentation, on one line."""
     first = " ".join(plain_text(doc).strip().split("\n\n")[0].split())
     return re.split(r"(?<=\.)\s(?=[A-Z])", first)[0]
