@@ -30,6 +30,6 @@ html_css_files = ["site.css"]
 
 
 def setup(app):
-    """Formulas for the pages, and the pages that are made of the code and of the tests' numbers."""
+    """Register the rendering of formulas, and the pages generated from the code and the numbers of the tests."""
     app.add_html_math_renderer("mathml", (formulas.inline, None), (formulas.displayed, None))
     app.connect("builder-inited", lambda app: pages.write(HERE / "generated"))

@@ -165,7 +165,7 @@ def test_the_reflector_on_a_page_is_the_reflector():
 WRONG = [  # what is written in LEG, what is written instead, the problems
     ("length: 3,", "lenght: 3,",
      ["26:45 place 'right': the template has no parameter 'lenght'; did you mean 'length'?"]),
-    ("length: 3,", "length: 3 furlong,", ["26:53 place 'right': 'length': 'furlong' is no unit"]),
+    ("length: 3,", "length: 3 furlong,", ["26:53 place 'right': 'length': 'furlong' is not a unit"]),
     ("with: {hold: deck}", "with: {}",
      ["25:3 place 'left': missing 'with.hold', a parameter of the template without a default"]),
     ("{template: leg, with", "{template: lag, with",

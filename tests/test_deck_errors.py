@@ -70,7 +70,7 @@ STRUCTURE = [
     ("mass: $mass", "mass: $mass * sink", 13, "sink",
      "body 'hub': there is no constant 'sink'; a parameter is written with a $"),
     ("sink: 3.05, mass: 82.0", "sink: $mass, mass: 2 / $sink", 3, "$mass",
-     "parameter 'sink': parameters go round in a circle: sink -> mass -> sink"),
+     "parameter 'sink': parameters depend on one another in a circle: sink -> mass -> sink"),
     ("count: $steps", "count: 1.5", 12, "1.5",
      "body 'leg': 'count' must be a whole number, got 1.5"),
     ("count: $steps", "count: $sink", 12, "$sink",
@@ -122,7 +122,7 @@ STRUCTURE = [
     ("{table: {points: [[0, 0], [1, 1e3]]}}", "{}", 20, "{}}",
      "force 'push': a law needs at least one term; known: "),
     ("{table: {points: [[0, 0], [1, 1e3]]}}", "{damper: {coefficient: 1}}", 20, "damper",
-     "force 'push': 'damper' is a force of extension and rate; here must be a number, the name of a law, or a law of one variable written in place"),
+     "force 'push': 'damper' is a force of extension and rate; a number, the name of a law, or a law of one variable written in place is required here"),
     ("law: oleo", "law: 7", 14, "7",
      "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7"),
     ("damper: {", "dampr: {", 24, "dampr",
@@ -192,9 +192,9 @@ NAMES = [
     ("[ground, axle]", "[axle, grond]", 18, "grond",
      "hinge 'held': unknown node 'grond'; did you mean 'ground'?"),
     ("[ground, axle]", "[ground, ground]", 18, "ground",
-     "hinge 'held': unknown node 'ground'; 'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"),
+     "hinge 'held': unknown node 'ground'; 'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"),
     ("friction: smooth", "friction: oleo", 28, "oleo",
-     "tire law 'nose': law 'oleo' is a force of extension and rate ('damper'); here must be a curve"),
+     "tire law 'nose': law 'oleo' is a force of extension and rate ('damper'); a curve is required here"),
     ("nodes: [axle], ang", "nodes: [axel], ang", 36, "axel",
      "unknown node 'axel'; did you mean 'axle'?"),
 ]  # fmt: skip
@@ -287,7 +287,7 @@ def test_what_was_not_checked_yet_is_said():
                            ("[0.25, 0, 0.3225]", "[0, 0, 1]", False)]:  # fmt: skip
         with pytest.raises(DeckError) as info:
             read_fake(VALID.replace(old, new))
-        assert ("is checked when this is mended" in deck_error_text(info.value)) == said
+        assert ("consistency is checked once these errors are fixed" in deck_error_text(info.value)) == said
 
 
 def test_known_words_are_not_looked_up_for_ever():

@@ -41,7 +41,7 @@ def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
             assert problem.mark.file == file or problem.mark.file.startswith(("--set", str(Path(file).parent)))
         text = deck_error_text(error)
         text.encode()
-        assert re.match(r".+:\d+:\d+: ", text) and re.search(r"\b\d+ errors?(; how the parts fit together .*)?$", text)
+        assert re.match(r".+:\d+:\d+: ", text) and re.search(r"\b\d+ errors?(; consistency is checked .*)?$", text)
         return False
     assert json.loads(deck.resolved_text())["mecano"] == 1
     if not options:  # of real kinds: what `mecano check` does with it

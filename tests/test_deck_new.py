@@ -45,7 +45,7 @@ def test_new_lists_writes_and_replaces_nothing(tmp_path, monkeypatch):
     written = CliRunner().invoke(commands, ["new", "pendulum"], catch_exceptions=False)
     assert written.exit_code == 0 and (tmp_path / "pendulum.yaml").read_text() == starters()["pendulum"]
     (tmp_path / "pendulum.yaml").write_text("mine")
-    with pytest.raises(UsageError, match="pendulum.yaml is there already; it is not replaced"):
+    with pytest.raises(UsageError, match="pendulum.yaml already exists and is not replaced"):
         CliRunner().invoke(commands, ["new", "pendulum"], catch_exceptions=False)
     assert (tmp_path / "pendulum.yaml").read_text() == "mine"
     with pytest.raises(UsageError, match="there is no deck 'pendulm' to begin with; did you mean 'pendulum'?"):
@@ -73,7 +73,7 @@ def test_an_example_and_what_it_reads_are_written_but_never_over_other_files(tmp
     monkeypatch.chdir(tmp_path)
     (tmp_path / "superelement_arm.npz").write_bytes(b"of the user")
     refused = CliRunner().invoke(commands, ["example", "superelement_arm"])
-    assert "superelement_arm.npz is there already" in str(refused.exception)
+    assert "superelement_arm.npz already exists" in str(refused.exception)
     assert (tmp_path / "superelement_arm.npz").read_bytes() == b"of the user"
     (tmp_path / "superelement_arm.npz").unlink()
     for deck in ("first.yaml", "second.yaml"):  # the second finds the matrices of the first

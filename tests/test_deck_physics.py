@@ -65,8 +65,8 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
     assert problems(MOTOR) == []
     (problem,) = problems(MOTOR.replace("[0, -2, 0]", "[0, 1, 1]"))
     assert problem.message == (
-        "prescribed_angle 'motor': 'axis' is not that of hinge 'pin' between the same nodes, [0, 1, 0], about which "
-        "alone they can turn"
+        "prescribed_angle 'motor': 'axis' is not that of hinge 'pin' between the same nodes, [0, 1, 0], the only "
+        "axis about which they can turn"
     )
     assert problem.mark.text[problem.mark.column - 1 :].startswith("[0, 1, 1]")
 
@@ -75,14 +75,14 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
     ("old", "new", "words", "hint"),
     [
         ("type: hinge", "type: Revolute_joint", "unknown type 'Revolute_joint'", "here it is called 'hinge'"),
-        ("type: hinge", "type: clockwork", "unknown type 'clockwork'", "`mecano list` names all"),
+        ("type: hinge", "type: clockwork", "unknown type 'clockwork'", "`mecano list` lists all"),
         ("value: 1.0", "value: {linear: 3 rad/s}", "'value.linear' must be a mapping", "write {slope: 3 rad/s}"),
         ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),
-        ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "a space stands behind ':'"),
-        ("mass: 1,", "mass: 1,5,", "a key must be a name, and '5' is none", "a decimal point, not a comma: 1.5"),
+        ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "write a space after ':'"),
+        ("mass: 1,", "mass: 1,5,", "a key must be a name, got '5'", "a decimal point, not a comma: 1.5"),
         ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 8 is not closed before this"),
         ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
-        ("mecano: 1", "mecano: 1\ntitle: a: b", "not valid YAML", "a text with ': ' stands in quotes"),
+        ("mecano: 1", "mecano: 1\ntitle: a: b", "not valid YAML", "put a text with ': ' in quotes"),
     ],
 )
 def test_slips_are_answered_with_what_is_right(old, new, words, hint):

@@ -165,12 +165,12 @@ def test_columns_and_units(tmp_path, data, more, points):
         ("1,2,3\n", "columns: [t, 1]", "deck.yaml:20:76", "the table has no column 't'; the table has no headers"),
         (WIDE, "columns: [time, note]", "push.csv:2:4", "must be a finite number, got 'a'"),
         (WIDE + "7\n", "columns: [time, load]", "push.csv:4:1", "the row has 1 columns, and column 3 is needed"),
-        ("t [fortnight],F\n0,0\n", "", "push.csv:1:4", "unit of a column: 'fortnight' is no unit; or give 'units"),
+        ("t [fortnight],F\n0,0\n", "", "push.csv:1:4", "unit of a column: 'fortnight' is not a unit; or give 'units"),
         (
             WIDE,
             "columns: [time, load], units: [s, kn]",
             "deck.yaml:20:100",
-            "unit of a column: 'kn' is no unit; did you mean",
+            "unit of a column: 'kn' is not a unit; did you mean",
         ),
         (WIDE, "columns: [time]", "deck.yaml:20:75", "'value.table.columns' must be a list of 2 headers"),
         (

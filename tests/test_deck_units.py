@@ -59,7 +59,7 @@ def test_units_in_a_deck():
         "41:17 'output.every': a time [s] is expected, and 'm' is a length"
     ]
     assert problems_of(VALID.replace("sink: 3.05", "sink: 3 furlong"))[0] == (
-        "3:20 parameter 'sink': 'furlong' is no unit"
+        "3:20 parameter 'sink': 'furlong' is not a unit"
     )
 
 
@@ -69,8 +69,8 @@ def test_units_in_a_deck():
         ("every: 5e-3", "every: -5 ms", "'output.every' must be greater than zero [s], got -5 ms"),
         ("mass: 7e1", "mass: \u22125 kg", "got the text '\u22125 kg'; a number is written as 2.5 or 2.5 kg"),
         ("{table: {points: [[0, 0], [1, 1e3]]}}", "-5 * kN", "[N], got the text '-5 * kN'; a number is written as 2.5"),
-        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 kNm", "'kNm' is no unit; did you mean 'kN m'?"),
-        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 KN", "'KN' is no unit; did you mean 'kN'?"),
+        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 kNm", "'kNm' is not a unit; did you mean 'kN m'?"),
+        ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 KN", "'KN' is not a unit; did you mean 'kN'?"),
     ],
 )
 def test_quantities_that_are_refused(old, new, told):
@@ -99,7 +99,7 @@ def test_units_of_coefficients_that_do_not_go_together():
     coefficients = "[2 N, 2 N/mm, 3 N/mm]"
     text = VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{polynomial: {coefficients}}}")
     (problem,) = problems_of(text)
-    assert "units do not go together: 2 N (power 0), 2 N/mm (power 1), 3 N/mm (power 2)" in problem
+    assert "units are inconsistent: 2 N (power 0), 2 N/mm (power 1), 3 N/mm (power 2)" in problem
 
 
 def test_other_names_of_the_modulus():

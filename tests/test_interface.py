@@ -157,7 +157,7 @@ class TestDeck:
         assert {key for key in known if own[key] != known[key]} == {"title", "parameters"}
         deck.save("own.yaml")
         assert read_deck("own.yaml").resolved() == own
-        with pytest.raises(UsageError, match="own.yaml is there already"):
+        with pytest.raises(UsageError, match="own.yaml already exists"):
             deck.save("own.yaml")
         assert mecano.run(deck, set={"time.end": 0.01}, quiet=True).path == Path("deck.h5")
 

@@ -106,8 +106,8 @@ class TestCases:
         ("grids: {time.end: [1]}", "3:1", "unknown key 'grids'; did you mean 'grid'?"),
         ("grid: {time.end: 1}", "3:18", "'time.end' must be a list, or {from: 1, to: 2, number: 5}, got 1"),
         ("grid: {time.end: {from: 1, to: 2}}", "3:", "missing 'time.end.number', a whole number"),
-        ("grid: {time..end: [1]}", "3:8", "'time..end' is no path of keys with dots between"),
-        ("latin_hypercube: {ranges: {time.end: [2, 1]}, number: 3}", "3:38", "must rise, got [2, 1]"),
+        ("grid: {time..end: [1]}", "3:8", "'time..end' is not a path of keys separated by dots"),
+        ("latin_hypercube: {ranges: {time.end: [2, 1]}, number: 3}", "3:38", "must be ascending, got [2, 1]"),
         ("latin_hypercube: {ranges: {time.end: [1, 2]}, number: 0}", "3:", "must be at least 1, got 0"),
         ("csv: rows.csv", "3:6", "the table rows.csv cannot be read: No such file or directory"),
         ("grid: {time.end: [1]}\nlist: [{time.end: 2}]", "1:1", "'time.end' is given by 'grid' and by 'list'"),
@@ -208,7 +208,7 @@ class TestDecks:
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
         told = deck_error_text(error.value)
-        assert re.match("deck.yaml:7:.*got -1.* as of case 1 of the study \\(parameters.speed = -1\\)", told), told
+        assert re.match("deck.yaml:7:.*got -1.* in case 1 of the study \\(parameters.speed = -1\\)", told), told
 
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
@@ -360,7 +360,7 @@ def test_dask_that_is_not_there(folder, monkeypatch):
             dask.run_in_tasks(runs, [], None, limits=Limits(), jobs=1)
     pytest.importorskip("distributed")
     for address in ("tcp://127.0.0.1:9", "strange://a"):
-        with pytest.raises(UsageError, match=f"no scheduler of Dask answers at {address}"):
+        with pytest.raises(UsageError, match=f"no Dask scheduler answers at {address}"):
             dask.run_in_tasks(runs, [], None, limits=Limits(), jobs=1, scheduler=address)
 
 

@@ -162,7 +162,7 @@ def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_pa
 
 def test_absurd_amounts_are_warned_of_before_the_run():
     out = check("time.step=1.0e-8")
-    assert "2e+08 steps of 1e-08 s are asked for: is 'time.step' meant so?" in out
+    assert "2e+08 steps of 1e-08 s are needed: is 'time.step' intended?" in out
     assert "the results file will have some 14.4 GB" in out
     out = check("output.every=1.0e-8")
     assert "the results file will have some 56 GB" in out and "are asked for" not in out

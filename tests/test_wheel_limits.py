@@ -1,5 +1,6 @@
 """Where wheels can go no further, or must not start: what the user is told, in the words of the deck."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -214,7 +215,7 @@ def test_hollows_must_be_wider_than_the_wheel(height, fits, place, radius):
     assert "rigid_wheel 'tire'" in text
     [problem] = error.value.problems
     assert problem.mark.text[problem.mark.column - 1 :].startswith(height.format(1.5 * fits))
-    heights = float(problem.hint.split()[1])
+    heights = float(re.search("heights by ([^ ]+)", problem.hint)[1])
     assert 0.98 * radius / 0.3 < heights < radius / 0.3
     on(height.format(1.5 * fits * heights))
 

@@ -1,4 +1,4 @@
-"""A page that lists the decks of inputs/ with what is known of each."""
+"""The page that lists the decks of inputs/ with their known answers."""
 
 from pathlib import Path
 
@@ -6,13 +6,13 @@ FOLDER = Path(__file__).parents[2] / "inputs"
 
 
 def decks():
-    """{file name: text} of all decks of inputs/."""
+    """Return {file name: text} of all decks of inputs/."""
     return {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.yaml"))}
 
 
 def page(known):
-    """Markdown: every deck of ``known`` with the comment at its head, which says what its answer is."""
-    lines = ["# Decks with known answers", "", "The decks of `inputs/`; what comes out of each is known, and tested."]
+    """Return Markdown: every deck of ``known`` with the comment at its head, which gives its known answer."""
+    lines = ["# Decks with known answers", "", "The decks of `inputs/`. The results of each are known, and tested."]
     for name, text in known.items():
         lines += ["", f"## {name.removesuffix('.yaml')}", "", f"[{name}](../../inputs/{name})"]
         for paragraph in _head(text):
@@ -21,7 +21,7 @@ def page(known):
 
 
 def _head(text):
-    """Paragraphs, lists of lines, of the comment with which a deck begins; indented lines stand as they are."""
+    """Return the paragraphs, lists of lines, of the comment at the head of a deck; indented lines are kept."""
     paragraphs = [[]]
     for line in text.splitlines():
         if not line.startswith("#"):

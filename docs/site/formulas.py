@@ -1,4 +1,4 @@
-"""Formulas: from the documentation of the code to Markdown, and from the site's pages to MathML.
+"""Conversion of formulas from docstrings to Markdown, and from the site's pages to MathML.
 
 Browsers draw MathML by themselves, so the pages need no script and no network for it.
 """
@@ -14,7 +14,7 @@ PAGE = re.compile(r"(?<![\w/`\[])(?<!\]\()(?:docs/)?([a-z][\w-]*\.md)(?!\])")
 
 
 def markdown_of(doc):
-    """Documentation of the code as Markdown, for a page of the reference: two folders below docs/."""
+    """Return a docstring as Markdown for a page of the reference, two folders below docs/."""
     doc = DISPLAY.sub(_block, doc.strip())
     doc = INLINE.sub(r"{math}`\1`", doc)
     return PAGE.sub(r"[\1](../../\1)", doc)
@@ -26,7 +26,7 @@ def _block(match):
 
 
 def inline(translator, node):
-    """Write a formula in line (a visitor of Sphinx)."""
+    """Write an inline formula (a visitor of Sphinx)."""
     translator.body.append(convert(node.astext(), display="inline"))
     raise SkipNode
 

@@ -1,4 +1,4 @@
-"""The pages that are not written by hand: commands, reference, example decks, verification."""
+"""The generated pages: commands, reference, example decks, verification."""
 
 import commands
 import decks
@@ -7,7 +7,7 @@ import verification
 
 
 def write(folder):
-    """Write all of them into a folder; files that are right already stay untouched, for the sake of quick builds."""
+    """Write all pages into a folder; files with the right content stay untouched, for quick builds."""
     known = decks.decks()
     made = {
         **reference.pages(known),

@@ -1,4 +1,4 @@
-"""Pages of the reference, from what the kinds, laws and sections of decks declare of themselves."""
+"""Pages of the reference, from the declarations of kinds, laws and sections of decks."""
 
 import re
 from dataclasses import replace
@@ -19,7 +19,7 @@ GROUPS = {"elements": "Elements", "joints": "Joints", "loads": "Loads"}
 
 
 def pages(decks):
-    """{path: Markdown} of all pages; ``decks`` {file name: text} of the examples, to say where a kind is used."""
+    """Return {path: Markdown} of all pages; ``decks`` is {file name: text} of the examples, which list the uses."""
     named = {f"reference/{kind.name}.md": _kind_page(kind, decks) for kind in _named_kinds()}
     groups = {f"reference/{section}.md": _group_page(section, title) for section, title in GROUPS.items()}
     return {
@@ -38,7 +38,7 @@ def _named_kinds():
 
 
 def _index():
-    lines = ["# Reference of decks", "", "Everything that can stand in a deck, as `mecano explain` tells it, too."]
+    lines = ["# Reference of decks", "", "Everything that a deck can contain, with the texts of `mecano explain`."]
     names = ("deck", *GROUPS, "laws", "cross-sections", "units")
     return "\n".join([*lines, "", *_toctree(names, ":maxdepth: 2")]) + "\n"
 
@@ -46,7 +46,7 @@ def _index():
 def _group_page(section, title):
     kinds = [kind for kind in _named_kinds() if kind.section == section]
     rows = [(f"[{kind.name}]({kind.name}.md)", _first_sentence(kind.doc)) for kind in kinds]
-    lines = [f"# {title}", "", *_table(("kind", "what it is"), rows)]
+    lines = [f"# {title}", "", *_table(("kind", "description"), rows)]
     return "\n".join([*lines, "", *_toctree((kind.name for kind in kinds), ":maxdepth: 1", ":hidden:")]) + "\n"
 
 
@@ -74,7 +74,7 @@ def _kind_page(kind, decks):
 
 
 def _option(field, found):
-    """What the deck field ``field`` adds: documentation and outputs of its parts, [(Kind, label)]."""
+    """Return the part on an option ``field``: documentation and outputs of its parts, [(Kind, label)]."""
     lines = ["", f"## With `{field}`"]
     for doc in dict.fromkeys(part.doc for part, _ in found):
         lines += ["", markdown_of(doc)]
@@ -121,7 +121,7 @@ def _shapes_page():
 
 
 def _entry(declared, section):
-    """A term of a law or a shape, as a part of a page."""
+    """Return the part of a page on a term of a law or a shape."""
     level = "###" if section == "laws" else "##"
     lines = ["", f"{level} {declared.name}", "", markdown_of(declared.doc), ""]
     return [*lines, *_fields(declared.fields), "", *_example(declared.name, section)]
@@ -150,7 +150,7 @@ def _fields(fields):
 
 
 def _places(fields, before=""):
-    """(dotted name, Field) of fields and of those inside them."""
+    """Yield (dotted name, Field) of fields and of those inside them."""
     for field in fields:
         yield before + field.name, field
         yield from _places(inner_fields(field.type), f"{before}{field.name}.")

@@ -1,4 +1,4 @@
-"""The verification manual: what ``pytest --verification build/verification.json`` found, as tables and pictures."""
+"""The verification manual: results of ``pytest --verification build/verification.json`` as tables and pictures."""
 
 import io
 import json
@@ -12,24 +12,25 @@ COMMAND = "pytest -n auto --dist loadfile --verification build/verification.json
 FLOOR = 1e-8  # of an error over its tolerance: what is smaller is drawn so long
 HEAD = f"""# Verification
 
-Numbers of the tests beside their references. Each is checked by the test suite; this page is made from what one run of
+Numbers of the tests compared with their references. The test suite checks each of them; this page was made by one run
+of
 
 ```text
 {COMMAND}
 ```
 
-found. *Error* is that of the worst of the numbers where there are several; it is relative where the tolerance is
-followed by *rel*. Where an order is told, the value is extrapolated from two step sizes, and the order is that of the
-largest error between the two. Tolerances follow from the method (tests/convergence.py): bars that come near to 1 are
-no alarm, and those far below it are of numbers that are exact but for rounding.
+*Error* is the largest error if there are several numbers; it is relative if the tolerance is followed by *rel*. If an
+order is given, the value is extrapolated from two step sizes, and the order is that of the largest error between the
+two. Tolerances follow from the method (tests/convergence.py): bars close to 1 are no alarm, and those far below it
+belong to numbers that are exact except for rounding.
 
-More measurements stand in the pages on [beams](../beams.md), [shocks](../shocks.md), [wheels](../tyres.md),
+More measurements are on the pages on [beams](../beams.md), [shocks](../shocks.md), [wheels](../tyres.md),
 [superelements](../superelements.md), [step control](../step-control.md) and in the [theory](../theory.md).
 """
 
 
 def pages():
-    """{path: content} of the page and its pictures; without a run of the tests the page says how to make one."""
+    """Return {path: content} of the page and its pictures; without a run of the tests the page says so."""
     if not FOUND.exists():
         return {"verification.md": f"{HEAD}\nThe tests have not been run before this page was made.\n"}
     records = json.loads(FOUND.read_text(encoding="utf-8"))
@@ -56,12 +57,12 @@ def _table(rows):
 
 
 def _power(number):
-    """A number of two digits that is not broken into two lines."""
+    """Return a number of two digits that is not broken into two lines."""
     return f"{number:.1e}".replace("-", "\N{NON-BREAKING HYPHEN}")
 
 
 def _picture(rows):
-    """Bars of error over tolerance on a logarithmic scale, as SVG."""
+    """Return bars of error over tolerance on a logarithmic scale, as SVG."""
     figure = Figure(figsize=(9.0, 0.7 + 0.26 * len(rows)), layout="constrained")
     axes = figure.add_subplot()
     ratios = [max(row["error"] / row["tolerance"], FLOOR) for row in rows]

@@ -1,4 +1,4 @@
-"""Checked deck -> model: nodes, elements, laws, and the velocities at the start."""
+"""Checked deck -> model: nodes, elements, laws, and the initial velocities."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from mecano.schema import CURVE
 
 
 def build(deck):
-    """The Model of a checked deck (deck.Deck)."""
+    """Return the Model of a checked deck (deck.Deck)."""
     values = deck.values
     at = poses(values["nodes"])
     nodes = [Node(name, *at[name], d["fixed"]) for name, d in values["nodes"].items()]
@@ -24,9 +24,9 @@ def build(deck):
 
 
 def asked_velocities(deck, system):
-    """Velocities [m/s], angular velocities [rad/s] (n_nodes, 3), inertial, that ``initial.velocities`` asks for.
+    """Return the velocities [m/s] and angular velocities [rad/s] (n_nodes, 3), inertial, of ``initial.velocities``.
 
-    Entries add up. Also which nodes (n_nodes,) an entry names.
+    Entries add up. The third return value is a mask (n_nodes,) of the nodes named by an entry.
     """
     n_nodes = len(system.nodes)
     v, omega, named = np.zeros((n_nodes, 3)), np.zeros((n_nodes, 3)), np.zeros(n_nodes, bool)
@@ -44,9 +44,9 @@ def asked_velocities(deck, system):
 
 
 def set_velocities(deck, system, s):
-    """Set the velocities of the state ``s`` in place to those that the deck asks for.
+    """Set the velocities of the state ``s`` in place to the initial velocities of the deck.
 
-    An unknown that several nodes share takes the mean over those that an entry names; what is fixed stays at rest.
+    A shared unknown takes the mean over the nodes named by an entry; fixed unknowns stay at rest.
     """
     of, (v, omega, named) = system.numbering, asked_velocities(deck, system)
     sums, counts = np.zeros_like(s.v), np.zeros_like(s.v)
@@ -59,7 +59,7 @@ def set_velocities(deck, system, s):
 
 
 def time_breakpoints(deck):
-    """Times [s] at which a law of time has a jump or a corner, ascending: steps must end there."""
+    """Return the times [s] of jumps and corners of laws of time, ascending; steps must end there."""
     times = set()
     for section in SECTIONS:
         for d in deck.values[section].values():

@@ -1,4 +1,4 @@
-"""All that a deck can contain, by name: what `mecano list` and `mecano explain` print."""
+"""Everything that a deck can contain, by name: the texts of `mecano list` and `mecano explain`."""
 
 import re
 from textwrap import wrap
@@ -19,11 +19,11 @@ from mecano.schema import Type
 ROLES = {"curve": "laws of one variable", "force": "laws of extension and rate"}
 ALSO = {"law": "laws"}
 SEPARATOR = "\n" + "-" * WIDTH + "\n\n"
-ELSEWHERE = {  # what `mecano explain` knows besides kinds, terms, sections and fields
+ELSEWHERE = {  # topics of `mecano explain` besides kinds, terms, sections and fields
     "units": "Units of numbers, as in 25 mm, 3 bar, 12 deg.", "study": "The files of `mecano sweep`.",
 }  # fmt: skip
 LAWS = [
-    "A law is a sum of terms, each with its fields. It stands in the section 'laws' under a name, or in place:",
+    "A law is a sum of terms, each with its fields. It is named in the section 'laws' or written in place:",
     "",
     "  laws:",
     "    rising: {polynomial: {coefficients: [0, 0, 60]}}                        # 60 s^2",
@@ -42,18 +42,18 @@ WRITTEN = {
                   "      nodes: {hip: {position: [0, 0, 0]}, toe: {position: [$length, 0, 0]}}",
                   "      joints: {pin: {type: spherical, nodes: [$hold, hip]}}"],
     "place": ["  place:", "    left: {template: leg, position: [0, 1, 0], orientation: [0, 0, 90 deg], "
-              "with: {hold: top, length: 2}}", "  # brings nodes left_hip and left_toe, and the joint left_pin"],
+              "with: {hold: top, length: 2}}", "  # adds nodes left_hip and left_toe, and the joint left_pin"],
 }  # fmt: skip
 UNITS_TEXT = "\n".join([
     "units (of numbers, as in 25 mm, 3 bar, 12 deg, 60 km/h, 2 kN/mm, 40 N m/rad)", "",
     *wrap(f"with the prefixes {' '.join(filter(None, PREFIXES))}: {' '.join(PREFIXED)}", WIDTH),
     *wrap(f"without: {' '.join(ALONE)}", WIDTH), "",
-    "Powers: m2 or m^2. Products: N m. A / divides by the one unit behind it: N/m/s. Without a unit: SI, radians.", "",
+    "Powers: m2 or m^2. Products: N m. A / divides by the one unit after it: N/m/s. Without a unit: SI, radians.", "",
 ])  # fmt: skip
 
 
 def catalogue():
-    """Text: all kinds by section, all terms of laws, all sections, each with what it is in a line."""
+    """Return the text of `mecano list`: all kinds by section, all terms of laws, all sections, each with a summary."""
     groups = {f"{kind.section}:": [] for kind in KINDS.values()}
     for kind in KINDS.values():
         groups[f"{kind.section}:"].append((kind.name, kind.doc))
@@ -61,7 +61,7 @@ def catalogue():
         groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
-    groups["to put decks together:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
+    groups["to compose decks:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
     for title, entries in groups.items():
@@ -70,14 +70,14 @@ def catalogue():
             head, rest = f"  {name:<{width}}  ", " " * (width + 4)
             lines += wrap(_sentence(doc), WIDTH + width, initial_indent=head, subsequent_indent=rest)
         lines.append("")
-    return "\n".join([*lines, "mecano explain NAME says more of each, mecano explain study of study files."])
+    return "\n".join([*lines, "mecano explain NAME describes each, mecano explain study the study files."])
 
 
 def explain(name):
-    """Text on a kind, a term of a law or a section of the deck; on all of that name.
+    """Return the text on all kinds, terms of laws and sections of the deck with this name.
 
-    Of a word that is used elsewhere, what there is for it. Raises UsageError for an unknown name, with the most similar
-    ones.
+    For a word of other programs, return the equivalents in mecano. Raises UsageError for an unknown name, with the most
+    similar ones.
     """
     texts, known = _called(name)
     meant = synonym(name)
@@ -89,7 +89,7 @@ def explain(name):
 
 
 def _called(name):
-    """Texts on all that has the name, and names of kinds, shapes, terms and sections."""
+    """Return the texts on everything with this name, and the names of kinds, shapes, terms and sections."""
     if name == "units":
         return [UNITS_TEXT], ()
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
@@ -101,23 +101,23 @@ def _called(name):
 
 
 def _nearest(name, known):
-    """Hint for an unknown name: names of what there is before what is called so elsewhere."""
-    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` names all"
+    """Return a hint for an unknown name: similar names of mecano first, then similar words of other programs."""
+    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` lists all"
 
 
 def _for_synonym(name, targets, note, known):
-    """Text on what there is for a word that is used elsewhere: of one thing all, of several the first sentences."""
-    lines = [f"See also, for {quoted(name)}:" if known else f"{name}: what mecano has for it", ""]
+    """Return the text on a word of other programs: in full for one equivalent, first sentences for several."""
+    lines = [f"See also, for {quoted(name)}:" if known else f"{name}: equivalents in mecano", ""]
     width = max(map(len, targets), default=0)
     for target in targets:
         head, rest = f"  {target:<{width}}  ", " " * (width + 4)
         lines += wrap(_first_words(target), WIDTH, initial_indent=head, subsequent_indent=rest)
     lines += wrap(f"{note[0].upper()}{note[1:]}.", WIDTH) if note else []
-    return "\n".join([*lines, *(["", "mecano explain NAME says more of each."] if targets else []), ""])
+    return "\n".join([*lines, *(["", "mecano explain NAME describes each."] if targets else []), ""])
 
 
 def _first_words(target):
-    """The first sentence on a target of a synonym."""
+    """Return the first sentence on a target of a synonym."""
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
     for known in (KINDS, SHAPES, TERMS, sections):
         if target in known:
@@ -126,7 +126,7 @@ def _first_words(target):
 
 
 def _found(name):
-    """(place, Field) of fields with the name "owner.field"."""
+    """Yield (place, Field) of fields with the name "owner.field"."""
     owner, _, last = name.rpartition(".")
     for place, fields in _declared():
         for where, field in _walk(fields, place):
@@ -135,7 +135,7 @@ def _found(name):
 
 
 def _section(section):
-    """A section, with the names of all that may stand in it where a kind or a term is to be named."""
+    """Return the text on a section, with the names of the kinds or terms that it may contain."""
     names = [kind.name for kind in (*KINDS.values(), *SHAPES.values()) if kind.section == section.name]
     names = list(TERMS) if section.name == "laws" else names
     written = LAWS if section.name == "laws" else []
@@ -146,7 +146,7 @@ def _section(section):
 
 
 def _inside(name):
-    """Texts on a field of kinds or sections, or on a word that one of them may be: "friction", "hinge.friction"."""
+    """Yield texts on a field of kinds or sections, or on a keyword of one: "friction", "hinge.friction"."""
     owner, _, last = name.rpartition(".")
     owners = {}
     for place, fields in _declared():
@@ -161,14 +161,14 @@ def _inside(name):
 
 
 def _declared():
-    """(name, fields) of all kinds, shapes and sections."""
+    """Yield (name, fields) of all kinds, shapes and sections."""
     for kind in (*KINDS.values(), *SHAPES.values()):
         yield kind.name, kind.fields
     yield "deck", SECTIONS
 
 
 def _walk(fields, place):
-    """(place, Field) of fields and of those inside their mappings."""
+    """Yield (place, Field) of fields and of those inside their mappings."""
     for field in fields:
         yield place, field
         inner = f"{place}.{field.name}" if place != "deck" else field.name
@@ -178,6 +178,6 @@ def _walk(fields, place):
 
 
 def _sentence(doc):
-    """The first sentence of a documentation, in one line."""
+    """Return the first sentence of a documentation, on one line."""
     first = " ".join(plain_text(doc).strip().split("\n\n")[0].split())
     return re.split(r"(?<=\.)\s(?=[A-Z])", first)[0]

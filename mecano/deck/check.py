@@ -24,11 +24,11 @@ from mecano.schema import mapping as mapping_type
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
-UNCHECKED = "how the parts fit together is checked when this is mended"
+UNCHECKED = "consistency is checked once these errors are fixed"
 
 
 def parameter(node, field, scope):
-    """A number of the section ``parameters``, which the whole deck may use."""
+    """Return a number of the section ``parameters``, which the whole deck may use."""
     name = scope.owner.value
     with scope.parameters.working_on(name):
         value = values.number(node, replace(field, unit=ANY), scope)
@@ -75,14 +75,14 @@ CHECKS = {
 
 
 def scope_of(root, kinds, terms, folder, problems):
-    """The Scope of the check of a deck; ``problems`` are those found so far. Raises DeckError for another version."""
+    """Return the Scope of the check of a deck; ``problems`` were found before. Raises DeckError for another version."""
     _check_version(root, problems)
     kinds = {**kinds, **SHAPES}
     return Scope(CHECKS, kinds, terms, folder, problems, parameters=Parameters(_written_parameters(root)))
 
 
 def written_out(root, sections, scope):
-    """The tree with all copies of templates and repeated entries in it."""
+    """Return the tree with all copies of templates and repeated entries expanded."""
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:
@@ -93,9 +93,9 @@ def written_out(root, sections, scope):
 
 
 def checked_values(root, sections, scope):
-    """The values of a deck in which everything is written out, checked.
+    """Check the expanded tree of a deck and return its values.
 
-    Raises DeckError with all problems of the first step that finds any.
+    Raises DeckError with all problems of the first step of the check that finds any.
     """
     problems = scope.problems
     result = filled(root, Field("", mapping_type(*sections), "-", "a deck"), sections, scope)
@@ -116,7 +116,7 @@ def checked_values(root, sections, scope):
 
 
 def _written_parameters(root):
-    """{name: node} of the section ``parameters``, as far as it is one."""
+    """Return {name: node} of the section ``parameters``, or {} if it is not a mapping."""
     section = root.value.get("parameters")
     return {name: node for name, (_, node) in section[1].value.items()} if section and _is_mapping(section[1]) else {}
 
@@ -131,7 +131,7 @@ def _stop_at(problems, unchecked=""):
 
 
 def _check_process(root, sections, scope):
-    """A deck says either how time goes on or how an equilibrium is reached."""
+    """Refuse a deck that has both or neither of ``time`` and ``static``."""
     fields = {section.name: section for section in sections}
     if "static" not in fields:
         return
@@ -140,12 +140,12 @@ def _check_process(root, sections, scope):
         time = fields["time"]
         scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
     elif time and static:
-        hint = "for a march that starts from an equilibrium write 'initial: static'"
+        hint = "to start a dynamic analysis from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
 
 def _check_gravity(root, scope):
-    """A deck in which anything has weight says what gravity is."""
+    """Refuse a deck without ``gravity`` if an element has weight."""
     section = root.value["elements"][1].value if "elements" in root.value else None
     if type(section) is not dict or ("gravity" in root.value and root.value["gravity"][1].value is not None):
         return
@@ -156,7 +156,7 @@ def _check_gravity(root, scope):
 
 
 def _has_weight(node, kinds):
-    """Decide whether gravity acts on an element: its record has gravity, and its mass, where optional, is not zero."""
+    """Return True if gravity acts on an element: its record has gravity and a mass, if optional, that is not zero."""
     entry = node.value if type(node.value) is dict else {}
     type_ = entry["type"][1].value if "type" in entry else None
     kind = kinds.get(type_) if type(type_) is str else None
@@ -167,7 +167,7 @@ def _has_weight(node, kinds):
 
 
 def _check_saved_times(result, root, scope):
-    """The interval of saved results must be longer than rounding of times, and not far shorter than a step."""
+    """Refuse an interval of saved results that is shorter than the rounding of times or far shorter than a step."""
     time, every = result["time"], result["output"]["every"]
     if time and type(every) is float and every < (shortest := shortest_interval(time)):
         _, node = root.value["output"][1].value["every"]
@@ -180,7 +180,7 @@ def _check_saved_times(result, root, scope):
 
 
 def _check_version(root, problems):
-    """The version comes first: of a deck of another version nothing else can be said."""
+    """Refuse another version first: nothing else can be said about such a deck."""
     if "mecano" not in root.value:
         key = next((node for key, (node, _) in root.value.items() if similar(key, ("mecano",))), None)
         text = f"unknown key {quoted(key.value)}" if key else "missing 'mecano', the version of the deck"

@@ -1,4 +1,4 @@
-"""YAML events -> a tree of nodes that know where they were written.
+"""YAML events -> a tree of nodes with their positions in the text.
 
 The tree is built from the events without recursion and under limits, because the composer of the C library
 crashes on deeply nested input and expands aliases without bound. Anchors and aliases are allowed, tags are not.
@@ -15,14 +15,14 @@ from mecano.errors import DeckError, Problem
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MAX_DEPTH = 64
 MAX_NODES = 4_000_000
-MAX_MARKS = 3_500_000  # ':' and ',' in a text, so that one with far more values is refused without reading it
+MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is refused before it is parsed
 MAX_EXPANDED = 100_000  # nodes that aliases may add
 MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
 class Node:
-    """A value and its place: ``value`` is a scalar, a list of nodes, or {key: (node of the key, node)}."""
+    """A value and its position: ``value`` is a scalar, a list of nodes, or {key: (node of the key, node)}."""
 
     __slots__ = ("value", "raw", "source", "line", "column")
 
@@ -35,12 +35,12 @@ class Node:
 
     @property
     def mark(self):
-        """Where the value begins."""
+        """Mark of the beginning of the value."""
         return self.source.mark(self.line, self.column)
 
 
 class Frame:
-    """A list or mapping that is not yet closed."""
+    """A list or mapping that is still open."""
 
     __slots__ = ("node", "key", "size", "height", "anchor")
 
@@ -53,7 +53,7 @@ class Frame:
 
 
 class Composer:
-    """Takes the events of one document; ``root`` is the tree, ``problems`` what is wrong but does not stop it."""
+    """Builder of the tree of one document: ``root`` is the tree, ``problems`` are errors that do not stop it."""
 
     def __init__(self, source, problems):
         self.source = source
@@ -72,7 +72,7 @@ class Composer:
             handler(self, event)
 
     def scalar(self, event):
-        """A scalar: plain ones become numbers, booleans or null; quoted ones and blocks are texts."""
+        """Add a scalar: plain ones become numbers, booleans or null; quoted ones and blocks are texts."""
         text = event.value
         plain = event.implicit[0] and event.tag is None
         node = self.new(event, resolved(text) if plain else text, text)
@@ -83,15 +83,15 @@ class Composer:
         self.add(node, 1, 0)
 
     def open_list(self, event):
-        """The beginning of a list."""
+        """Open a list."""
         self.open(event, [])
 
     def open_mapping(self, event):
-        """The beginning of a mapping."""
+        """Open a mapping."""
         self.open(event, {})
 
     def open(self, event, value):
-        """The beginning of a list or mapping; it is attached now and counted when it is closed."""
+        """Open a list or mapping; attach it now and count it when it is closed."""
         node = self.new(event, value)
         if len(self.frames) >= MAX_DEPTH:
             self.stop(f"nested more than {MAX_DEPTH} levels deep", node)
@@ -101,20 +101,20 @@ class Composer:
         self.frames.append(Frame(node, event.anchor))
 
     def close(self, _):
-        """The end of a list or mapping."""
+        """Close a list or mapping."""
         frame = self.frames.pop()
         if frame.anchor:
             self.anchors[frame.anchor] = (frame.node, frame.size, frame.height)
         self.measure(frame.size, frame.height)
 
     def alias(self, event):
-        """A node used again, by reference; refused when it contains itself or when the tree explodes."""
+        """Add a referenced node; refuse one that contains itself or expands to too many values."""
         place = Node(None, self.source, event.start_mark.line, event.start_mark.column)
         if event.anchor not in self.anchors:
             hint = suggestion(event.anchor, self.anchors)
             self.stop(f"unknown alias {quoted('*' + event.anchor)}", place, hint)
         if self.anchors[event.anchor] is None:
-            self.stop(f"alias {quoted('*' + event.anchor)} stands inside the value that it means", place)
+            self.stop(f"alias {quoted('*' + event.anchor)} is inside the value that it refers to", place)
         node, size, height = self.anchors[event.anchor]
         self.expanded += size
         if self.expanded > MAX_EXPANDED:
@@ -124,13 +124,13 @@ class Composer:
         self.add(node, size, height)
 
     def document(self, event):
-        """The beginning of a document: there may be one."""
+        """Begin a document; refuse a second one."""
         self.documents += 1
         if self.documents > 1:
             self.stop("a deck is one YAML document; this is the second", self.new(event, None))
 
     def new(self, event, value, raw=""):
-        """A node at the place of an event."""
+        """Return a new node at the position of an event."""
         mark = event.start_mark
         node = Node(value, self.source, mark.line, mark.column, raw)
         self.count += 1
@@ -162,7 +162,7 @@ class Composer:
         if type(frame.node.value) is list:
             frame.node.value.append(node)
             if len(frame.node.value) > MAX_ITEMS:
-                hint = "a long table stands in a CSV file beside the deck: 'table: {file: NAME.csv}'"
+                hint = "put a long table into a CSV file beside the deck: 'table: {file: NAME.csv}'"
                 self.stop(f"a list of more than {MAX_ITEMS} values", frame.node, hint)
         elif frame.key is None:
             frame.key = node
@@ -173,21 +173,21 @@ class Composer:
                 frame.node.value.setdefault(key.value, (key, node))
 
     def check_key(self, mapping, key):
-        """A key must be a text, and new."""
+        """Report a key that is not a text or is a duplicate."""
         if type(key.value) is not str:
-            shown = quoted(key.raw) if key.raw else "this"
-            hint = _decimal_comma(mapping, key) or "put names that look so in quotes"
-            self.problem(f"a key must be a name, and {shown} is none", key, hint)
+            shown = quoted(key.raw) if key.raw else "nothing" if key.value is None else "a list or mapping"
+            hint = _decimal_comma(mapping, key) or "put such names in quotes"
+            self.problem(f"a key must be a name, got {shown}", key, hint)
         elif key.value in mapping:
             line = mapping[key.value][0].line + 1
             self.problem(f"duplicate key {quoted(key.value)}, first given in line {line}", key)
 
     def problem(self, message, node, hint=""):
-        """Note what is wrong and go on."""
+        """Record a problem and continue."""
         self.problems.append(Problem(message, node.mark, hint))
 
     def stop(self, message, node, hint=""):
-        """Give up."""
+        """Raise DeckError with all problems and this one."""
         raise DeckError([*self.problems, Problem(message, node.mark, hint)])
 
 
@@ -203,7 +203,7 @@ HANDLERS = {
 
 
 def compose(source, problems, loader=LOADER):
-    """The root Node of a Source, or None when it is empty; adds to ``problems``, raises DeckError."""
+    """Return the root Node of a Source, or None if it is empty; adds to ``problems``, raises DeckError."""
     composer = Composer(source, problems)
     if (marks := sum(map(source.text.count, ":,"))) > MAX_MARKS:
         composer.stop(f"more than {MAX_NODES} values: {marks} of ':' and ','", Node(None, source))
@@ -235,12 +235,12 @@ def _syntax_hint(error, place):
     if "expected key" in problem:
         return "keys that belong together begin in the same column"
     if "mapping values are not allowed" in problem:
-        return "a text with ': ' stands in quotes, and keys that belong together begin in the same column"
+        return "put a text with ': ' in quotes; keys that belong together begin in the same column"
     return ""
 
 
 def _decimal_comma(mapping, key):
-    """Hint for the digits behind a comma, which are read as a key, without a space after a number; or nothing."""
+    """Return a hint if a key consists of the digits after a decimal comma ("1,5"), or ""."""
     _, before = list(mapping.values())[-1] if mapping else (None, None)
     if before is None or type(before.value) is not int or not key.raw.isdigit() or before.line != key.line:
         return ""

@@ -14,8 +14,8 @@ from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
-LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, gone when it is checked
-KEYS_ELSEWHERE = {  # what other programs call some fields, without '_'
+LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
+KEYS_ELSEWHERE = {  # names of some fields in other programs, without '_'
     "youngmodulus": "E", "youngsmodulus": "E", "elasticmodulus": "E", "modulus": "E", "shearmodulus": "G",
     "poisson": "nu", "poissonratio": "nu", "rho": "density",
 }  # fmt: skip
@@ -23,7 +23,7 @@ RESERVED = {"nodes": ("ground", "all")}
 
 
 def checked(node, field, scope):
-    """The value of a field, of its type and passing its own check; else INVALID."""
+    """Return the value of a field if it has the right type and passes its own check; else INVALID."""
     owner = scope.owner
     value = scope.checks[field.type.name](node, field, scope)
     if field.check is None or value is INVALID or type(value) is Reference:
@@ -40,7 +40,7 @@ def checked(node, field, scope):
 
 
 def _complaint(field, value):
-    """Return what the check of a field says of a value, or None."""
+    """Return the complaint of the check of a field about a value, or None."""
     try:
         return field.check(value)
     except ARITHMETIC:
@@ -48,7 +48,7 @@ def _complaint(field, value):
 
 
 def default(field, scope):
-    """The checked default of a field; a new copy each time. An infinite number means a bound that is not there."""
+    """Return a new copy of the checked default of a field. An infinite number stands for an absent bound."""
     if field.default is None or field.type.name == "number":
         return field.default
     if id(field) not in scope.defaults:
@@ -63,12 +63,12 @@ def _copy(value):
 
 
 def mapping(node, field, scope):
-    """A dict with all fields of the type, defaults filled in."""
+    """Return a dict with all fields of the type, defaults filled in."""
     return filled(node, field, field.type.options, scope)
 
 
 def filled(node, field, fields, scope, given=None):
-    """A dict of the given fields from a mapping; ``given`` are keys and values that the caller has read."""
+    """Return a dict of the fields from a mapping; ``given`` are keys and values that the caller has already read."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field, hint=_as_mapping(node, fields))
     before, owner = len(scope.problems), scope.owner or node
@@ -96,9 +96,9 @@ def filled(node, field, fields, scope, given=None):
 
 
 def _meant(key, known, field, scope):
-    """Hint for a key that is none of the known ones."""
+    """Return a hint for an unknown key."""
     if ":" in key:
-        return "a space stands behind ':'"
+        return "write a space after ':'"
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
     if name in known:
         return f"here it is called {quoted(name)}"
@@ -107,14 +107,14 @@ def _meant(key, known, field, scope):
 
 
 def _as_mapping(node, fields):
-    """Hint for a number, or its unit, where there must be a mapping that needs only one; or nothing."""
+    """Return a hint if a number or unit replaces a mapping with one required number, or ""."""
     required = [field for field in fields if field.required]
     number = len(required) == 1 and required[0].type.name == "number" and type(node.value) is not list
     return f"write {{{required[0].name}: {node.raw}}}" if number and node.raw else ""
 
 
 def _left_out(node, field):
-    """An optional field that is written as null is absent; one with nothing behind it is more likely a slip."""
+    """Return True if an optional field is written as null; an empty value is more likely a slip."""
     return node.value is None and node.raw != "" and not field.required
 
 
@@ -124,7 +124,7 @@ def _missing(field, owner, scope):
 
 
 def named(node, field, scope):
-    """A dict from names, which the user chooses, to values of one type."""
+    """Return a dict from names chosen by the user to values of one type."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field)
     before, values = len(scope.problems), {}
@@ -141,7 +141,7 @@ def named(node, field, scope):
 
 
 def singular(section):
-    """What one thing of a section is called."""
+    """Return the name of a single entry of a section."""
     return section.removesuffix("s").replace("_", " ")
 
 
@@ -151,14 +151,14 @@ def _check_name(name, key_node, field, scope):
 
 
 def wrong_name(name, section):
-    """Why nothing in a section can have that name, or ""."""
+    """Return the reason why an entry of a section cannot have this name, or ""."""
     if not IDENTIFIER.fullmatch(name):
         return "a name begins with a letter or '_' and has letters, digits, '_' and '-'"
     return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 
 def list_(node, field, scope):
-    """A list of values of one type, each with its own check."""
+    """Return a list of values of one type, each with its own check."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
     before, values = len(scope.problems), [None] * len(node.value)
@@ -171,7 +171,7 @@ def list_(node, field, scope):
 
 
 def either(node, field, scope):
-    """One of the words of the type, or a value of its other type."""
+    """Return one of the keywords of the type, or a value of its other type."""
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
         return node.value
@@ -185,7 +185,7 @@ def _is_number(text):
 
 
 def shorthand(node, field, scope):
-    """What a word of the type stands for, or a value of its type."""
+    """Return the meaning of a keyword of the type, or a value of its type."""
     type_, words = field.type.options
     for word, meaning in words:
         if type(node.value) is type(word) and node.value == word:
@@ -197,7 +197,7 @@ def shorthand(node, field, scope):
 
 
 def kind(node, field, scope):
-    """An element, joint or load: {"type": name of the kind, and the fields of the kind}."""
+    """Return an element, joint or load as {"type": name of the kind, and the fields of the kind}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field)
     section = field.type.options[0]
@@ -212,7 +212,7 @@ def kind(node, field, scope):
 
 
 def _missing_type(node, section, scope):
-    """Note that an entry has no type, or a key that is nearly 'type'."""
+    """Report an entry without 'type', or a key that resembles 'type'."""
     kinds = _kinds_of(section, scope)
     for key, (key_node, value) in node.value.items():
         if value.value in kinds and similar(key, ("type",)):
@@ -234,5 +234,5 @@ def _unknown_kind(type_node, found, section, scope):
     known = next((name for name in meant if name in _kinds_of(section, scope)), None)
     known = known or next((name for name in meant if name in scope.kinds), None)
     hint = f"here it is called {quoted(known)}" if known else ""
-    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` names all"
+    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` lists all"
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)

@@ -1,11 +1,11 @@
-"""Entries with ``repeat`` and templates placed by ``place`` -> a deck in which every copy is written out.
+"""Expansion of entries with ``repeat`` and of templates placed by ``place`` into plain entries.
 
-Any entry of a section of names may have ``repeat``, the values of which go into its name and its expressions:
+Any entry of a section of names may have ``repeat``; its values are inserted into the name and the expressions:
 
     nodes:
       p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}
 
-A template is a small deck with parameters of its own; ``place`` puts copies of it where they belong.
+A template is a small deck with parameters of its own; ``place`` puts copies of it into the deck.
 """
 
 from contextlib import contextmanager
@@ -30,14 +30,14 @@ MOST_PLACED = 10_000
 
 @dataclass
 class Level:
-    """The deck, or a copy of a template: its parameters, where it is placed, its texts seen from there."""
+    """The deck, or a copy of a template: its parameters, its place, and its sources as seen from there."""
 
     parameters: Parameters
     stack: tuple = ()
     sources: dict = field(default_factory=dict)
 
     def source(self, source):
-        """A Source whose marks tell where the copy was placed."""
+        """Return the Source with marks that include the place of the copy."""
         if not self.stack:
             return source
         if id(source) not in self.sources:
@@ -46,24 +46,24 @@ class Level:
 
 
 class Copies:
-    """Writes out the copies of one deck."""
+    """Expansion of the copies of one deck."""
 
     def __init__(self, root, sections, scope):
         self.scope = scope
         self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
         self.problems = len(scope.problems)
-        self.without_value = False  # something needs a parameter that is refused at its own place
+        self.without_value = False  # a parameter refused elsewhere is needed here
         self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
         self.count = self.count_placed = 0
 
     @property
     def incomplete(self):
-        """True when something was refused."""
+        """True if anything was refused."""
         return self.without_value or len(self.scope.problems) > self.problems
 
     def written_out(self, root):
-        """The tree of the deck without templates, places and repeats."""
+        """Return the tree of the deck without templates, places and repeats."""
         value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
         for section, entries in self.sections(root, self.deck).items():
             if entries or section in value:
@@ -72,7 +72,7 @@ class Copies:
         return Node(value, root.source, root.line, root.column)
 
     def sections(self, body, level):
-        """{section: {name: (key, node)}} of the deck or of a template, with what it places itself."""
+        """Return {section: {name: (key, node)}} of the deck or of a template, including the templates it places."""
         found = {}
         for section in self.fields:
             given = body.value.get(section)
@@ -86,7 +86,7 @@ class Copies:
         return found
 
     def entries(self, given, section, level):
-        """{name: (key, node)} of a section, with the copies that ``repeat`` asks for."""
+        """Return {name: (key, node)} of a section, with the copies made by ``repeat``."""
         found = {}
         if type(given[1].value) is not dict:
             self.scope.refuse(given[1], f"{quoted(section)} must be a mapping of names")
@@ -111,7 +111,7 @@ class Copies:
             self._add(found, copied.value, copied, entry)
 
     def _rows(self, key, node, level):
-        """The Parameters of each copy of an entry."""
+        """Return the Parameters of each copy of an entry."""
         values = rows(node.value["repeat"][1], self.scope, MOST_VALUES - self.count)
         if values is INVALID:
             self.without_value = True
@@ -123,10 +123,10 @@ class Copies:
         return [Parameters(row, level.parameters) for row in values]
 
     def copy(self, node, level):
-        """A tree with the values of the parameters at hand in place of expressions and inserts."""
+        """Return the tree with the values of the current parameters in place of expressions and inserts."""
         self.count += 1
         if self.count > MOST_VALUES:
-            text = f"'repeat' and 'place' come to more than {MOST_VALUES} values"
+            text = f"'repeat' and 'place' make more than {MOST_VALUES} values"
             raise DeckError([*self.scope.problems, Problem(text, node.mark)])
         value, source = node.value, level.source(node.source)
         if type(value) is str and "$" in value:
@@ -143,7 +143,7 @@ class Copies:
         return Node(key.value, level.source(key.source), key.line, key.column, key.raw)
 
     def _text(self, node):
-        """A text with $: a name with inserts, a parameter that is a word, or an expression."""
+        """Evaluate a text with $: a name with inserts, a parameter that is a word, or an expression."""
         text, scope = node.value, self.scope
         try:
             if has_inserts(text):
@@ -165,7 +165,7 @@ class Copies:
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
     def placed(self, name, key, node):
-        """{section: {name: (key, node)}} of a copy of a template."""
+        """Return {section: {name: (key, node)}} of a copy of a template."""
         before = len(self.scope.problems)
         self.count_placed += 1
         if self.count_placed > MOST_PLACED:
@@ -190,7 +190,7 @@ class Copies:
         return self._moved(found, name, Placement(values["position"], values["orientation"]))
 
     def _moved(self, found, name, placement):
-        """The sections of a template under the names, and in the places, of its copy ``name``."""
+        """Return the sections of a template with the names and positions of its copy ``name``."""
         placing, moved = Placing(f"{name}_", placement, found, self.scope), {}
         for section, entries in found.items():
             moved[section] = {}
@@ -202,7 +202,7 @@ class Copies:
         return moved
 
     def _work_out(self, level):
-        """The numbers among the parameters of a copy, wrong ones told at their own places."""
+        """Evaluate the numbers among the parameters of a copy, and report wrong ones at their own positions."""
         for name, node in level.parameters.nodes.items():
             if not is_word(node) and node.value is not None:
                 self.scope.parameters = level.parameters
@@ -229,6 +229,6 @@ class Copies:
 
 
 def _once(node):
-    """An entry without its 'repeat'."""
+    """Return an entry without its 'repeat'."""
     value = {name: pair for name, pair in node.value.items() if name != "repeat"}
     return Node(value, node.source, node.line, node.column)

@@ -11,10 +11,10 @@ from mecano.contract import SECTIONS
 class Deck:
     """Values of a checked deck.
 
-    ``values`` is a tree of dicts and lists in SI units with all defaults filled in. Every section is there. An
-    element is {"type": name of its kind, and all fields of the kind}. Names of nodes are names; names of laws,
-    grounds and tire laws have been replaced by what they mean (the very object of the section). A law is a tuple of
-    (term, {field: value}); tables of CSV files have become points.
+    ``values`` is a tree of dicts and lists in SI units with all sections and all defaults filled in. An element is
+    {"type": name of its kind, and all fields of the kind}. Names of nodes stay names; names of laws, grounds and tire
+    laws are replaced by the objects of their sections. A law is a tuple of (term, {field: value}); tables from CSV
+    files are lists of points.
     """
 
     file: str  # as given by the user
@@ -23,8 +23,8 @@ class Deck:
     values: dict
     overrides: tuple = ()  # "path=value"
     files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
-    warnings: tuple = ()  # Problem: what is legal but suspicious in it
-    keys: dict = field(default_factory=dict, repr=False)  # section -> {name: node of the tree where it is named}
+    warnings: tuple = ()  # Problem: legal but suspicious input
+    keys: dict = field(default_factory=dict, repr=False)  # section -> {name: node of the tree that holds the name}
 
     @property
     def kinds(self):
@@ -32,15 +32,15 @@ class Deck:
         return {d["type"] for section in SECTIONS for d in self.values[section].values()}
 
     def mark(self, section, name):
-        """Where something is named in the deck, or None where it is not."""
+        """Return the mark of a name in the deck, or None if it is not in the deck."""
         node = self.keys.get(section, {}).get(name)
         return node and node.mark
 
     def resolved(self):
-        """The checked values as a deck that stands for itself: no defaults, overrides, parameters or files are open.
+        """Return the checked values as a self-contained deck, without defaults, overrides, parameters or files.
 
-        Plain dicts, lists, texts and numbers, so that JSON (a subset of YAML) can write them; reading them as a deck
-        gives the same values. What is absent (None, or an infinite bound) is left out.
+        The deck consists of plain dicts, lists, texts and numbers, so that JSON (a subset of YAML) can represent it;
+        reading it as a deck gives the same values. Absent values (None, or an infinite bound) are omitted.
         """
         names = {}
         for section in ("laws", "grounds", "tire_laws", "sections", "elements"):
@@ -48,7 +48,7 @@ class Deck:
         return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 
     def resolved_text(self):
-        """The resolved deck as JSON, one line for each named thing."""
+        """Return the resolved deck as JSON, one line for each named entry."""
         sections = []
         for key, value in self.resolved().items():
             if isinstance(value, dict) and value:
@@ -61,14 +61,14 @@ class Deck:
 
 
 def _plain_section(value, names):
-    """A section in the grammar of decks; what it names itself is written out."""
+    """Return a section in the grammar of decks, with its own entries written in full."""
     if not isinstance(value, dict):
         return _plain(value, names)
     return {name: _written(item, names) for name, item in value.items() if not _absent(item)}
 
 
 def _plain(value, names):
-    """A checked value in the grammar of decks; named things become names again."""
+    """Return a checked value in the grammar of decks, with references as names."""
     return names[id(value)] if id(value) in names else _written(value, names)
 
 

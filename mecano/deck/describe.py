@@ -1,4 +1,4 @@
-"""Kinds, terms of laws and sections in words, from their declarations: what `mecano explain` prints."""
+"""Texts on kinds, terms of laws and sections, from their declarations: the output of `mecano explain`."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,7 @@ WIDTH = 100
 
 
 def describe(kind):
-    """A kind of element, joint or load: its fields and outputs, and its documentation."""
+    """Return the text on a kind of element, joint or load: its documentation, fields and outputs."""
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
@@ -26,7 +26,7 @@ def describe(kind):
 
 
 def _option(field, found):
-    """What the deck field ``field`` adds: documentation and outputs of its parts, [(Kind, label)]."""
+    """Return the lines on an option ``field``: documentation and outputs of its parts, [(Kind, label)]."""
     lines = ["", f"With '{field}'"]
     for doc in dict.fromkeys(part.doc for part, _ in found):
         lines += ["", doc.strip()]
@@ -37,27 +37,27 @@ def _option(field, found):
 
 
 def describe_shape(shape):
-    """A shape of cross sections: its fields."""
+    """Return the text on a shape of cross sections: its fields."""
     parts = [f"{shape.name} (section '{shape.section}')", "", shape.doc.strip(), "", "Fields"]
     example = example_lines(shape.name, shape.section, WIDTH)
     return "\n".join([*parts, *field_lines(shape.fields), *example]) + "\n"
 
 
 def describe_term(term):
-    """A term of a law: its fields."""
+    """Return the text on a term of a law: its fields."""
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
     example = example_lines(term.name, "laws", WIDTH)
-    return "\n".join([*parts, *example, "", "More of laws: mecano explain laws"]) + "\n"
+    return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"
 
 
 def describe_section(field):
-    """A section of the deck with all that is declared below it."""
+    """Return the text on a section of the deck with all fields below it."""
     return "\n".join([f"{field.name} (section of the deck)", "", *field_lines((field,))]) + "\n"
 
 
 def field_lines(fields, indent=1):
-    """Lines for each field: name, unit, type, default, meaning; fields of inner mappings below theirs."""
+    """Return lines for each field: name, unit, type, default, meaning; fields of inner mappings below theirs."""
     lines = []
     for field in fields:
         unit = "" if field.unit == "-" else f" [{field.unit}]"
@@ -69,7 +69,7 @@ def field_lines(fields, indent=1):
 
 
 def output_lines(outputs):
-    """Lines for each output: name, unit, shape, meaning."""
+    """Return lines for each output: name, unit, shape, meaning."""
     lines = []
     for output in outputs:
         unit = "" if output.unit == "-" else f" [{output.unit}]"
@@ -83,7 +83,7 @@ def _paragraph(text, indent):
 
 
 def default_text(field):
-    """The default of a field as it is told: "required", "default 0.8", or "optional" where there is nothing to tell."""
+    """Return the default of a field as shown to users: "required", "default 0.8", or "optional" without a default."""
     if field.required:
         return "required"
     if field.default is None or field.default in ((), {}, "", math.inf, -math.inf):
@@ -93,7 +93,7 @@ def default_text(field):
 
 
 def inner_fields(type_):
-    """The fields inside a value of a type: of a mapping, or of the mappings in a list or under names."""
+    """Return the fields inside a value of a type: of a mapping, or of the mappings in a list or under names."""
     if type_.name == "mapping":
         return type_.options
     if type_.name in ("named", "list", "either", "shorthand"):

@@ -1,7 +1,7 @@
-"""A line of a deck for each kind, shape of a section and term of a law, as `mecano explain` shows it.
+"""Example lines of decks for each kind, shape of a section and term of a law, shown by `mecano explain`.
 
-All are of one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe and a
-law viscous (tests/test_deck_examples.py); none is more than an example.
+All belong to one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe and a
+law viscous (tests/test_deck_examples.py).
 """
 
 from textwrap import wrap
@@ -103,7 +103,7 @@ EXAMPLES = {
 
 
 def example_lines(name, section, width):
-    """Lines that show an example in its section, or none for a name without one."""
+    """Return the lines of an example in its section; none for a name without an example."""
     if name not in EXAMPLES:
         return []
     lines = wrap(EXAMPLES[name], width, initial_indent="    ", subsequent_indent="      ", break_on_hyphens=False)

@@ -1,8 +1,8 @@
-"""Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; by an allow-list of what may stand there, nothing is executed.
+"""Arithmetic in decks: ``$speed / 0.35``, ``=2*pi/3``; parsed with an allow-list, never executed.
 
-A text is an expression when it has a ``$``, begins with ``=``, or is arithmetic of numbers alone, such as ``1/3`` or
-``-pi/2``. Names with a ``$`` are those of parameters; angles are plain numbers [rad]. In the names of copies, values
-are inserted: ``post$(i + 1)``, ``post$i``.
+A text is an expression if it has a ``$``, begins with ``=``, or is arithmetic of numbers alone, such as ``1/3`` or
+``-pi/2``. Names with a ``$`` are parameters; angles are plain numbers [rad]. In the names of copies, values are
+inserted: ``post$(i + 1)``, ``post$i``.
 """
 
 import ast
@@ -32,7 +32,7 @@ ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{W
 
 
 class ExpressionError(Exception):
-    """What is wrong with an expression, and at which character of it; ``near`` is a name that is not known."""
+    """Error in an expression, at a character ``column`` of it; ``near`` is (unknown name, known names) or None."""
 
     def __init__(self, message, column=0, near=None):
         self.message, self.column, self.near = message, column, near
@@ -40,12 +40,12 @@ class ExpressionError(Exception):
 
 
 def is_expression(text):
-    """True when a text is to be evaluated."""
+    """Return True if a text must be evaluated as an expression."""
     return "$" in text or text.startswith("=")
 
 
 def is_arithmetic(text):
-    """Return whether a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name."""
+    """Return True if a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name."""
     return (
         len(text) <= LONGEST
         and ARITHMETIC.fullmatch(text) is not None
@@ -56,12 +56,12 @@ def is_arithmetic(text):
 
 
 def is_evaluated(text):
-    """Return whether a text stands for a number that ``evaluate`` finds."""
+    """Return True if ``evaluate`` finds the number of a text."""
     return is_expression(text) or is_arithmetic(text)
 
 
 def names_in(text, parameters):
-    """Return the names of the parameters that an expression asks for."""
+    """Return the names of the parameters in an expression."""
     whole = WHOLE.fullmatch(text)
     if whole and parameters.known(whole[2]):
         return [whole[2]]
@@ -69,12 +69,12 @@ def names_in(text, parameters):
 
 
 def has_inserts(text):
-    """True when a text is a name into which values are inserted; no expression can look so."""
+    """Return True if a text is a name into which values are inserted; no expression has this form."""
     return INSERTED.search(text) is not None
 
 
 def inserted(text, parameters):
-    """A name with the whole numbers and words in their places; raises as ``evaluate``."""
+    """Return a name with whole numbers and words inserted; raises the errors of ``evaluate``."""
     if len(text) > LONGEST:
         raise _wrong(text, f"has more than {LONGEST} characters")
     parts, end = [], 0
@@ -83,7 +83,7 @@ def inserted(text, parameters):
         end = match.end()
     parts.append(text[end:])
     if any("$" in part for part in parts):
-        raise ExpressionError(f"the name {quoted(text)} has a $ without a value behind it", text.find("$"))
+        raise ExpressionError(f"the name {quoted(text)} has a $ without a value after it", text.find("$"))
     if sum(map(len, parts)) > LONGEST_NAME:
         raise ExpressionError(f"the name would have more than {LONGEST_NAME} characters")
     return "".join(parts)
@@ -105,10 +105,10 @@ def _insert(match, parameters):
 
 
 def evaluate(text, parameters, bare=False):
-    """The float that an expression stands for; ``parameters(name)`` gives the numbers of names.
+    """Return the value of an expression as a float; ``parameters(name)`` gives the numbers of names.
 
     ``bare``: names of parameters are written without a $.
-    Raises ExpressionError, and what ``parameters`` raises for a name that it has no number for.
+    Raises ExpressionError, and the errors of ``parameters`` for a name without a number.
     """
     whole = WHOLE.fullmatch(text)
     if whole and ("-" not in whole[2] or parameters.known(whole[2])):
@@ -146,13 +146,13 @@ def _wrong(text, what, column=0):
 
 
 class _Reading:
-    """One walk through the tree of an expression."""
+    """One traversal of the tree of an expression."""
 
     def __init__(self, text, skipped, parameters, bare):
         self.text, self.skipped, self.parameters, self.bare = text, skipped, parameters, bare
 
     def value(self, tree, depth):
-        """The float of a part of the tree."""
+        """Return the value of a part of the tree."""
         if depth > DEEPEST:
             raise _wrong(self.text, f"is nested more than {DEEPEST} levels deep")
         inner = [self.value(part, depth + 1) for part in _operands(tree)]
@@ -174,7 +174,7 @@ class _Reading:
         try:
             return _real(FUNCTIONS[name](*inner))
         except TypeError:
-            raise ExpressionError(f"'{name}' takes another number of arguments", self._column(tree)) from None
+            raise ExpressionError(f"'{name}' takes a different number of arguments", self._column(tree)) from None
 
     def _named(self, tree):
         column = self._column(tree)
@@ -185,13 +185,13 @@ class _Reading:
             if self.bare:
                 return self.parameters(tree.id, column)
             if self.text[column] == "$":
-                raise _wrong(self.text, "has a $ without the name of a parameter behind it", column)
+                raise _wrong(self.text, "has a $ without the name of a parameter after it", column)
             hint = "a parameter is written with a $" if self.parameters.known(tree.id) else "constants: pi"
             raise ExpressionError(f"there is no constant '{tree.id}'; {hint}", column)
         return self.parameters(match[1], column)
 
     def _column(self, tree):
-        """The character of the text at which a part begins; bytes of the tree count as characters."""
+        """Return the character of the text at which a part begins; bytes of the tree count as characters."""
         return min(self.skipped + tree.col_offset, len(self.text))
 
 

@@ -1,14 +1,14 @@
-"""Problems of a deck as text: place, message, the line and a caret."""
+"""Problems of a deck as text: position, message, the line and a caret."""
 
 MAX_PRINTED = 50
 WINDOW = 100  # characters shown of a long line
-CUT = "…"  # in the place of the first or the last of them, where more stands before or behind
+CUT = "…"  # replaces the first or last character shown if the line continues there
 
 
 def problem_text(problem, others=0):
-    """One problem on several lines: ``file:line:column: message; hint``, the line of the deck, a caret.
+    """Return one problem as lines: ``file:line:column: message; hint``, the line of the deck, a caret.
 
-    ``others`` copies of what is written there have the same problem.
+    ``others`` is the number of further copies of the same entry with the same problem.
     """
     hint = f"; {problem.hint}" if problem.hint else ""
     if problem.mark is None:
@@ -34,7 +34,7 @@ def _line_and_caret(mark):
 
 
 def deck_error_text(error, limit=MAX_PRINTED):
-    """All problems of a DeckError by place, at most ``limit`` of them, and their number; copies count once."""
+    """Return at most ``limit`` problems of a DeckError, sorted by position, and their number; copies count once."""
     copies = {}
     for problem in sorted(error.problems, key=_place):
         copies.setdefault((_place(problem), problem.message.partition(": ")[2] or problem.message), []).append(problem)

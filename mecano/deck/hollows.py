@@ -1,4 +1,4 @@
-"""Grounds that have hollows into which a wheel that rolls on them does not fit."""
+"""Check of grounds for hollows that are too narrow for the wheels that roll on them."""
 
 import math
 
@@ -11,9 +11,9 @@ from mecano.schema import GROUND
 
 
 def check_hollows(values, at, sound, root, scope):
-    """Note the grounds, once each, with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
+    """Report each ground with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
 
-    A wheel that is wrong otherwise, whose ("elements", name) is not in ``sound``, is left out.
+    Wheels with other errors, whose ("elements", name) is not in ``sound``, are skipped.
     """
     wheels = {kind.name for kind in scope.kinds.values() if any(field.type is GROUND for field in kind.fields)}
     told, way = set(), _way(values)
@@ -33,7 +33,7 @@ def check_hollows(values, at, sound, root, scope):
 
 
 def _way(values):
-    """How far the fastest nodes of the start would come without slowing (3,) [m]."""
+    """Return the displacement (3,) [m] of the fastest initial velocity over the duration of the run."""
     initial, time = values["initial"], values["time"]
     given = [entry["velocity"] for entry in initial["velocities"]]
     given += [initial["steady"]["velocity"]] if initial["steady"] else []
@@ -44,7 +44,7 @@ def _way(values):
 def _text(hollow, radius):
     text = (
         f"'ground.profile.height' has a hollow at {hollow.place:.5g} m whose radius, {hollow.radius:.4g} m, is less "
-        f"than that of the wheel, {radius:g} m: the wheel would touch on both sides of it, and has one contact only"
+        f"than that of the wheel, {radius:g} m: the wheel would touch both of its sides, but has only one contact"
     )
     if hollow.count > 1:
         text += f"; so have {hollow.count} hollows between {hollow.low:.5g} and {hollow.high:.5g} m"
@@ -52,7 +52,7 @@ def _text(hollow, radius):
 
 
 def _hint(hollow, radius):
-    """What would be right: radii of hollows grow with the square of lengths, and fall with heights."""
+    """Return the admissible factors: the radii of hollows grow with the square of lengths, and fall with heights."""
     ratio = hollow.radius / radius
     heights, lengths = math.floor(990 * ratio) / 1000, math.ceil(101 / math.sqrt(ratio)) / 100
-    return f"heights {heights:g} times these, or lengths {lengths:g} times these, would do"
+    return f"multiply heights by {heights:g} or less, or lengths by {lengths:g} or more"

@@ -1,4 +1,4 @@
-"""``include: [laws.yaml, wheel.yaml]``: sections of other files, which join those of the deck name by name."""
+"""``include: [laws.yaml, wheel.yaml]``: sections of other files, merged with those of the deck name by name."""
 
 import os
 from dataclasses import replace
@@ -12,7 +12,7 @@ MOST_FILES = 100
 
 
 def confined(folder, name):
-    """The real path of a file named in a deck; None when it is not in the folder of the deck or below it."""
+    """Return the real path of a file named in a deck; None if it is not in the folder of the deck or below it."""
     folder = os.path.realpath(folder)
     try:
         path = os.path.realpath(os.path.join(folder, name))
@@ -22,10 +22,10 @@ def confined(folder, name):
 
 
 class Inclusion:
-    """The sections of a deck and of all files that it includes.
+    """Merger of the sections of a deck and of all files that it includes.
 
-    ``files`` are {name from the folder of the deck: SHA-256}, ``beside`` {file as shown: its folder below that of the
-    deck}, for the files that it names itself.
+    ``files`` is {name relative to the folder of the deck: SHA-256}; ``beside`` is {file as shown: its folder relative
+    to that of the deck}, for the files that it names itself.
     """
 
     def __init__(self, folder, sections, problems):
@@ -35,13 +35,13 @@ class Inclusion:
         self._open = []  # paths of the files that are being read
 
     def merged(self, root):
-        """The tree of a deck with the sections of all included files."""
+        """Return the tree of a deck with the sections of all included files."""
         self._open = [os.path.realpath(root.source.file)]
         self.take(root, "")
         return Node(self.sections, root.source, root.line, root.column)
 
     def take(self, root, beside):
-        """Add the sections of a file in the folder ``beside``, after those of the files that it includes."""
+        """Add the sections of a file in the folder ``beside``, after those of its included files."""
         include = root.value.get("include")
         if include:
             for node in include[1].value if type(include[1].value) is list else [include[1]]:
@@ -73,7 +73,7 @@ class Inclusion:
         return None
 
     def _read(self, node, name, path):
-        """The tree of a file; None with the problem noted when there is none."""
+        """Return the tree of a file, or None after reporting why it cannot be read."""
         try:
             source, self.files[name] = read_source(path, os.path.join(self.folder, name))
         except Unreadable as error:

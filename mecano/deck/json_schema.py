@@ -1,6 +1,6 @@
-"""The grammar of decks as JSON Schema, draft 7, for editors: from the same declarations as the check of decks.
+"""The grammar of decks as JSON Schema, draft 7, for editors, from the same declarations as the check of decks.
 
-It knows what keys and types may stand where; names, physics and dimensions are left to `mecano check`.
+It describes keys and types; names, physics and dimensions are left to `mecano check`.
 """
 
 import math
@@ -22,7 +22,7 @@ LAW = {"$ref": "#/definitions/law"}
 
 
 def deck_schema():
-    """The schema of a deck, or of a file that it includes, as plain data."""
+    """Return the schema of a deck, or of an included file, as plain data."""
     definitions = {
         "repeat": _repeat(),
         "law": _law(),
@@ -34,7 +34,7 @@ def deck_schema():
 
 
 def file_schema(what, fields, required, definitions):
-    """The schema of a file of ``fields``, of which the first ``required`` one is its version, 1; as plain data."""
+    """Return the schema of a file of ``fields`` as plain data; the first of ``required`` is its version, 1."""
     properties = {field.name: _property(field) for field in fields}
     properties[required[0]]["const"] = 1
     return {
@@ -49,7 +49,7 @@ def file_schema(what, fields, required, definitions):
 
 
 def _property(field):
-    """The schema of a field, with what an editor shows of it."""
+    """Return the schema of a field, with title and description for editors."""
     unit = "" if field.unit == "-" else f" [{field.unit}]"
     schema = _bounded(field) if field.check in BOUNDS else _of(field.type)
     if not field.required:
@@ -64,7 +64,7 @@ def _property(field):
 
 
 def _or_null(schema):
-    """Null, too; what is wrong inside a mapping or list is then still found at its place."""
+    """Return the schema with null allowed; errors inside a mapping or list still point to their position."""
     if type(schema.get("type")) is str:
         return {**schema, "type": [schema["type"], "null"]}
     return {**schema, "else": _or_null(schema["else"])} if "else" in schema else {"anyOf": [schema, NULL]}
@@ -78,7 +78,7 @@ def _bounded(field):
 
 
 def _of(type_):
-    """The schema of a type."""
+    """Return the schema of a type."""
     if type_.schema is not None:
         return type_.schema
     if type_.name in WRITTEN:
@@ -93,7 +93,7 @@ def _list(item, least=0, most=None):
 
 
 def mapping_schema(fields, doc="", **more):
-    """The schema of a mapping of ``fields``, and of ``more`` keys with schemas of their own."""
+    """Return the schema of a mapping of ``fields``, and of ``more`` keys with schemas of their own."""
     properties = {field.name: _property(field) for field in fields}
     required = [field.name for field in fields if field.required]
     schema = {"type": "object", "properties": {**more, **properties}, "additionalProperties": False}
@@ -117,7 +117,7 @@ def _one_of_kinds(type_):
 
 
 def _named(type_):
-    """A section of names, each entry of which may be repeated."""
+    """Return the schema of a section of names, each entry of which may be repeated."""
     inner = type_.options[0]
     repeated = inner.name == "mapping"
     entry = mapping_schema(inner.options, repeat={"$ref": "#/definitions/repeat"}) if repeated else _of(inner)
@@ -125,7 +125,7 @@ def _named(type_):
 
 
 def _shorthand(type_):
-    """The schema of a mapping or list; for what is neither, of the words that stand for one."""
+    """Return the schema of a mapping or list, or of the keywords that stand for one."""
     schema, words = _of(type_.options[0]), [word for word, _ in type_.options[1]]
     return {"if": {"type": schema["type"]}, "then": schema, "else": {"enum": words}}
 
@@ -139,7 +139,7 @@ def _law():
 
 
 def _term(term):
-    """A mapping of fields; of a term with one field, its value alone will do."""
+    """Return the schema of a mapping of fields; a term with one field may also be its value."""
     fields = mapping_schema(term.fields, term.doc)
     return {"anyOf": [_of(term.fields[0].type), fields]} if len(term.fields) == 1 else fields
 

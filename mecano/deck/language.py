@@ -1,4 +1,4 @@
-"""Sections with which decks are put together; none of them is left in the deck that is checked and solved."""
+"""Sections that are expanded before the check; the deck that is checked and solved no longer contains them."""
 
 from mecano.deck.templates import PLACE
 from mecano.schema import Field, Type, named
@@ -7,11 +7,11 @@ FILES = Type("files", "the name of a file, or a list of names")
 TEMPLATE = Type("template", "a mapping of 'parameters' with their defaults, 'place', and sections of names")
 REPEAT = Field(
     "repeat", Type("repeat", "names with ranges or lists, or a list of rows"), "-",
-    "of any named entry: one copy for each value, named with it: post$i, post$(i+1)", None,
+    "in any named entry: one copy for each value, inserted into its name: post$i, post$(i+1)", None,
 )  # fmt: skip
 LANGUAGE = (
     Field(
-        "include", FILES, "-", "files in the folder of the deck, or below it, whose sections join those of the deck", ()
+        "include", FILES, "-", "files in the folder of the deck, or below it, whose sections are added to the deck", ()
     ),
     Field("templates", named(TEMPLATE), "-", "parts that are placed by 'place', each a small deck", {}),
     PLACE,

@@ -13,11 +13,11 @@ from mecano.schema import NUMBER, Field, Type
 
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
-POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # how a check of points says which one it means
+POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
 def law_or_name(node, field, scope):
-    """A law as a tuple of (term, {field: value}); a Reference for a name; a number means the constant curve."""
+    """Return a law as a tuple of (term, {field: value}); a name gives a Reference, a number the constant curve."""
     if type(node.value) is dict:
         return law(node, field, scope)
     value = plain_number(node, field, scope)
@@ -34,13 +34,13 @@ def law_or_name(node, field, scope):
 
 
 def law_in_place(node, field, scope):
-    """A law of the section ``laws``: a number or a mapping of terms, no name."""
+    """Return a law of the section ``laws``: a number or a mapping of terms, not a name."""
     value = law_or_name(node, field, scope)
     return scope.refuse_value(node, field) if type(value) is Reference else value
 
 
 def law(node, field, scope):
-    """The terms of a mapping."""
+    """Return the terms of a mapping."""
     if not node.value:
         return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
     if "type" in node.value:
@@ -61,7 +61,9 @@ def _term(name, key, node, field, scope):
         hint = scope.suggest(name, scope.terms)
         return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
     if not fits(term, field.type.name):
-        return scope.refuse(key, f"{quoted(name)} is a force of extension and rate; here must be {field.type.expects}")
+        return scope.refuse(
+            key, f"{quoted(name)} is a force of extension and rate; {field.type.expects} is required here"
+        )
     scope.owner = key
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
         node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
@@ -75,12 +77,12 @@ def _term(name, key, node, field, scope):
 
 
 def fits(term, wanted):
-    """True when a law with this term can stand where ``wanted`` ("law" or "curve") is asked for."""
+    """Return True if a law with this term is allowed where ``wanted`` ("law" or "curve") is required."""
     return wanted != "curve" or term.role == "curve"
 
 
 def _with_points(values, term, node, scope):
-    """Read the points of a term from its file, if it has one; False when they cannot be had."""
+    """Read the points of a term from its file, if it has one; return False if they cannot be read."""
     if values["file"] is None:
         useless = next((key for key in ("columns", "units") if values[key] is not None), None)
         if useless:

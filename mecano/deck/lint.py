@@ -1,8 +1,8 @@
-"""Legal but suspicious input: warnings of what a checked deck is allowed to say, and seldom means.
+"""Warnings of legal but suspicious input in a checked deck.
 
-Negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half numbers, which
-are degrees; gravity, moduli and densities in other units; tyres whose patch may run away; loads on fixed nodes; lengths
-that elements are stretched to; and what is given and never used.
+They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
+numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
+loads on fixed nodes; strongly prestrained elements; unused entries.
 """
 
 import math
@@ -13,31 +13,31 @@ from mecano.deck.wording import quoted
 from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem
 
-PUSHES = "it pushes away from its zero instead of back to it; is it meant so, as where something snaps through?"
-DRIVES = "it drives slow motions on instead of braking them; is it meant so, as in what keeps itself swinging?"
-SUSPECT = {  # term of a law: what may be negative in it, its number, what follows
+PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
+DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"
+SUSPECT = {  # term of a law: the quantity that may be negative, its value, the consequence
     "spring": ("stiffness", lambda values: values["stiffness"], PUSHES),
     "linear": ("slope", lambda values: values["slope"], PUSHES),
     "damper_polynomial": ("coefficients[1]", lambda values: sum(values["coefficients"][1:2]), DRIVES),
 }
 MOST_NAMES = 3
-MEANT_DEGREES = "is {0:g} rad, more than a turn; is it meant so? Degrees are written as '{0:g} deg'"
-MATERIALS = {  # field of a section: its unit, below what no solid has it, what that is, another unit
+MEANT_DEGREES = "is {0:g} rad, more than a turn; is this intended? Degrees are written as '{0:g} deg'"
+MATERIALS = {  # field of a section: its unit, the smallest value of a solid, what a smaller value means, another unit
     "E": ("Pa", 1e6, "softer than rubber", "GPa"),
     "density": ("kg/m3", 5.0, "lighter than foam", "g/cm3"),
 }
 
 
-LARGEST_GRAVITY = 30.0  # m/s2, more than that of any planet
+LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
-NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of things that others refer to
+NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that others refer to
 
 
 def suspicious(values, root, used, kinds):
-    """Warnings (list of Problem) of checked deck ``values``, each at its place in the checked tree ``root``.
+    """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 
-    ``used`` is {section: names} of the parameters, and of all things with names, that the deck refers to; ``kinds``
-    are those of its elements by name.
+    ``used`` is {section: names} of the parameters and named entries that the deck refers to; ``kinds`` is {name: Kind}
+    of all elements.
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
@@ -47,7 +47,7 @@ def suspicious(values, root, used, kinds):
 
 
 def _place(root, path):
-    """The deepest node of the tree on a path of keys: a value, or the key of what has none of the further keys."""
+    """Return the deepest node on a path of keys: a value, or the key of a mapping that lacks the further keys."""
     key = node = root
     for word in path:
         if type(node.value) is not dict or word not in node.value:
@@ -57,7 +57,7 @@ def _place(root, path):
 
 
 def _unused(root, used):
-    """Warnings of what is named in the deck itself and never used; of a template, one for all its copies."""
+    """Yield warnings on unused entries of the deck itself; of a template, one for all its copies."""
     marks = set()
     for section in ("parameters", *NAMED):
         _, node = root.value.get(section, (None, root))
@@ -70,19 +70,19 @@ def _unused(root, used):
 
 
 def _gravity(vector):
-    """(path, text) on gravity that is in other units."""
+    """Yield (path, text) on gravity in other units."""
     size = math.hypot(*vector)
     if size == 0.0:
         return
     power = round(math.log10(size / 9.81))
     shifted = (power > 0 or power == -3) and OF_THE_EARTH[0] <= size / 10.0**power <= OF_THE_EARTH[1]
     if shifted or size > LARGEST_GRAVITY:
-        text = f"'gravity' has {size:g} m/s2; that of the earth has 9.81, and the units of decks are m, kg and s"
+        text = f"'gravity' is {size:g} m/s2; on earth it is 9.81, and the units of decks are m, kg and s"
         yield ("gravity",), text
 
 
 def _signs(values, kinds):
-    """(path, text) on negative stiffness and damping, one for all that is alike."""
+    """Yield (path, text) on negative stiffness and damping, one for all similar elements."""
     found = {}
     for section in SECTIONS:
         for name, d in values[section].items():
@@ -97,7 +97,7 @@ def _signs(values, kinds):
 
 
 def _negative(d, kinds):
-    """(path of a law, what is negative in it, the number, what follows) of the values of an element."""
+    """Yield (path of a law, negative quantity, value, consequence) from the values of an element."""
     for path, law in _laws(kinds[d["type"]].fields, d):
         for term, values in law:
             if term in SUSPECT:
@@ -107,7 +107,7 @@ def _negative(d, kinds):
 
 
 def _laws(fields, values, path=""):
-    """(path, terms) of the laws of force among checked values."""
+    """Yield (path, terms) of the laws of force among checked values."""
     for field in fields:
         value = values[field.name]
         if value is not None and field.type.name == "law":
@@ -117,7 +117,7 @@ def _laws(fields, values, path=""):
 
 
 def _degrees(values, kinds):
-    """(path, text) on angles that look like degrees."""
+    """Yield (path, text) on angles that look like degrees."""
     for name, d in values["nodes"].items():
         size = math.hypot(*d["orientation"])
         if size > 2.0 * math.pi and all(_is_half(c) for c in d["orientation"]):
@@ -131,7 +131,7 @@ def _degrees(values, kinds):
 
 
 def _angles(fields, values, path=""):
-    """(path, angle) of the angles among checked values."""
+    """Yield (path, angle) of the angles among checked values."""
     for field in fields:
         value = values[field.name]
         if field.unit == "rad" and isinstance(value, float) and math.isfinite(value):
@@ -145,16 +145,16 @@ def _is_half(number):
 
 
 def _materials(sections):
-    """(path, text) on moduli and densities of no solid."""
+    """Yield (path, text) on moduli and densities that no solid has."""
     for name, d in sections.items():
         for field, (unit, least, what, other) in MATERIALS.items():
             if 0.0 < d.get(field, 0.0) < least:
-                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it meant so, or in {other}?"
+                text = f"section '{name}': '{field}' is {d[field]:g} {unit}, {what}; is it intended, or in {other}?"
                 yield ("sections", name, field), text
 
 
 def _tires(tire_laws):
-    """(path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
+    """Yield (path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
     for name, d in tire_laws.items():
         if (lateral := d.get("lateral")) and (found := runaway(lateral)):
             field, text = found
@@ -162,8 +162,8 @@ def _tires(tire_laws):
 
 
 def _idle(loads, nodes):
-    """(path, text) on loads that can do nothing."""
+    """Yield (path, text) on loads without effect."""
     for name, d in loads.items():
         if d.get("node") in nodes and nodes[d["node"]]["fixed"]:
-            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load moves nothing"
+            text = f"{d['type']} '{name}': node '{d['node']}' is fixed, so the load has no effect"
             yield ("loads", name, "node"), text

@@ -1,4 +1,4 @@
-"""Decks to begin with, the files of mecano/deck/starters and of inputs/, and files that are written for a user."""
+"""Starters (mecano/deck/starters), examples (inputs/), and the writing of files for users."""
 
 import json
 import os
@@ -39,10 +39,9 @@ def starter(name):
 
 
 def write_example(name, path):
-    """Write an example deck to ``path``, and the files that it reads beside it; returns the names of these.
+    """Write an example deck to ``path`` and the files that it reads beside it; return the names of these files.
 
-    Raises UsageError for an unknown name, or where a file is there that would be replaced; ResultsError where one
-    cannot be written.
+    Raises UsageError for an unknown name or if a file would be replaced; ResultsError if one cannot be written.
     """
     known = examples()
     if name not in known:
@@ -61,13 +60,13 @@ def _similar(name, known, command):
 
 
 def list_of_starters():
-    """Return the names of the starters, each with the first line of its text, as lines of text."""
+    """Return the text that lists the starters, each with the first line of its deck."""
     summaries = {name: text.splitlines()[0].lstrip("# ") for name, text in starters().items()}
-    return _list("decks to begin with:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
+    return _list("decks to start from:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
 
 
 def list_of_examples():
-    """Return the names of the examples, each with its title, as lines of text."""
+    """Return the text that lists the examples, each with its title."""
     titles = {name: TITLE.search(text)[1] for name, text in examples().items()}
     return _list("examples with known answers:", titles, "mecano example NAME [deck.yaml] writes one of them.")
 
@@ -79,12 +78,12 @@ def _list(heading, summaries, usage):
 
 
 def schema_text(schema):
-    """A JSON Schema as text."""
+    """Return a JSON Schema as text."""
     return json.dumps(schema, indent=1) + "\n"
 
 
 def write_text(path, text, replace=False):
-    """Write a file; raises UsageError when it is there and not to be replaced, ResultsError when it cannot be."""
+    """Write a file; raises UsageError if it exists and ``replace`` is False, ResultsError if it cannot be written."""
     _write(path, text.encode(), replace)
 
 
@@ -93,6 +92,6 @@ def _write(path, data, replace=False):
         with open(path, "wb" if replace else "xb") as stream:
             stream.write(data)
     except FileExistsError:
-        raise UsageError(f"{os.fspath(path)} is there already; it is not replaced") from None
+        raise UsageError(f"{os.fspath(path)} already exists and is not replaced") from None
     except (OSError, ValueError) as error:
         raise ResultsError(f"{os.fspath(path)} cannot be written: {getattr(error, 'strerror', error)}") from None

@@ -1,4 +1,4 @@
-"""``--set a.b.c=value``: values of the command line put into the tree of a deck before it is checked."""
+"""``--set a.b.c=value``: values of the command line, inserted into the tree of a deck before it is checked."""
 
 import re
 from dataclasses import replace
@@ -13,11 +13,11 @@ INDEX = re.compile("[0-9]{1,9}")
 
 
 def overridden(root, overrides, sections, problems):
-    """The tree with the overrides applied in order; the given tree stays as it is.
+    """Return a copy of the tree with the overrides applied in order.
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
     from 0, the value is YAML. Keys may be new where the schema may know them; names in a section of names (nodes,
-    laws, parameters...) must be in the deck. Adds to ``problems``.
+    laws, parameters...) must exist in the deck. Adds to ``problems``.
     """
     names = {field.name for field in sections if field.type.name == "named"}
     for text in overrides:
@@ -29,7 +29,7 @@ def overridden(root, overrides, sections, problems):
 
 
 def shown(path):
-    """What stands in the place of a file in messages on an override."""
+    """Return the text shown in place of a file name in messages on an override."""
     printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in path)
     return f"--set {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
 
@@ -52,7 +52,7 @@ def _applied(root, text, names):
 
 
 def _replaced(node, places, depth, new, names):
-    """A copy of ``node`` in which the value at places[depth:] is ``new``."""
+    """Return a copy of ``node`` in which the value at places[depth:] is ``new``."""
     if depth == len(places):
         return new
     place, key = places[depth], places[depth].value
@@ -61,18 +61,18 @@ def _replaced(node, places, depth, new, names):
         if key not in known and depth == 1 and places[0].value in names:
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", suggestion(key, known))
         if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
-            _refuse(place, f"the deck has no {quoted(key)}, of which an item could be set", "set the whole list")
+            _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
         written, child = known.get(key, (place, _like(place, {})))
         child = _replaced(child, places, depth + 1, new, names)
         return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})
     if type(node.value) is list:
         items = list(node.value)
         if not INDEX.fullmatch(key) or int(key) >= len(items):
-            _refuse(place, f"{quoted(key)} is no item of a list of {len(items)}", "items are counted from 0")
+            _refuse(place, f"{quoted(key)} is not an item of a list of {len(items)}", "items are counted from 0")
         items[int(key)] = _replaced(items[int(key)], places, depth + 1, new, names)
         return _like(node, items)
     above = quoted(".".join(p.value for p in places[:depth]))
-    _refuse(place, f"{above} holds a single value, so there is no {quoted(key)} in it")
+    _refuse(place, f"{above} is a single value and has no {quoted(key)}")
 
 
 def _like(node, value):

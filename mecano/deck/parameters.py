@@ -1,6 +1,6 @@
-"""Numbers by name, in any order; those that need one another in a circle are refused.
+"""Named numbers, defined in any order; circular definitions are refused.
 
-The section ``parameters`` of the deck has some, and so has each copy of a template or of an entry with ``repeat``,
+They come from the section ``parameters`` of the deck, and from each copy of a template or of an entry with ``repeat``,
 where they may also be words: ``side: left``.
 """
 
@@ -12,34 +12,34 @@ from mecano.deck.units import ANY, UnitError, converted, is_quantity
 
 
 class Refused(Exception):
-    """A parameter has no value; why is told at its own place."""
+    """Error for a parameter without a value, whose cause is reported at its own position."""
 
 
 class Circle(ExpressionError):
-    """A parameter needs itself."""
+    """Error for a parameter whose value depends on itself."""
 
 
 class Parameters:
-    """Numbers and words by name, worked out when they are asked for."""
+    """Named numbers and words, evaluated on demand."""
 
     def __init__(self, nodes=None, outer=None):
-        """``nodes``: {name: node of its value}; ``outer``: the Parameters that hold where these have no such name."""
+        """``nodes``: {name: node of its value}; ``outer``: Parameters that are searched for names not in ``nodes``."""
         self.nodes = nodes or {}
         self.outer = outer
         self.values = {}  # name -> number, or None when it was refused
-        self.used = set()  # names that have been asked for
-        self._open = []  # names that are being worked out
+        self.used = set()  # names that have been referred to
+        self._open = []  # names being evaluated
 
     def known(self, name):
-        """True when there is such a parameter."""
+        """Return True if there is such a parameter."""
         return name in self.nodes or (self.outer is not None and self.outer.known(name))
 
     def names(self):
-        """The names of all."""
+        """Return the names of all parameters."""
         return [*self.nodes, *(self.outer.names() if self.outer else ())]
 
     def word(self, name):
-        """The node of a parameter that is a word, or None."""
+        """Return the node of a parameter that is a word, or None."""
         if name not in self.nodes:
             return self.outer.word(name) if self.outer else None
         node = self.nodes[name]
@@ -47,7 +47,7 @@ class Parameters:
 
     @contextmanager
     def working_on(self, name):
-        """While the value of ``name`` is worked out, it may not be asked for."""
+        """Mark ``name`` as being evaluated, so that a reference to it is a circle."""
         self._open.append(name)
         try:
             yield
@@ -55,7 +55,7 @@ class Parameters:
             self._open.pop()
 
     def __call__(self, name, column=0):
-        """The number of a parameter, asked for at a character of an expression; raises ExpressionError, Refused."""
+        """Return the number of a parameter, for a character of an expression; raises ExpressionError, Refused."""
         if name not in self.nodes:
             if self.outer and self.outer.known(name):
                 return self.outer(name, column)
@@ -63,16 +63,16 @@ class Parameters:
         self.used.add(name)
         if name in self._open:
             circle = [*self._open[self._open.index(name) :], name]
-            raise Circle(f"parameters go round in a circle: {' -> '.join(circle)}", column)
+            raise Circle(f"parameters depend on one another in a circle: {' -> '.join(circle)}", column)
         if self.word(name) and not _reads_as_number(self.nodes[name].value):
-            raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', no number", column)
+            raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', not a number", column)
         self._work_out(name, column)
         if self.values[name] is None:
             raise Refused
         return self.values[name]
 
     def _work_out(self, name, column):
-        """Find the value of ``name`` and before it all that it needs, deepest first: chains may be of any length."""
+        """Evaluate ``name`` after everything it depends on, without recursion: chains may have any length."""
         chain = {name: None}  # each needs the next one
         while chain:
             last = next(reversed(chain))
@@ -87,17 +87,17 @@ class Parameters:
             del chain[last]
 
     def _needed(self, name):
-        """Return the names of these parameters that the value of ``name`` needs."""
+        """Return the names of these parameters on which the value of ``name`` depends."""
         value = self.nodes[name].value
         if name in self.values or type(value) is not str or not is_expression(value):
             return []
         return [other for other in names_in(value, self) if other in self.nodes and not self.word(other)]
 
     def _refuse_circle(self, path, name, column):
-        """Raise Circle where ``path`` comes back to ``name``; what leads into the circle has no value, either."""
+        """Raise Circle where ``path`` returns to ``name``; those that lead into it have no value either."""
         first = path.index(name)
         self.values |= dict.fromkeys([other for other in path[:first] if other not in self._open])
-        raise Circle(f"parameters go round in a circle: {' -> '.join([*path[first:], name])}", column)
+        raise Circle(f"parameters depend on one another in a circle: {' -> '.join([*path[first:], name])}", column)
 
     def _worked_out(self, name):
         value = self.nodes[name].value
@@ -126,5 +126,5 @@ def _reads_as_number(text):
 
 
 def is_word(node):
-    """True when a value is a text that names use as it is written; "01" and 1/3 are numbers in expressions."""
+    """Return True if a value is a text that names use literally; "01" and 1/3 are numbers in expressions."""
     return type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value)

@@ -1,4 +1,4 @@
-"""Checks of values taken together: what each kind says of itself, nodes and names used twice or not at all."""
+"""Checks of values in combination: the checks of each kind, nodes and names used twice or not at all."""
 
 from collections import Counter
 
@@ -18,7 +18,7 @@ OTHER_AXIS = 1e-3  # rad
 
 
 def element_nodes(kind, values):
-    """Names of the nodes of an element, joint or load: its fields of node types, in their order."""
+    """Return the names of the nodes of an element, joint or load: its fields of node types, in their order."""
     names = []
     for field in kind.fields:
         value = values[field.name]
@@ -30,7 +30,7 @@ def element_nodes(kind, values):
 
 
 def rotations(vectors):
-    """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad], after Rodrigues."""
+    """Return the rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad] by Rodrigues' formula."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
     H = np.zeros((len(vectors), 3, 3))
     H[:, 2, 1], H[:, 0, 2], H[:, 1, 0] = vectors.T
@@ -40,14 +40,14 @@ def rotations(vectors):
 
 
 def poses(nodes):
-    """{name: (x (3,) [m], R (3, 3))} of checked nodes."""
+    """Return {name: (x (3,) [m], R (3, 3))} of checked nodes."""
     x = np.array([node["position"] for node in nodes.values()])
     R = rotations(np.array([node["orientation"] for node in nodes.values()]))
     return {name: (x[i], R[i]) for i, name in enumerate(nodes)}
 
 
 def check_model(values, root, scope):
-    """Note everything in the elements, joints, loads and nodes that cannot be."""
+    """Report all inconsistencies in the elements, joints, loads and nodes."""
     at, used, told, sound = poses(values["nodes"]), set(), set(), set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
@@ -59,7 +59,7 @@ def check_model(values, root, scope):
             if section != "loads":
                 used.update(names)
             if name in left:
-                scope.refuse(key, "hangs on itself or on members that are wrong or hang on it")
+                scope.refuse(key, "depends on itself, or on members that are wrong or depend on it")
             elif all(node in at for node in names if node != "ground"):
                 if _check_element(kind, element, names, at, (key, node), root, scope, told):
                     sound.add((section, name))
@@ -70,7 +70,7 @@ def check_model(values, root, scope):
 
 
 def _check_axes(joints, root, scope):
-    """Note angles that are prescribed about another axis than the one that a joint leaves to the same two nodes."""
+    """Report angles prescribed about another axis than the free axis of a joint between the same two nodes."""
     free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if d["type"] in TURNING}
     for name, d in joints.items():
         if d["type"] not in PRESCRIBING or frozenset(d["nodes"]) not in free:
@@ -82,11 +82,11 @@ def _check_axes(joints, root, scope):
             scope.subject = f"{d['type']} {quoted(name)}"
             free_axis = ", ".join(f"{c:g}" for c in hinge["axis"])
             text = f"'axis' is not that of {hinge['type']} {quoted(other)} between the same nodes, [{free_axis}]"
-            scope.refuse(place_of(text, node, key), f"{text}, about which alone they can turn")
+            scope.refuse(place_of(text, node, key), f"{text}, the only axis about which they can turn")
 
 
 def _check_latches(joints, root, scope):
-    """Note latches that lie beyond a stop of their joint, which can never reach them."""
+    """Report latches beyond a stop of their joint, which the joint can never reach."""
     for name, d in joints.items():
         if not d.get("latch") or not d.get("stops"):
             continue
@@ -97,12 +97,12 @@ def _check_latches(joints, root, scope):
             _, node = root.value["joints"][1].value[name]
             scope.subject = f"{d['type']} {quoted(name)}"
             text = f"'latch.{quantity}' lies at {value:g} {unit}, beyond the {side} stop at {stop:g} {unit}"
-            hint = f"move the stop to {value:g} {unit} or beyond, or let the latch come before it"
+            hint = f"move the stop to {value:g} {unit} or beyond, or move the latch before it"
             scope.refuse(node.value["latch"][1].value[quantity][1], f"{text}: the joint would never lock", hint)
 
 
 def _place_members(elements, at, kinds):
-    """Add the nodes of members to ``at``; names of those that end at nodes of no member."""
+    """Add the nodes of members to ``at``; return the names of members whose end nodes cannot be placed."""
     members = [
         Element(name, kinds[d["type"]], element_nodes(kinds[d["type"]], d), d)
         for name, d in elements.items()
@@ -115,7 +115,7 @@ def _place_members(elements, at, kinds):
 
 
 def _check_element(kind, element, names, at, entry, root, scope, told):
-    """Whether nothing is wrong; notes what the kind says, of a law or ground of several elements once (``told``)."""
+    """Report errors of an element, those of a shared law or ground once (``told``); return True if there are none."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
@@ -132,7 +132,7 @@ def _check_element(kind, element, names, at, entry, root, scope, told):
 
 
 def _texts(kind, element, nodes):
-    """Return the texts of the check of a kind, or that its numbers are beyond the limits of floating point."""
+    """Return the texts of the check of a kind, or a text on numbers beyond the limits of floating point."""
     try:
         with np.errstate(all="ignore"):
             return kind.check(element, nodes)

@@ -1,6 +1,6 @@
-"""Where a copy of a template stands: what is a point, a direction or an orientation goes with it, names get its prefix.
+"""Placement of a copy of a template: points, directions and orientations are moved, names get a prefix.
 
-Which fields these are is declared with their types (mecano/schema.py).
+The fields concerned are declared by their types (mecano/schema.py).
 """
 
 import math
@@ -11,7 +11,7 @@ from mecano.schema import SECTION_OF, Field
 
 
 class Word(Node):
-    """A word that came from a parameter; ``rise`` counts the templates around it in which it is no name of theirs."""
+    """A word from a parameter; ``rise`` counts the surrounding templates to which it does not belong as a name."""
 
     __slots__ = ("rise",)
 
@@ -21,14 +21,14 @@ class Word(Node):
 
 
 def quaternion(vector):
-    """The unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
+    """Return the unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
     angle = math.hypot(*vector)
     factor = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
     return (math.cos(0.5 * angle), *(factor * c for c in vector))
 
 
 def rotation_vector(q):
-    """The rotation vector (3,) [rad] of a unit quaternion, of an angle up to pi."""
+    """Return the rotation vector (3,) [rad] of a unit quaternion, of an angle up to pi."""
     w, *v = q if q[0] >= 0.0 else [-c for c in q]
     size = math.hypot(*v)
     factor = 2.0 * math.atan2(size, w) / size if size > 0.0 else 2.0
@@ -36,7 +36,7 @@ def rotation_vector(q):
 
 
 def product(p, q):
-    """The quaternion of the rotation q followed by p."""
+    """Return the quaternion of the rotation q followed by p."""
     a, b, c, d = p
     w, x, y, z = q
     return (
@@ -46,14 +46,14 @@ def product(p, q):
 
 
 class Placement:
-    """A position (3,) [m] and an orientation, a rotation vector (3,) [rad], of a copy; inertial."""
+    """Position (3,) [m] and orientation, a rotation vector (3,) [rad], of a copy; inertial."""
 
     def __init__(self, position, orientation):
         self.x, self.q = position, quaternion(orientation)
         self.turns = any(orientation)
 
     def moved(self, value, what):
-        """The three numbers of a "point", "direction" or "orientation" of the template in the copy."""
+        """Return the three numbers of a "point", "direction" or "orientation" of the template in the copy."""
         if what == "orientation":
             return rotation_vector(product(self.q, quaternion(value))) if self.turns else value
         turned = self._turned(value) if self.turns else value
@@ -70,14 +70,14 @@ class Placement:
 
 
 class Placing:
-    """Moves the entries of a template, in place, to where one copy stands."""
+    """Mover of the entries of a template, in place, to the position of one copy."""
 
     def __init__(self, prefix, placement, own, scope):
-        """``own``: {section: names that the template gives}."""
+        """``own``: {section: names defined by the template}."""
         self.prefix, self.placement, self.own, self.scope = prefix, placement, own, scope
 
     def take(self, node, field):
-        """Move a value, and everything inside it, that is declared by ``field``."""
+        """Move a value, and everything inside it, declared by ``field``."""
         type_ = field.type
         if type_.moves:
             self._move(node, field)
@@ -128,6 +128,6 @@ class Placing:
             node.value = self.prefix + node.value
 
     def _is_own(self, name, section):
-        """True for a name of the template; nodes inside its members, as ``leg.1``, are its own, too."""
+        """Return True for a name of the template; nodes inside its members, such as ``leg.1``, belong to it too."""
         member, dot, _ = name.partition(".")
         return name in self.own[section] or (section == "nodes" and dot != "" and member in self.own["elements"])

@@ -25,7 +25,7 @@ INLINE = re.compile(r":math:`([^`]*)`")
 
 
 def plain_text(doc):
-    """Documentation with its formulas, in line and displayed, as plain text."""
+    """Return documentation with its inline and displayed formulas as plain text."""
     doc = DISPLAY.sub(lambda match: f"{match[1]}    " + _display(match), doc)
     return INLINE.sub(lambda match: plain_maths(match[1]), doc).replace("``", "'")
 
@@ -36,7 +36,7 @@ def _display(match):
 
 
 def plain_maths(tex):
-    """One formula."""
+    """Return one LaTeX formula as plain text."""
     tex = MATRIX.sub(_matrix, tex)
     for sign, plain in SPACES.items():
         tex = tex.replace(sign, plain)

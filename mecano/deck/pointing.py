@@ -1,4 +1,4 @@
-"""Where a text on an element points: at one of its fields, or into the law or ground that the field names."""
+"""Position of an error in an element: one of its fields, or a value in the law or ground that the field names."""
 
 import re
 
@@ -9,10 +9,10 @@ PATH = re.compile(r"'(\w+)((?:\.\w+)+)'")
 
 
 def pointed_at(text, kind, entry, root):
-    """The node at which the text on the element of a ``kind`` points, in the checked tree ``root`` of a deck.
+    """Return the node of the checked tree ``root`` to which an error text on an element of a ``kind`` refers.
 
-    A text that begins with a path in quotes, such as 'tire_law.radial', is on what is found there; otherwise see
-    ``place_of``. ``entry``: the nodes of the name of the element, and of what it is.
+    A text that begins with a quoted path, such as 'tire_law.radial', refers to the value at this path; for others see
+    ``place_of``. ``entry``: (node of the name of the element, node of its value).
     """
     key, node = entry
     match = PATH.match(text)

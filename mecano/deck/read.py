@@ -1,4 +1,4 @@
-"""Text -> checked deck, in steps; what the next step finds would follow from what is wrong in the one before."""
+"""Text -> checked deck, in steps; a step runs only if the one before found no errors, which would cause others."""
 
 import os
 import re
@@ -17,14 +17,14 @@ from mecano.elements import KINDS
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
 
-BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that change what is copied
+BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that affect the expansion
 
 
 def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
-    """The checked Deck of a file; ``overrides`` are texts "path.to.key=value".
+    """Return the checked Deck of a file; ``overrides`` are texts "path.to.key=value".
 
     Raises DeckError with all problems of the first step that finds any: the bytes; the YAML and the structure (keys,
-    types, units, finite numbers), with names that nothing has; what names stand for; the physics.
+    types, units, finite numbers), with references to unknown names; the types of references; the physics.
     """
     try:
         source, digest = read_source(path)
@@ -34,7 +34,7 @@ def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
 
 
 def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
-    """The checked Deck of a Source; see ``read_deck``."""
+    """Return the checked Deck of a Source; see ``read_deck``."""
     problems = []
     root = compose(source, problems)
     if root is None or type(root.value) is not dict:
@@ -57,11 +57,11 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
 
 
 def _keys(root, section):
-    """{name: node of the name} of a section of a checked tree."""
+    """Return {name: node of the name} of a section of a checked tree."""
     given = root.value.get(section)
     return {name: key for name, (key, _) in given[1].value.items()} if given and given[1].value else {}
 
 
 def deck_of_bytes(data, file, **options):
-    """The checked Deck of bytes, as if they were in ``file``."""
+    """Return the checked Deck of bytes, as if they were in ``file``."""
     return deck_of(decoded(data, file), **options)

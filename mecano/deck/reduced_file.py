@@ -1,8 +1,8 @@
 """Reduced matrices of superelements: in the deck, or in .yaml, .npz and .h5 files beside it.
 
-All have the same keys: ``positions``, ``stiffness``, ``mass``, perhaps ``damping`` and, to recover inner motions,
-``interior_names``, ``interior_positions``, ``interior_basis``, and ``lines`` to draw. A .yaml file, the deck, and texts
-in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
+All have the same keys: ``positions``, ``stiffness``, ``mass``, optionally ``damping``, to recover inner motions
+``interior_names``, ``interior_positions``, ``interior_basis``, and for pictures ``lines``. A .yaml file, the deck, and
+texts in an .h5 file may name files .mtx (Matrix Market) or .npy (NumPy) that hold a matrix.
 """
 
 import hashlib
@@ -38,12 +38,12 @@ UNREADABLE = (
     ValueError, TypeError, OSError, KeyError, IndexError, EOFError, RuntimeError, OverflowError, zipfile.BadZipFile,
     zlib.error,
 )  # fmt: skip
-MOST_NUMBERS = 4_000_000  # of one matrix, which a small file can claim to have
+MOST_NUMBERS = 4_000_000  # of one matrix, whatever size the header of a file claims
 KEYS = {field.name: field for field in CONTENT}
 
 
 def reduced(node, field, scope):
-    """The values of CONTENT, matrices as lists of rows, from a mapping or the file that a text names."""
+    """Return the values of CONTENT, matrices as lists of rows, from a mapping or from the file named by a text."""
     if type(node.value) is dict:
         return filled(node, field, CONTENT, scope)
     if type(node.value) is not str:
@@ -71,7 +71,7 @@ def _read(node, field, scope):
 
 
 def _bytes(name, node, scope):
-    """The bytes of a file in the folder of the deck or below it, or None."""
+    """Return the bytes of a file in the folder of the deck or below it, or None after reporting the problem."""
     path = within(name, node, scope)
     if path is None:
         return None
@@ -120,7 +120,7 @@ def _npz(data, name, node, field, scope):
 
 
 def _bytes_of_array(stream):
-    """Return how many bytes the array of an .npy stream has, from its header alone."""
+    """Return the size in bytes of the array in an .npy stream, from its header alone."""
     version = np.lib.format.read_magic(stream)
     read = np.lib.format.read_array_header_1_0 if version[0] == 1 else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(stream)
@@ -128,7 +128,7 @@ def _bytes_of_array(stream):
 
 
 def _refuse_large(size):
-    """Raise ValueError for an array of more than so many bytes."""
+    """Raise ValueError if an array of this size in bytes is too large."""
     if size > 8 * MOST_NUMBERS:
         raise ValueError(f"a matrix of {size:.3g} bytes is too large; {MOST_NUMBERS} numbers are allowed")
 
@@ -155,7 +155,7 @@ READERS = {".yaml": _yaml, ".yml": _yaml, ".npz": _npz, ".h5": _hdf5, ".hdf5": _
 
 
 def _words(error):
-    """The text of an error on one printable line."""
+    """Return the text of an error on one printable line."""
     return "".join(c if c.isprintable() else " " for c in str(error))
 
 
@@ -164,7 +164,7 @@ def _hint():
 
 
 def _arrays(arrays, name, node, scope):
-    """Values from arrays, checked for keys, dimensions and numbers."""
+    """Return values from arrays, checked for keys, dimensions and numbers."""
     values = dict.fromkeys(KEYS)
     unknown = next((key for key in arrays if key not in KEYS), None)
     missing = next((field.name for field in CONTENT if field.required and field.name not in arrays), None)
@@ -183,7 +183,7 @@ def _arrays(arrays, name, node, scope):
 
 
 def _unfit(array, width=None):
-    """Why an array cannot be a matrix, or ""."""
+    """Return the reason why an array cannot be a matrix, or ""."""
     if array.ndim != 2 or array.dtype.kind not in "fiu" or 0 in array.shape:
         return f"must be a matrix of real numbers, is an array {array.shape} of {array.dtype}"
     if width and array.shape[1] != width:
@@ -192,7 +192,7 @@ def _unfit(array, width=None):
 
 
 def rows(node, field, scope):
-    """A matrix as a list of rows of numbers, in place or from the file that a text names."""
+    """Return a matrix as a list of rows of numbers, in place or from the file named by a text."""
     if type(node.value) is str:
         array = _matrix(os.path.join(scope.beside, node.value), node, scope)
         return INVALID if array is None else array.tolist()
@@ -206,7 +206,7 @@ def rows(node, field, scope):
 
 
 def _matrix(name, node, scope):
-    """The matrix of a .mtx or .npy file, or None with the problem noted."""
+    """Return the matrix of a .mtx or .npy file, or None after reporting the problem."""
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in (".mtx", ".npy"):
         scope.refuse(node, f"file {quoted(name)} must be .mtx (Matrix Market) or .npy (NumPy)")

@@ -1,4 +1,4 @@
-"""The values of ``repeat``: ranges and lists, of which all combinations are taken, or rows that go together."""
+"""Values of ``repeat``: ranges and lists, of which all combinations are taken, or rows that belong together."""
 
 from itertools import product
 
@@ -17,7 +17,7 @@ VALUE = Field("", NUMBER, ANY, "a value of a copy")
 
 
 def rows(node, scope, most):
-    """[{name: node of a number or word}] of what is written behind ``repeat``, at most ``most``; or INVALID."""
+    """Return [{name: node of a number or word}] of the value of ``repeat``, at most ``most``; or INVALID."""
     if type(node.value) is dict and node.value:
         return _combinations(node, scope, most)
     if type(node.value) is list and node.value and all(type(row.value) is dict and row.value for row in node.value):
@@ -39,7 +39,7 @@ def _combinations(node, scope, most):
 
 
 def _values(node, scope, most):
-    """The values of one name: those of a range "first..last", both included, or of a list."""
+    """Return the values of one name: a range "first..last", both included, or a list."""
     if type(node.value) is list:
         found = [_value(item, scope) for item in node.value]
         return INVALID if INVALID in found else found

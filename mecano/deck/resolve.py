@@ -1,4 +1,4 @@
-"""Names -> what they mean: nodes must exist; laws, grounds and tire laws take the place of their names."""
+"""Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.laws import fits
@@ -7,7 +7,7 @@ from mecano.model.mesh import divides, inner_names
 
 
 def resolve(values, scope):
-    """Look up every reference of the scope in the checked values, which are changed in place."""
+    """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     for reference in scope.references:
         scope.subject = reference.subject
@@ -24,10 +24,10 @@ def resolve(values, scope):
 
 
 def unknown_names(root, scope):
-    """Note the references of the scope to what no section of the tree ``root`` has, in a deck that is wrong otherwise.
+    """Report references to names that are in no section of the tree ``root``, in a deck with other errors.
 
-    Sections that are not there or have names that are none are left out, and nodes inside members, which may be among
-    what is wrong.
+    Sections that are missing or have invalid names are skipped; so are nodes inside members, which may be among the
+    errors.
     """
     known = {name: node.value for name, (_, node) in root.value.items() if type(node.value) is dict}
     known = {section: names for section, names in known.items() if not any(wrong_name(n, section) for n in names)}
@@ -40,7 +40,7 @@ def unknown_names(root, scope):
 
 
 def _nodes_of_members(elements, kinds):
-    """Names of the nodes between the elements of members."""
+    """Return the names of the nodes between the elements of members."""
     members = {name: d for name, d in elements.items() if divides(kinds[d["type"]], d)}
     return [node for name, d in members.items() for node in inner_names(name, d)]
 
@@ -48,7 +48,7 @@ def _nodes_of_members(elements, kinds):
 def _unknown(reference, known, scope):
     what = singular(reference.section)
     if reference.name == "ground" and reference.section == "nodes":
-        hint = "'ground' may stand for one of two nodes only; else use a node with 'fixed: true'"
+        hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif known:
         hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
     else:
@@ -63,5 +63,5 @@ def _check_terms(reference, law, scope):
     for name, _ in law:
         if not fits(scope.terms[name], reference.wanted):
             text = f"law {quoted(reference.name)} is a force of extension and rate ({quoted(name)}); "
-            scope.refuse(reference.node, text + "here must be a curve")
+            scope.refuse(reference.node, text + "a curve is required here")
             return

@@ -14,7 +14,7 @@ EXACT_DIGITS = 15  # whole numbers with more digits are not all exact as floats
 
 
 def resolved(text):
-    """The value of a plain scalar: None, bool, int, float or the text itself."""
+    """Return the value of a plain scalar: None, bool, int, float or the text itself."""
     if text[:1] in NUMBER_START:
         value = number(text)
         return text if value is None else value
@@ -22,7 +22,7 @@ def resolved(text):
 
 
 def number(text):
-    """The int or float that a plain scalar writes, or None; what is too large becomes infinite."""
+    """Return the int or float of a plain scalar, or None; numbers that are too large become infinite."""
     if INTEGER.fullmatch(text):
         return int(text) if len(text) <= EXACT_DIGITS else float(text)
     if FLOAT.fullmatch(text):

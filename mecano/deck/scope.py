@@ -1,4 +1,4 @@
-"""What the checks of a deck share: the problems found so far, the subject at hand, parameters and references."""
+"""Shared state of the checks of a deck: problems found so far, current subject, parameters and references."""
 
 import re
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ MAX_PROBLEMS = 10_000
 MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
 MAX_SUGGESTIONS = 100
 QUOTED_KEY = re.compile(r"'([A-Za-z0-9_]+)'")
-KEYWORDS = {  # type -> the words that may stand for a value
+KEYWORDS = {  # type -> keywords that may replace a value
     "boolean": lambda type_: ("true", "false"),
     "either": lambda type_: type_.options[1],
     "shorthand": lambda type_: ["true" if word is True else word for word, _ in type_.options[1]],
@@ -28,7 +28,7 @@ INVALID = object()  # stands for a value that has been refused
 
 @dataclass
 class Reference:
-    """A name that stands for something of a section; it is put in place of the name when all sections are read."""
+    """A name of an entry of a section; the entry replaces the name once all sections have been read."""
 
     name: str
     section: str
@@ -45,23 +45,23 @@ class Scope:
     checks: dict  # name of a type -> its check
     kinds: dict
     terms: dict
-    folder: str  # of the deck, where tables are looked for
+    folder: str  # of the deck; table files are relative to it
     problems: list
-    included: dict = field(default_factory=dict)  # file as shown -> its folder below that of the deck
+    included: dict = field(default_factory=dict)  # file as shown -> its folder relative to that of the deck
     parameters: Parameters = field(default_factory=Parameters)
     references: list = field(default_factory=list)
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
-    beside: str = ""  # folder, below that of the deck, of the file at hand, where files that it names are looked for
+    beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it
     defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
     subject: str = ""  # "hinge 'knee'"
-    path: list = field(default_factory=list)  # keys between the subject and the value at hand
-    owner: Node | None = None  # node of the key of the value at hand: where a missing key is reported
+    path: list = field(default_factory=list)  # keys between the subject and the current value
+    owner: Node | None = None  # node of the key of the current value: a missing key is reported here
     suggestions: int = 0
-    compared: int = 0  # words, in search of suggestions
+    compared: int = 0  # words compared for suggestions
 
     def refuse(self, node, message, hint=""):
-        """Note a problem of the subject at the place of a node; returns INVALID."""
+        """Report a problem of the subject at the position of a node; return INVALID."""
         text = f"{self.subject}: {message}" if self.subject else message
         self.problems.append(Problem(text, node.mark, hint))
         if len(self.problems) >= MAX_PROBLEMS:
@@ -69,7 +69,7 @@ class Scope:
         return INVALID
 
     def refuse_value(self, node, declared, what=None, hint=""):
-        """Note that the value of a field is not what it must be; returns INVALID."""
+        """Report that the value of a field is not of the required form; return INVALID."""
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
@@ -78,17 +78,17 @@ class Scope:
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
     def _keyword(self, node, declared):
-        """A hint for a mistyped word of the type; "" where nothing is near."""
+        """Return a hint for a mistyped keyword of the type, or "" if none is similar."""
         words = KEYWORDS.get(declared.type.name, lambda type_: ())(declared.type)
         near = type(node.value) is str and len(node.value) <= MAX_KEYWORD and similar(node.value, words)
         return self.suggest(node.value, near) if near else ""
 
     def name_of(self, name):
-        """The dotted path of a key below the subject."""
+        """Return the dotted path of a key below the subject."""
         return ".".join([*self.path, name] if name else self.path)
 
     def got(self, node):
-        """The value in words, with the value of an expression."""
+        """Return the text of a value for messages, with the value of an expression."""
         if type(node.value) is str and is_evaluated(node.value):
             try:
                 return f"{evaluate(node.value, self.parameters)} ({node.value})"
@@ -97,21 +97,21 @@ class Scope:
         return found(node)
 
     def used_names(self):
-        """{section: names of what the deck refers to}, once all of it has been checked."""
+        """Return {section: names that the deck refers to}; valid once the whole deck has been checked."""
         used = {section: set() for section in SECTION_OF.values()}
         for reference in self.references:
             used[reference.section].add(reference.name)
         return {**used, "parameters": self.parameters.used}
 
     def suggest(self, word, known):
-        """A hint for an unknown word, as long as few were given."""
+        """Return a hint for an unknown word, as long as few hints have been given."""
         self.suggestions += 1
         self.compared += len(known)
         few = self.suggestions <= MAX_SUGGESTIONS and self.compared <= MAX_COMPARED
         return suggestion(word, known) if few else ""
 
     def evaluated(self, node):
-        """The number that an expression stands for; None when the text is none."""
+        """Return the number of an expression; None if the text is not an expression."""
         if not is_evaluated(node.value):
             return None
         try:
@@ -122,7 +122,7 @@ class Scope:
             return self.refuse_expression(node, error)
 
     def refuse_expression(self, node, error):
-        """Note what is wrong with an expression, at its place in the line where that can be told."""
+        """Report an error of an expression, at its character in the line if that is known."""
         hint = ""
         if error.near:
             hint = self.suggest(*error.near) if error.near[1] else "the deck has no 'parameters'"
@@ -135,7 +135,7 @@ class Scope:
 
 
 def place(container, key, value, scope):
-    """Put a checked value into a dict or list; a reference will be replaced there by what it means."""
+    """Put a checked value into a dict or list; a reference there will be replaced by its entry."""
     container[key] = value
     if type(value) is Reference:
         value.home = (container, key)
@@ -143,7 +143,7 @@ def place(container, key, value, scope):
 
 
 def node_of(value):
-    """The node that a default, a Python value, would have come from."""
+    """Return the node equivalent to a default, a Python value."""
     if isinstance(value, dict):
         return Node({key: (node_of(key), node_of(item)) for key, item in value.items()}, DEFAULT)
     if isinstance(value, list | tuple):
@@ -152,7 +152,7 @@ def node_of(value):
 
 
 def place_of(text, node, otherwise):
-    """The node that a text about a mapping points at: the key with which it begins in quotes, or ``otherwise``."""
+    """Return the node to which a text on a mapping refers: the quoted key at its beginning, or ``otherwise``."""
     match = QUOTED_KEY.match(text)
     if match and type(node.value) is dict and match[1] in node.value:
         return node.value[match[1]][1]

@@ -1,4 +1,4 @@
-"""The sections of a deck, version 1, apart from what each kind of element, joint, load and law declares itself."""
+"""Sections of a deck, version 1, without the fields declared by kinds of elements, joints and loads, and by laws."""
 
 import math
 
@@ -45,13 +45,13 @@ LEAST_ULPS = 16.0  # spacings of floating-point times in a step
 
 
 def check_time(time):
-    """Check of the values together: an interval, steps that fit into it and into their bounds."""
+    """Check the interval, and that steps fit into it and into their bounds; return the error text or None."""
     if not time["end"] > time["start"]:
         return f"'end' must be later than 'start', {time['start']:g} s"
     if time["step"] > time["end"] - time["start"]:
         return "'step' must not be longer than the time from 'start' to 'end'"
     if time["step"] < (shortest := shortest_interval(time)):
-        return f"'step' must be at least {shortest:g} s here, for a time has 16 digits"
+        return f"'step' must be at least {shortest:g} s here, because times have 16 digits"
     if time["method"] == "hht" and time["rho_inf"] < 0.5:
         return "'rho_inf' must be at least 0.5 with the method hht"
     bounds = time["adaptive"] or {"minimum_step": AUTOMATIC, "maximum_step": AUTOMATIC}
@@ -66,7 +66,7 @@ def check_time(time):
 
 
 def shortest_interval(time):
-    """Return the shortest interval [s] that steps and saved times may have: it must be more than rounding of times."""
+    """Return the shortest interval [s] of steps and saved times, which must exceed the rounding of times."""
     return max(abs(time["start"]), abs(time["end"])) / MOST_INTERVALS
 
 
@@ -76,14 +76,14 @@ def finest_step(time):
 
 
 def check_initial(initial):
-    """Check of the values together: one kind of start."""
+    """Check that only one kind of initial state is given; return the error text or None."""
     if initial["static"] is not None and initial["steady"] is not None:
         return "'steady' and 'static' exclude one another"
     return None
 
 
 def check_velocity(entry):
-    """Check of the values together: a turning set of nodes needs a point about which it turns."""
+    """Check that a rotating set of nodes has a centre of rotation; return the error text or None."""
     several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
     if several and any(entry["angular_velocity"]) and entry["about"] is None:
         return "'about' is missing: the point about which the nodes turn, or 'own' for each about itself"
@@ -96,7 +96,7 @@ NODE_FIELDS = (
         "orientation", ORIENTATION, "rad",
         "rotation vector at the start, from the inertial axes to those of the node", ZERO,
     ),
-    Field("fixed", BOOLEAN, "-", "whether the node is held where it is", False),
+    Field("fixed", BOOLEAN, "-", "whether the node is fixed in space", False),
 )  # fmt: skip
 
 PLANE_FIELDS = (
@@ -108,13 +108,13 @@ PROFILE_FIELDS = (
     Field("height", CURVE, "m", "height over the plane, a curve of the distance [m] from its point"),
 )
 GROUND_FIELDS = (
-    Field("plane", mapping(*PLANE_FIELDS), "-", "the plane, or that from which the profile is measured"),
+    Field("plane", mapping(*PLANE_FIELDS), "-", "plane of the ground, or reference plane of its profile"),
     Field("profile", mapping(*PROFILE_FIELDS), "-", "unevenness; the ground is flat when absent", None),
 )
 
 VELOCITY_FIELDS = (
-    Field("nodes", either(NODES, "all"), "-", "the nodes that move so", check=not_empty),
-    Field("velocity", VECTOR, "m/s", "velocity, inertial; with 'about', that of its point", ZERO),
+    Field("nodes", either(NODES, "all"), "-", "nodes with this motion", check=not_empty),
+    Field("velocity", VECTOR, "m/s", "velocity, inertial; with 'about', of this point", ZERO),
     Field("angular_velocity", VECTOR, "rad/s", "angular velocity, inertial axes", ZERO),
     Field(
         "about", either(VECTOR, "own"), "m",
@@ -129,8 +129,8 @@ INITIAL_FIELDS = (
     ),
     Field(
         "steady", mapping(*STEADY_FIELDS), "-",
-        "start from straight steady running: deflections, spins of the wheels and reactions are found; the velocities "
-        "below are a disturbance added to it", None,
+        "start from straight steady running, solved for deflections, spins of the wheels and reactions; the velocities "
+        "below are added as a disturbance", None,
     ),
     Field(
         "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
@@ -141,7 +141,9 @@ INITIAL_FIELDS = (
 
 ADAPTIVE_FIELDS = (
     Field("tolerance", NUMBER, "-", "error of the run relative to 'length_scale', or [rad]", check=below_one),
-    Field("minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops where less is needed", AUTOMATIC, positive),
+    Field(
+        "minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops if a smaller step is needed", AUTOMATIC, positive
+    ),
     Field("maximum_step", either(NUMBER, AUTOMATIC), "s", "longest step", AUTOMATIC, positive),
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
 )
@@ -150,7 +152,7 @@ NEWTON_FIELDS = (
     Field(
         "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, above_rounding
     ),
-    Field("maximum_iterations", INTEGER, "-", "iterations before the step is given up", 15, at_least_one),
+    Field("maximum_iterations", INTEGER, "-", "iterations before the step is abandoned", 15, at_least_one),
 )
 TIME_FIELDS = (
     Field("start", NUMBER, "s", "time at the start", 0.0),
@@ -161,14 +163,15 @@ TIME_FIELDS = (
         "generalized_alpha",
     ),
     Field(
-        "rho_inf", NUMBER, "-", "spectral radius at infinite frequency: 1 damps nothing, 0 most", 0.8, spectral_radius
+        "rho_inf", NUMBER, "-", "spectral radius at infinite frequency: 1 is no numerical damping, 0 most", 0.8,
+        spectral_radius,
     ),
     Field("adaptive", mapping(*ADAPTIVE_FIELDS), "-", "step size from the error; a fixed step when absent", None),
     Field(
         "rest_speed", NUMBER, "1/s",
         "contacts that approach more slowly do not rebound: in length scales, or rad, per second", 1e-4, not_negative,
     ),
-    Field("newton", mapping(*NEWTON_FIELDS), "-", "when the equations count as solved", {}),
+    Field("newton", mapping(*NEWTON_FIELDS), "-", "convergence criteria of Newton's iteration", {}),
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
 )  # fmt: skip
 
@@ -182,7 +185,7 @@ SECTIONS = (
     Field("parameters", named(PARAMETER), "-", "numbers by name, for expressions in all numbers: '$speed / 0.35'", {}),
     Field(
         "gravity", shorthand(VECTOR, {"none": ZERO}), "m/s2",
-        "acceleration of gravity, inertial; required where an element has mass", "none",
+        "acceleration of gravity, inertial; required if an element has mass", "none",
     ),
     Field(
         "nodes", named(mapping(*NODE_FIELDS)), "-", "named frames, which elements and joints connect", check=not_empty
@@ -191,14 +194,14 @@ SECTIONS = (
     Field("joints", named(one_of_kinds("joints")), "-", "constraints between nodes", {}),
     Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
-    Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
-    Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
+    Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "surfaces on which wheels roll", {}),
+    Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "properties of tyres", {}),
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
-        "the start: velocities, static equilibrium ('initial: static'), steady running", {}, check_initial,
+        "initial state: velocities, static equilibrium ('initial: static'), steady running", {}, check_initial,
     ),
     Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", None, check_time),
-    Field("static", mapping(*STATIC_FIELDS), "-", "how a static equilibrium is reached", None, check_static),
-    Field("output", mapping(*OUTPUT_FIELDS), "-", "what is saved", {}),
+    Field("static", mapping(*STATIC_FIELDS), "-", "loading and method of a static analysis", None, check_static),
+    Field("output", mapping(*OUTPUT_FIELDS), "-", "saved results", {}),
 )  # fmt: skip

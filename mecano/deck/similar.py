@@ -1,14 +1,14 @@
-"""The names that a mistyped word can stand for: those with the fewest letters wrong, left out, added or exchanged."""
+"""Names similar to a mistyped word: those with the fewest letters wrong, omitted, added or exchanged."""
 
 import difflib
 from collections import Counter
 
-LIMITS = (0, 0, 1)  # letters that may be wrong in a word of so many; in longer ones two
-MOST = 4  # names that are equally near
+LIMITS = (0, 0, 1)  # admissible wrong letters by length of the word; two in longer words
+MOST = 4  # names at equal distance
 
 
 def similar(word, known):
-    """The names (at most ``MOST``) among ``known`` that are nearest to a ``word``; none where no name is near."""
+    """Return at most ``MOST`` names of ``known`` that are nearest to ``word``; none if no name is similar."""
     limit, word = LIMITS[len(word)] if len(word) < len(LIMITS) else 2, word.lower()
     letters, found = Counter(word), {}
     for name in known:
@@ -25,7 +25,7 @@ def similar(word, known):
 
 
 def edits(a, b):
-    """Number of letters that are replaced, left out, added, or exchanged with the next, from ``a`` to ``b``.
+    """Return the number of letters replaced, omitted, added, or exchanged with the next, from ``a`` to ``b``.
 
     The optimal string alignment distance, a restricted Damerau-Levenshtein distance.
     """

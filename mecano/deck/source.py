@@ -1,4 +1,4 @@
-"""Texts as they were written: strict reading of files, and marks into them."""
+"""Texts with positions: strict reading of files, and marks of lines and columns."""
 
 import hashlib
 import re
@@ -10,15 +10,15 @@ from pathlib import Path
 from mecano.errors import DeckError, Mark, Problem
 
 MAX_BYTES = 64 * 2**20
-LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what YAML counts as the end of a line
-# all but what YAML calls printable; the set of that takes ten times as long to compile, 5 ms
+LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # line ends of YAML
+# everything but the printable characters of YAML; the set of these takes ten times as long to compile, 5 ms
 FORBIDDEN = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 @dataclass(frozen=True)
 class Source:
-    """A text with the name under which messages point into it; what is read of it begins at ``begin``."""
+    """A text with the file name shown in messages; the part to be read begins at ``begin``."""
 
     file: str
     text: str
@@ -27,7 +27,7 @@ class Source:
 
     @property
     def lines(self):
-        """The lines without their ends."""
+        """Lines without their ends."""
         return _lines(self.text)
 
     def each_line(self):
@@ -39,7 +39,7 @@ class Source:
         yield self.text[begin:]
 
     def mark(self, line, column):
-        """The Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
+        """Return the Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
         if line >= len(self.lines):
             line = len(self.lines) - 1
             return Mark(self.file, line + 1, len(self.lines[line]) + 1, self.stack, self.lines[line])
@@ -47,13 +47,13 @@ class Source:
         return Mark(self.file, line + 1, column + shift + 1, self.stack, self.lines[line])
 
     def mark_at(self, position):
-        """The Mark of a position in the text."""
+        """Return the Mark of a position in the text."""
         before = LINE_END.split(self.text[:position])
         return self.mark(len(before) - 1, len(before[-1]))
 
 
 class Lines:
-    """The lines of a text without their ends, by number: as a list of texts they would take five times its memory."""
+    """Lines of a text without their ends, by number; a list of texts would take five times the memory of the text."""
 
     def __init__(self, text):
         self._text = text
@@ -70,19 +70,19 @@ class Lines:
         return self._text[self._begins[i] : self._ends[i]]  # IndexError ends an iteration
 
 
-@lru_cache(maxsize=4)  # the copies of a template are Sources of one text
+@lru_cache(maxsize=4)  # the copies of a template share one text
 def _lines(text):
     return Lines(text)
 
 
 class Unreadable(Exception):
-    """A file that cannot be opened or is too large; the text says why."""
+    """Error for a file that cannot be opened or is too large, with the reason."""
 
 
 def read_source(path, file=None):
-    """The Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, the path by default.
+    """Return the Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, by default the path.
 
-    Raises Unreadable, or DeckError when the bytes are no clean UTF-8 text.
+    Raises Unreadable, or DeckError if the bytes are not valid UTF-8 text.
     """
     try:
         if Path(path).exists() and not Path(path).is_file():
@@ -97,7 +97,10 @@ def read_source(path, file=None):
 
 
 def decoded(data, file):
-    """The Source of bytes that must be UTF-8 without control characters; a leading byte order mark is dropped."""
+    """Return the Source of bytes, UTF-8 without control characters; a leading byte order mark is dropped.
+
+    Raises DeckError for other bytes.
+    """
     data = data.removeprefix(BYTE_ORDER_MARK)
     try:
         source = Source(file, data.decode())

@@ -1,4 +1,4 @@
-"""The section ``static`` of a deck, and ``initial.static``: how an equilibrium is reached."""
+"""The section ``static`` of a deck, and ``initial.static``: search for an equilibrium."""
 
 import math
 
@@ -19,7 +19,7 @@ from mecano.schema import (
 
 
 def check_static(static):
-    """Check of the values together: an interval, and ends that the method knows."""
+    """Check the interval, and the criteria of the end against the method; return the error text or None."""
     over_time = static["over"] == "time"
     if static["end"] <= (static["start"] if over_time else 0.0):
         return "'end' must be greater than " + (f"'start', {static['start']:g} s" if over_time else "zero")
@@ -49,7 +49,7 @@ STEPS_FIELD = Field(
     AUTOMATIC, at_least_one,
 )  # fmt: skip
 UNTIL_FIELDS = (
-    Field("node", NODE, "-", "node whose displacement is watched"),
+    Field("node", NODE, "-", "node whose displacement is monitored"),
     Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
     Field("displacement", NUMBER, "m", "displacement from the start at which the path ends", check=not_zero),
 )
@@ -59,29 +59,29 @@ INITIAL_STATIC_FIELDS = (
         "relaxation: the mechanism creeps to a stable equilibrium; steps: the loads grow in steps", "relaxation",
     ),
     STEPS_FIELD,
-    Field("newton", mapping(*STATIC_TOLERANCES), "-", "when an equilibrium counts as found", {}),
+    Field("newton", mapping(*STATIC_TOLERANCES), "-", "convergence criteria of an equilibrium", {}),
 )  # fmt: skip
 STATIC_FIELDS = (
     Field(
         "over", choice("load_factor", "time"), "-",
-        "what grows: the share of the loads and of gravity, or the time in the laws", "load_factor",
+        "parameter of the path: the load factor of loads and gravity, or the time in the laws", "load_factor",
     ),
     Field("start", NUMBER, "s", "time in the laws; over time, that of the first equilibrium", 0.0),
     Field("end", NUMBER, "-", "load factor, or time [s], at the end", 1.0),
     Field(
         "method", choice("steps", "arc_length", "relaxation"), "-",
-        "steps of what grows; arc_length: past limit points; relaxation: creep to a stable equilibrium (over time: for "
-        "the first one, then steps)",
+        "steps of this parameter; arc_length: past limit points; relaxation: creep to a stable equilibrium (over time: "
+        "for the first one, then steps)",
         "steps",
     ),
     STEPS_FIELD,
     Field(
-        "minimum_step", NUMBER, "-", "the run stops where less of a step is needed, over the first", 1e-4, below_one
+        "minimum_step", NUMBER, "-", "the run stops if a smaller share of the first step is needed", 1e-4, below_one
     ),
     Field("maximum_steps", INTEGER, "-", "steps after which arc_length gives up (exit code 3)", 1000, at_least_one),
-    Field("lowest", NUMBER, "-", "load factor at which arc_length stops when it falls", -math.inf),
+    Field("lowest", NUMBER, "-", "load factor at which arc_length stops when it decreases", -math.inf),
     Field("until", mapping(*UNTIL_FIELDS), "-", "displacement at which arc_length stops", None),
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
-    Field("newton", mapping(*STATIC_TOLERANCES), "-", "when an equilibrium counts as found", {}),
+    Field("newton", mapping(*STATIC_TOLERANCES), "-", "convergence criteria of an equilibrium", {}),
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
 )  # fmt: skip

@@ -1,8 +1,8 @@
-"""What other programs and books call things, and what mecano has for it: targets of `mecano explain`, or commands."""
+"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, or commands."""
 
 import re
 
-NOTES = {  # (targets, what has to be said besides), of words that mean the same
+NOTES = {  # words with the same meaning: (targets, note)
     "motor, actuator, drive, servo, angle driver, rheonomic": ("prescribed_angle prescribed_position couple", ""),
     "linear actuator, hydraulic cylinder, jack, ram": (
         "prescribed_position bar screw",
@@ -10,9 +10,9 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
     ),
     "pulley, sheave, block": (
         "rack_and_pinion gear_pair cable",
-        "there is none; a rack_and_pinion ties a rope to the turn of a drum, a gear_pair one drum to another"
+        "not available; a rack_and_pinion couples a rope to the rotation of a drum, a gear_pair one drum to another"
     ),
-    "belt, chain drive, sprocket, timing belt": ("gear_pair", "there is none; a gear_pair may have a 'ratio'"),
+    "belt, chain drive, sprocket, timing belt": ("gear_pair", "not available; a gear_pair may have a 'ratio'"),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
     "worm, lead screw, ball screw, nut, helical, helical joint": ("screw", ""),
     "revolute, revolute joint, pin, pin joint, pivot, axle": ("hinge", ""),
@@ -30,7 +30,7 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
     "gimbal, cardan, cardan joint, hooke, hooke joint, u joint, universal joint": ("universal", ""),
     "constant velocity joint, homokinetic": (
         "universal",
-        "there is none; two universals with a shaft between are nearest",
+        "not available; two universals with a shaft between them are similar",
     ),
     "plane joint, planar joint": ("planar", ""),
     "support, ground joint, fixation, boundary condition, constraint": (
@@ -48,7 +48,7 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
         "superelement beam", "`mecano reduce` makes the matrices of a superelement"
     ),
     "shell, plate, membrane, solid, volume": (
-        "superelement", "there are none; a superelement takes their reduced matrices from another program"
+        "superelement", "not available; a superelement takes their reduced matrices from another program"
     ),
     "profile, cross section": ("sections circle tube rectangle stiffness matrix", ""),
     "spring": ("spring_damper torsion_spring_damper bushing", ""),
@@ -76,7 +76,7 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
     "torque": ("moment couple", ""),
     "thrust, thruster, following force": ("follower_force", ""),
     "pressure, distributed load, wind, aerodynamics, drag, lift": (
-        "force follower_force", "there are none; forces at nodes, whose laws are of time, are nearest"
+        "force follower_force", "not available; forces at nodes, as laws of time, are similar"
     ),
     "function, signal, time series, spline, curve": ("laws table polynomial", ""),
     "ramp up, smooth step": ("step ramp", ""),
@@ -87,7 +87,7 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
         "all outputs of all elements are in the results; `mecano post --plot` draws them",
     ),
     "controller, pid, feedback, control": (
-        "spring_damper", "there is none; a spring_damper or torsion_spring_damper is a controller of position and rate"
+        "spring_damper", "not available; a spring_damper or torsion_spring_damper is a controller of position and rate"
     ),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),
     "equilibrium, static equilibrium": ("static initial", ""),
@@ -118,14 +118,14 @@ SEPARATORS = re.compile(r"[\s_-]+")
 
 
 def synonym(name):
-    """(names of what mecano has for it, most fitting first; note) of a word from elsewhere, or None."""
+    """Return (names of the equivalents in mecano, best first; note) of a word of other programs, or None."""
     word = SEPARATORS.sub(" ", name.lower().strip())
     entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
 
 
 def _forms(word):
-    """A word, and its other forms: singular, without "joint" or "element"."""
+    """Yield a word and its other forms: singular, without "joint" or "element"."""
     yield word
     yield word.removesuffix("s")
     yield word.removesuffix(" joint").removesuffix(" element")

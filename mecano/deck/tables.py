@@ -1,7 +1,7 @@
 """Tables in CSV files beside the deck: a header is optional, ``#`` begins a comment.
 
-Of a table with more than two columns ``columns`` says which are x and y, by their headers or numbers. A header may have
-the unit, as in ``force [kN]``; ``units`` gives units where it has none.
+If a table has more than two columns, ``columns`` selects x and y by header or number. A header may have a unit, as in
+``force [kN]``; ``units`` gives units otherwise.
 """
 
 import csv
@@ -26,34 +26,34 @@ SEPARATED = "columns are separated by ',', ';' or tabs"
 
 @dataclass
 class Table:
-    """Points [x, y] of a file in SI units, and where each was written."""
+    """Points [x, y] of a file in SI units, with the line of each."""
 
     source: object
     points: list = field(default_factory=list)
-    rows: array = field(default_factory=lambda: array("q"))  # number of the line of each point, from 0
+    rows: array = field(default_factory=lambda: array("q"))  # line number of each point, from 0
 
     def place(self, i):
-        """A node at the point i."""
+        """Return a node at the line of point i."""
         return Node(None, self.source, self.rows[i] if i < len(self.rows) else 0)
 
 
 @dataclass
 class Wanted:
-    """What a law wants of a table: (node of a header or number, or None) and (node of a unit, or None) for x and y."""
+    """Request of a law to a table: for x and y (node of a header or number, or None) and (node of a unit, or None)."""
 
     columns: list
     units: list
     declared: str  # units of x and y in the deck
 
     def key(self):
-        """What tells it from others of the same file."""
+        """Return a key that distinguishes this request from others to the same file."""
         return tuple(node and node.value for node in (*self.columns, *self.units)), self.declared
 
 
 def table(name, node, wanted, scope):
-    """The Table of a file named in a deck at ``node``, or None with the problems noted; each is read once.
+    """Return the Table of a file named in a deck at ``node``, or None after reporting the problems; each is read once.
 
-    The file must lie in the folder of the deck or below it.
+    The file must be in the folder of the deck or below it.
     """
     name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
     key = (name, wanted.key())
@@ -64,7 +64,7 @@ def table(name, node, wanted, scope):
 
 
 def within(name, node, scope):
-    """The path of a file in the folder of the deck or below it; None with the problem noted when it is elsewhere."""
+    """Return the path of a file in the folder of the deck or below it; None after reporting one elsewhere."""
     path = confined(scope.folder, name)
     if path is None:
         scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
@@ -88,7 +88,7 @@ def _source(name, node, scope):
 
 
 def _read(source, wanted, scope):
-    """The Table of a source, or None with the problems noted."""
+    """Return the Table of a source, or None after reporting the problems."""
     before, subject = len(scope.problems), scope.subject
     scope.subject = ""
     found = _Reading(source, wanted, scope).table()
@@ -99,16 +99,16 @@ def _read(source, wanted, scope):
 
 
 class _Reading:
-    """One walk through the rows of a table."""
+    """One traversal of the rows of a table."""
 
     def __init__(self, source, wanted, scope):
         self.source, self.wanted, self.scope = source, wanted, scope
         self.found = Table(source)
-        self.columns, self.factors, self.width = None, (1.0, 1.0), 2  # known from the first row on
-        self.is_plain = source.text.isascii() and "_" not in source.text  # float() reads what ``number`` does
+        self.columns, self.factors, self.width = None, (1.0, 1.0), 2  # set by the first row
+        self.is_plain = source.text.isascii() and "_" not in source.text  # float() agrees with ``number``
 
     def table(self):
-        """The Table of all rows that are right."""
+        """Return the Table of all valid rows."""
         delimiter = _delimiter(self.source.each_line())
         rows, first = csv.reader(self.source.each_line(), delimiter=delimiter, skipinitialspace=True), True
         try:
@@ -128,7 +128,7 @@ class _Reading:
         return self.found
 
     def _choose(self, cells, header, line):
-        """Which columns, and by what to multiply them, from the first row; False when that cannot be told."""
+        """Find the columns and their factors from the first row; return False if they are unknown."""
         if len(cells) > MOST_COLUMNS:
             self._refuse(line, f"the table has {len(cells)} columns; {MOST_COLUMNS} are allowed")
             return False
@@ -151,7 +151,7 @@ class _Reading:
         return None not in self.factors
 
     def _column(self, node, names, count):
-        """The column that a header or a number from 1 names; None with the problem noted."""
+        """Return the column with a header or a number from 1; None after reporting an unknown one."""
         if type(node.value) is int and 1 <= node.value <= count:
             return node.value - 1
         if node.value in names:
@@ -164,7 +164,7 @@ class _Reading:
         return None
 
     def _factor(self, i, units, line):
-        """What turns the column of x (0) or y (1) into SI units; None with the problem noted."""
+        """Return the factor from the column of x (0) or y (1) to SI units; None after reporting a wrong unit."""
         declared, node = unit_of(self.wanted.declared, i, 2), self.wanted.units[i]
         column = self.columns[i]
         unit = node.value if node else (units[column] if column < len(units) else None)
@@ -184,7 +184,7 @@ class _Reading:
             self.found.rows.append(line)
 
     def _plain(self, cells):
-        """The point of a row of plain numbers, most of a long table; None of another one."""
+        """Return the point of a row of plain numbers, the usual case in a long table; None for other rows."""
         try:
             if len(cells) != self.width:
                 return None
@@ -195,7 +195,7 @@ class _Reading:
         return [x * to_x, y * to_y] if self.is_plain and in_range(x) and in_range(y) else None
 
     def _checked(self, cells, line):
-        """The point of a row; None with the problem noted when it has none."""
+        """Return the point of a row; None after reporting the problem."""
         if self.wanted.columns[0] is None and len(cells) != 2:
             return self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
         if max(self.columns) >= len(cells):

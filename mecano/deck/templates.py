@@ -1,4 +1,4 @@
-"""Templates: small decks with parameters of their own, and the fields by which ``place`` puts copies of them."""
+"""Templates (small decks with their own parameters), and the fields of ``place``, which puts copies into the deck."""
 
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +14,7 @@ ZERO = (0.0, 0.0, 0.0)
 ARGUMENTS = Type("arguments", "a mapping of numbers and words")
 PLACE_FIELDS = (
     Field("template", TEXT, "-", "name of the template"),
-    Field("position", POSITION, "m", "where the origin of the template comes to stand, inertial", ZERO),
+    Field("position", POSITION, "m", "position of the origin of the template, inertial", ZERO),
     Field(
         "orientation", ORIENTATION, "rad", "rotation vector by which the template is turned about its origin", ZERO
     ),
@@ -22,12 +22,12 @@ PLACE_FIELDS = (
 )  # fmt: skip
 PLACE = Field(
     "place", named(mapping(*PLACE_FIELDS)), "-",
-    "copies of templates: each is named, and its name and '_' begin the names of all that it brings", {},
+    "copies of templates: the name of a copy and '_' begin the names of all its entries", {},
 )  # fmt: skip
 
 
 def arguments(node, declared, scope):
-    """The check of values for parameters: {name: node of a number or word}."""
+    """Return the checked values for parameters: {name: node of a number or word}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, declared)
     for _, value in node.value.values():
@@ -37,21 +37,21 @@ def arguments(node, declared, scope):
 
 
 def place_values(node, scope):
-    """The checked values of an entry of ``place``, or INVALID."""
+    """Return the checked values of an entry of ``place``, or INVALID."""
     return filled(node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, scope)
 
 
 class Templates:
-    """The templates of a deck, by name."""
+    """Templates of a deck, by name."""
 
     def __init__(self, root, sections, scope):
-        """Check those of the deck ``root``; ``sections``: those of names that a template may have."""
+        """Check the templates of the deck ``root``; ``sections``: sections of names that a template may have."""
         self.sections, self.scope = ["parameters", "place", *sections], scope
         self.bodies = self._declared(root)
-        self._open = []  # names of the templates that are being placed
+        self._open = []  # names of the templates being placed
 
     def _declared(self, root):
-        """{name: node}, each a mapping of sections."""
+        """Return {name: node}, each a mapping of sections."""
         given = root.value.get("templates")
         if given is None or given[1].value is None:
             return {}
@@ -76,7 +76,7 @@ class Templates:
 
     @contextmanager
     def being_placed(self, name):
-        """While a template is placed, it may not be placed inside itself."""
+        """Mark a template as being placed, so that it is not placed inside itself."""
         self._open.append(name)
         try:
             yield
@@ -84,7 +84,7 @@ class Templates:
             self._open.pop()
 
     def body(self, name, node):
-        """The template of a name that stands at ``node``, or None where it cannot be placed."""
+        """Return the template with a name used at ``node``, or None if it cannot be placed."""
         if name not in self.bodies:
             self.scope.refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.bodies))
             return None
@@ -98,9 +98,9 @@ class Templates:
         return self.bodies[name]
 
     def parameters(self, body, values, key, node, outer):
-        """The Parameters of a copy: what its entry of ``place`` gives, and the defaults; each must have a value.
+        """Return the Parameters of a copy: values from its entry of ``place``, and defaults; each must have a value.
 
-        ``values`` are those of ``place_values``, ``key`` and ``node`` the entry, ``outer`` the Parameters of the deck.
+        ``values`` come from ``place_values``, ``key`` and ``node`` are the entry, ``outer`` the Parameters of the deck.
         """
         declared = body.value.get("parameters")
         defaults = {name: value for name, (_, value) in declared[1].value.items()} if declared else {}
@@ -116,7 +116,7 @@ class Templates:
 
 
 def _raised(node):
-    """A word that is given to a template stands for a name outside it."""
+    """Return a word given to a template, marked as a name outside it."""
     if type(node.value) is not str:
         return node
     return Word(node.value, node, 1 + (node.rise if type(node) is Word else 0))

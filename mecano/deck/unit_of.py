@@ -1,4 +1,4 @@
-"""The SI unit of a number of a deck, named by its path, as far as that can be told."""
+"""SI unit of a number in a deck, named by its path, if known."""
 
 from mecano.deck.compose import compose
 from mecano.deck.sections import SECTIONS
@@ -17,16 +17,16 @@ SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
 
 
 def unit_of(path, values, texts=()):
-    """The SI unit of what stands at a ``path`` as of ``--set`` in checked values of a deck, or in resolved ones.
+    """Return the SI unit of the value at a ``path`` (as in ``--set``) in checked or resolved values of a deck.
 
-    "" where it has none, or where it is not known: a parameter is a number alone, whose unit is that of the first of
-    the ``texts`` with which it is given that has one.
+    The result is "" if there is no unit or it is unknown. A parameter is a plain number; its unit is that of the first
+    of its values ``texts`` that is written with one.
     """
     return _declared(path.split("."), values) or _written(texts)
 
 
 def parameters_of(file, text):
-    """{path: value} of the parameters as they are written in the ``text`` of a deck's own ``file``."""
+    """Return {path: value} of the parameters as written in the ``text`` of a deck's own ``file``."""
     root = compose(Source(file, text), [])
     _, section = root.value.get("parameters", (None, None))
     written = section.value if section and type(section.value) is dict else {}
@@ -34,7 +34,7 @@ def parameters_of(file, text):
 
 
 def _declared(keys, values):
-    """The unit that is declared for what stands at the end of the keys in checked values of a deck."""
+    """Return the unit declared for the value at the end of the keys in checked values of a deck."""
     type_, unit, at = mapping(*SECTIONS), "-", values
     for key in keys:
         type_, unit = _inside(type_, unit, key, at)
@@ -45,7 +45,7 @@ def _declared(keys, values):
 
 
 def _inside(type_, unit, key, at):
-    """Type and unit of what has the key in a value ``at`` of a type; None and "" where that is not known."""
+    """Return type and unit of the entry ``key`` in a value ``at`` of a type; None and "" if unknown."""
     while type_.name in EITHER:
         type_ = type_.options[0]
     if type_.name == "named":
@@ -62,5 +62,5 @@ def _inside(type_, unit, key, at):
 
 
 def _written(values):
-    """The SI unit of the first of some values that is written with one."""
+    """Return the SI unit of the first value that is written with one."""
     return next((si_unit(value) for value in values if type(value) is str and is_quantity(value)), "")

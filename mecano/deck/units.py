@@ -1,7 +1,7 @@
-"""Quantities with units: "25 mm", "3 bar", "12 deg", "2 kN/mm" -> numbers in SI units, their dimension checked.
+"""Quantities with units: "25 mm", "3 bar", "12 deg", "2 kN/mm" -> numbers in SI units, with dimensions checked.
 
 A unit is a product of factors, each with a power, and divided by single ones: "N m", "m/s2", "kg m2", "kN/mm",
-"N m/rad", "N/m^1.5". Angles are a dimension of their own, so that degrees cannot be taken for metres.
+"N m/rad", "N/m^1.5". Angles have their own dimension, so that degrees cannot be converted to metres.
 """
 
 import difflib
@@ -44,7 +44,7 @@ NAMES = {
     "a torsional stiffness": "N m/rad", "a torsional damping": "N m s/rad", "a mass per length": "kg/m",
     "a bending stiffness": "N m2",
 }  # fmt: skip
-COMMON = (  # what may have been meant
+COMMON = (  # candidates for suggestions
     "mm", "cm", "km", "kg", "ms", "mrad", "kN", "MN", "kPa", "MPa", "GPa", "mbar", "kJ", "kW", "kHz", "km/h", "m/s",
     "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2", "kg/m3", "mm2", "cm2", "m2",
 )  # fmt: skip
@@ -53,18 +53,18 @@ LONGEST = 60  # characters of a unit
 
 
 class UnitError(Exception):
-    """What is wrong with the unit of a quantity; completes "'mass': ..."."""
+    """Error in the unit of a quantity; its text completes "'mass': ..."."""
 
 
 def is_quantity(text):
-    """True when a text is a number and behind it what may be a unit; a number in quotes is none."""
+    """Return True if a text is a number followed by a possible unit; a number in quotes is not."""
     return QUANTITY.fullmatch(text) is not None and number(text) is None
 
 
 def converted(text, declared):
-    """The float in SI units of a quantity for a field that is declared with a unit.
+    """Return the value of a quantity in SI units, for a field declared with a unit.
 
-    ``declared`` may name several units ("N or N m"); "-" is none, and any unit will do where it depends on the use
+    ``declared`` may name several units ("N or N m"); "-" means none; any unit is accepted if it depends on the use
     ("unit of the value"). Raises UnitError.
     """
     match = QUANTITY.fullmatch(text)
@@ -72,7 +72,7 @@ def converted(text, declared):
 
 
 def go_together(coefficients):
-    """Return whether quantities {power: text} can be the coefficients of one polynomial."""
+    """Return True if quantities {power: text} can be the coefficients of one polynomial."""
     powers = {n: parsed(QUANTITY.fullmatch(text)[2])[1][:3] for n, text in coefficients.items()}  # radians are numbers
     for argument in (NONE, LENGTH, TIME, FORCE, (1, 0, -1, 0), PER_TIME):
         values = {tuple(a + n * b for a, b in zip(own, argument, strict=False)) for n, own in powers.items()}
@@ -82,15 +82,15 @@ def go_together(coefficients):
 
 
 def si_unit(text):
-    """The SI unit of a quantity that has been read, as near to the written one as can be: of "40 km/h" it is m/s."""
+    """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
     unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], QUANTITY.fullmatch(text)[2])
     return "" if unit == "1" else unit
 
 
 def factor_of(unit, declared):
-    """The value in SI units of a unit for a field that is declared with another; as ``converted``."""
+    """Return the value of a unit in SI units, for a field declared with another; arguments as in ``converted``."""
     if len(unit) > LONGEST:
-        raise UnitError(f"'{unit[:40]}...' is no unit")
+        raise UnitError(f"'{unit[:40]}...' is not a unit")
     value, powers = _unit(unit)
     wanted = _declared(declared)
     if wanted is not None and not any(_fits(powers, known) for known in wanted):
@@ -102,7 +102,7 @@ def factor_of(unit, declared):
 
 @lru_cache(maxsize=1024)
 def parsed(unit):
-    """(value in SI, powers of m, kg, s, rad) of a unit, or None when it is none."""
+    """Return (value in SI, powers of m, kg, s, rad) of a unit, or None if it is not a unit."""
     product, *divisors = [part.strip() for part in unit.replace("·", " ").replace("*", " ").split("/")]
     factors = [(factor, 1) for factor in product.split()] + [(factor, -1) for factor in divisors]
     value, powers = 1.0, NONE
@@ -118,7 +118,7 @@ def parsed(unit):
 
 
 def _simple(name):
-    """(value, powers) of a unit without powers, with its prefix; None when there is none."""
+    """Return (value, powers) of a unit without powers, with its prefix; None if there is none."""
     if name in ALONE:
         return ALONE[name]
     for prefix, factor in PREFIXES.items():
@@ -135,12 +135,12 @@ def _unit(unit):
     if found is None or not math.isfinite(found[0]):
         near = _meant(unit[:40])
         hint = f"; did you mean '{near}'?" if near else ""
-        raise UnitError(f"'{unit[:40]}' is no unit{hint}")
+        raise UnitError(f"'{unit[:40]}' is not a unit{hint}")
     return found
 
 
 def _meant(word):
-    """The unit that a word is but for capitals and spaces, or else is most similar to; "" when there is none."""
+    """Return the unit that equals a word except for case and spaces, or the most similar one, or ""."""
     known = (*ALONE, *PREFIXED, *COMMON)
     alike = [unit for unit in known if unit.replace(" ", "").lower() == word.replace(" ", "").lower()]
     return next(iter(alike or difflib.get_close_matches(word, known, n=1, cutoff=0.5)), "")
@@ -148,7 +148,7 @@ def _meant(word):
 
 @lru_cache(maxsize=1024)
 def _declared(text):
-    """Powers that a declared unit may have, or None when any will do."""
+    """Return the powers allowed by a declared unit, or None if any unit is allowed."""
     if "unit" in text:
         return None
     if text == "-":
@@ -158,7 +158,7 @@ def _declared(text):
 
 
 def _fits(powers, wanted):
-    """True when dimensions agree; radians may be left out of moments and stiffnesses, not of rates: Hz is not rad/s."""
+    """Return True if dimensions agree; radians may be omitted in moments and stiffnesses, not in rates (Hz, rad/s)."""
     return powers == wanted or (powers[:3] == wanted[:3] and powers[1] != 0 and powers[3] == 0)
 
 
@@ -171,6 +171,6 @@ def _name(powers, unit):
 
 @lru_cache(maxsize=1024)
 def unit_of(declared, i, count):
-    """The unit of the item i of ``count``: of "m, m2" each of two has its own, else all have all."""
+    """Return the unit of item i of ``count``: of "m, m2" each of two has its own, otherwise all have the same."""
     units = declared.split(", ")
     return units[i] if len(units) == count else declared

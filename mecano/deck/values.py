@@ -1,4 +1,4 @@
-"""Checks of single values: node of the deck -> plain value, or INVALID with the problem noted in the scope.
+"""Checks of single values: node of the deck -> plain value, or INVALID after reporting the problem to the scope.
 
 A check takes the node, the ``Field`` that declares it and the ``Scope``. Numbers become floats; a text may
 be an expression, such as ``$speed / 0.35`` (expressions.py).
@@ -14,7 +14,7 @@ from mecano.deck.wording import quoted
 from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
-SMALLEST = 1e-100  # below it they vanish; zero itself is a number like others
+SMALLEST = 1e-100  # below it they vanish; zero itself is allowed
 END = replace(NODE, name="end")  # one of two nodes, which may be the ground
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
@@ -22,7 +22,7 @@ SIX = replace(NUMBERS, expects="six numbers")
 
 
 def plain_number(node, field, scope):
-    """The int or float of a node, of its expression or quantity; None when it is none, INVALID when that is wrong."""
+    """Return the int or float of a node, expression or quantity; None if it is no number, INVALID if it is wrong."""
     value = node.value
     if type(value) is str and (quoted_number := number_in(value)) is not None:
         return quoted_number
@@ -40,7 +40,7 @@ def _quantity(node, field, scope):
 
 
 def number(node, field, scope):
-    """A finite float."""
+    """Return a finite float."""
     value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
@@ -49,17 +49,17 @@ def number(node, field, scope):
     if in_range(value):
         return float(value)
     if abs(value) < SMALLEST:
-        return scope.refuse_value(node, field, f"is not zero, and less than {SMALLEST:g}", hint="write 0")
+        return scope.refuse_value(node, field, f"is not zero, but less than {SMALLEST:g}", hint="write 0")
     return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
 
 
 def in_range(value):
-    """Return whether a number is finite, and neither it nor its square overflows or vanishes."""
+    """Return True if a number is finite, and neither it nor its square overflows or vanishes."""
     return SMALLEST <= abs(value) <= LARGEST or value == 0
 
 
 def integer(node, field, scope):
-    """An int; a float without fraction will do."""
+    """Return an int; a float without fraction is accepted."""
     value = plain_number(node, field, scope)
     if value is INVALID:
         return INVALID
@@ -69,17 +69,17 @@ def integer(node, field, scope):
 
 
 def boolean(node, field, scope):
-    """True or False."""
+    """Return True or False."""
     return node.value if type(node.value) is bool else scope.refuse_value(node, field)
 
 
 def text(node, field, scope):
-    """A text."""
+    """Return a text."""
     return node.value if type(node.value) is str else scope.refuse_value(node, field)
 
 
 def choice(node, field, scope):
-    """One of the words of the type."""
+    """Return one of the keywords of the type."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     if node.value in field.type.options:
@@ -89,13 +89,13 @@ def choice(node, field, scope):
 
 
 def items(node, field, scope, item_type):
-    """A list of values of one type."""
+    """Return a list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
     if item_type is NUMBER and all(type(i.value) in (int, float) and in_range(i.value) for i in node.value):
-        return [float(item.value) for item in node.value]  # most of a large deck: no field is made for each
+        return [float(item.value) for item in node.value]  # most of a large deck: fast path without a Field for each
     check = scope.checks[item_type.name]
-    own = item_type is NUMBER  # each number of a list may have a unit of its own, lists in a list have the same
+    own = item_type is NUMBER  # each number of a list may have a unit of its own; nested lists share one
     values = []
     for i, item in enumerate(node.value):
         unit = unit_of(field.unit, i, len(node.value)) if own else field.unit
@@ -104,12 +104,12 @@ def items(node, field, scope, item_type):
 
 
 def numbers(node, field, scope):
-    """A list of numbers."""
+    """Return a list of numbers."""
     return items(node, field, scope, NUMBER)
 
 
 def coefficients(node, field, scope):
-    """A list of coefficients of ascending powers, whose units are those of one value over powers of one argument."""
+    """Return the coefficients of ascending powers of a polynomial, with consistent units."""
     values = items(node, field, scope, NUMBER)
     if values is INVALID:
         return INVALID
@@ -117,19 +117,19 @@ def coefficients(node, field, scope):
     if go_together({n: item.value for n, item in units.items()}):
         return values
     last, given = node.value[max(units)], ", ".join(f"{item.value} (power {n})" for n, item in units.items())
-    text = f"units do not go together: {given}; each is the unit of the value over that of the argument to the power"
+    text = f"units are inconsistent: {given}; each is the unit of the value over that of the argument to the power"
     return scope.refuse(last, f"{quoted(scope.name_of(field.name))}: {text}", "such as [0, 2 kN/mm, 3 N/mm^2]")
 
 
 def vector(node, field, scope):
-    """A list of three numbers."""
+    """Return a list of three numbers."""
     if type(node.value) is not list or len(node.value) != 3:
         return scope.refuse_value(node, field)
     return items(node, field, scope, NUMBER)
 
 
 def direction(node, field, scope):
-    """A vector that is not zero."""
+    """Return a vector that is not zero."""
     value = vector(node, field, scope)
     if value is INVALID or any(value):
         return value
@@ -137,7 +137,7 @@ def direction(node, field, scope):
 
 
 def inertia(node, field, scope):
-    """Three or six numbers, or three rows of three; as written."""
+    """Return three or six numbers, or three rows of three, as written."""
     size = len(node.value) if type(node.value) is list else 0
     if size == 6 or (size == 3 and type(node.value[0].value) is not list):
         return items(node, field, scope, NUMBER)
@@ -147,7 +147,7 @@ def inertia(node, field, scope):
 
 
 def matrix(node, field, scope):
-    """A symmetric matrix of six rows of six numbers."""
+    """Return a symmetric matrix of six rows of six numbers."""
     if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
         return scope.refuse_value(node, field)
     rows = items(node, field, scope, SIX)
@@ -161,7 +161,7 @@ def _listed(node):
 
 
 def matrix_6(node, field, scope):
-    """Six numbers or six rows of six; as written."""
+    """Return six numbers or six rows of six, as written."""
     rows = node.value if type(node.value) is list and len(node.value) == 6 else []
     if rows and type(rows[0].value) is not list:
         return items(node, field, scope, NUMBER)
@@ -171,7 +171,7 @@ def matrix_6(node, field, scope):
 
 
 def points(node, field, scope):
-    """A list of pairs of numbers."""
+    """Return a list of pairs of numbers."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
     odd = [i for i, item in enumerate(node.value) if type(item.value) is not list or len(item.value) != 2]
@@ -181,12 +181,12 @@ def points(node, field, scope):
 
 
 def columns(node, field, scope):
-    """Two columns of a table: headers, or numbers from 1."""
+    """Return two columns of a table: headers, or numbers from 1."""
     return _pair(node, field, scope, (str, int))
 
 
 def units(node, field, scope):
-    """Two units."""
+    """Return two units."""
     return _pair(node, field, scope, (str,))
 
 
@@ -198,7 +198,7 @@ def _pair(node, field, scope, types):
 
 
 def node_name(node, field, scope):
-    """The name of a node, looked up later."""
+    """Return the name of a node, resolved later."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     scope.references.append(Reference(node.value, "nodes", field.type.name, node, scope.subject))
@@ -206,7 +206,7 @@ def node_name(node, field, scope):
 
 
 def node_names(node, field, scope):
-    """A list of names of nodes, as many as the type asks for, one of which may then be ``ground``."""
+    """Return a list of names of nodes, of the length required by the type; one of a fixed number may be ``ground``."""
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
         hint = f"write [{node.value}]" if type(node.value) is str and not length else ""
@@ -222,7 +222,7 @@ def node_names(node, field, scope):
 
 
 def named(node, field, scope):
-    """The name of something of the section that belongs to the type: a Reference, to be replaced by what it means."""
+    """Return a Reference to a name in the section of the type, replaced later by the entry of this name."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     return Reference(node.value, SECTION_OF[field.type.name], field.type.name, node, scope.subject)

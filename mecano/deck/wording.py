@@ -1,4 +1,4 @@
-"""Words for messages: quoted texts, what was found, and did-you-mean."""
+"""Words for messages: quoted texts, descriptions of values, and suggestions."""
 
 import re
 
@@ -11,12 +11,12 @@ MAX_LISTED = 12
 
 
 def quoted(text):
-    """A text in quotes, cut when long, without unprintable characters."""
+    """Return a text in quotes, truncated if long, without unprintable characters."""
     return repr(text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "...")
 
 
 def found(node):
-    """What stands in the deck, in words: completes "..., got"."""
+    """Return the description of a value of the deck, to complete "..., got"."""
     value = node.value
     if value is None:
         return "nothing"
@@ -32,7 +32,7 @@ def found(node):
 
 
 def how_to_write(node, field):
-    """Hint for a text with digits that stands where a number may: how one is written; else nothing."""
+    """Return a hint on how to write a number, for a text with digits in place of a number; otherwise ""."""
     text = node.value
     if type(text) is not str or field.type.name not in NUMERIC or is_quantity(text):
         return ""
@@ -51,12 +51,12 @@ def _listed(items):
 
 
 def unit_text(field):
-    """The unit of a field in brackets; nothing for none, or for one that depends on where a law is used."""
+    """Return the unit of a field in brackets; "" if it has none or depends on the use of a law."""
     return "" if field.unit == "-" or "unit of" in field.unit else f" [{field.unit}]"
 
 
 def suggestion(word, known):
-    """Hint for a word that is not among the known ones: the nearest, or all when they are few."""
+    """Return a hint for an unknown word: the most similar known words, or all if they are few."""
     known = list(known)
     if len(word) <= MAX_SHOWN:
         near = [quoted(name) for name in similar(word, known)]

@@ -1,1 +1,1 @@
-"""Studies: a deck that is run many times with other values, each case as a process of its own."""
+"""Studies: a deck that is run many times with different values, each case in its own process."""

@@ -1,4 +1,4 @@
-"""The cases of a study as tasks of Dask: its workers start the same processes as the tasks of an array of Slurm do."""
+"""Cases of a study as tasks of Dask, whose workers start the same processes as the tasks of a Slurm array."""
 
 import json
 import logging
@@ -15,22 +15,22 @@ from mecano.process.lifeline import tied
 from mecano.study.folder import STOPPED, Record
 from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
 
-PATIENCE = 10  # s in which a scheduler must answer
-ASK = 1.0  # s between two questions of a worker whether the study is to end
+PATIENCE = 10  # s until a scheduler must answer
+ASK = 1.0  # s between two checks of a worker for the end of the study
 AT_ONCE = 2  # signals that end the study without waiting for its cases
 
 
 def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
     """Run cases on the workers of the ``scheduler`` at an address, which share the folder, or ``jobs`` at a time here.
 
-    ``ended`` and what is returned: as of ``Pool``. Raises UsageError without Dask, or where no scheduler answers.
+    ``ended`` and the return value: see ``Pool``. Raises UsageError without Dask, or if no scheduler answers.
     """
     try:
         from distributed import Client, LocalCluster
     except ImportError:
         raise UsageError("--executor dask needs Dask, which is not installed: pip install mecano[dask]") from None
     with folder.held():
-        pass  # from here on the tasks hold it
+        pass  # from here on the tasks lock it
     if scheduler is None:
         workers = {"n_workers": 1, "threads_per_worker": jobs, "processes": False, "dashboard_address": None}
         with LocalCluster(silence_logs=logging.CRITICAL, **workers) as cluster, Client(cluster) as client:
@@ -38,21 +38,21 @@ def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
     try:
         client = Client(scheduler, timeout=PATIENCE)
     except (OSError, ValueError) as error:
-        raise UsageError(f"no scheduler of Dask answers at {scheduler}: {error}") from error
+        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}") from error
     with client:
         return Tasks(folder, limits, ended, client).run(cases)
 
 
 class Tasks:
-    """Runs cases as tasks of a client of Dask; as ``Pool`` otherwise."""
+    """Runner of cases as tasks of a Dask client; otherwise like ``Pool``."""
 
     def __init__(self, folder, limits, ended, client):
         self.folder, self.ended, self.client = folder, ended, client
         self.words = case_words(folder, limits)
-        self.asked = []  # signals that came, of those that end the study
+        self.asked = []  # received signals that end the study
 
     def run(self, cases):
-        """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None."""
+        """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         from distributed import Event
 
         stop, done = Event(f"mecano-{uuid4()}", client=self.client), queue.SimpleQueue()
@@ -73,7 +73,7 @@ class Tasks:
         return future
 
     def _take(self, done, futures):
-        """Wait for the end of a task, or some time; tell of its case unless it was not begun."""
+        """Wait for the end of a task, or some time; report its case if it was begun."""
         try:
             future = done.get(timeout=LOOK)
         except queue.Empty:
@@ -92,7 +92,7 @@ class Tasks:
 
     @contextmanager
     def _listening(self):
-        """In this block signals are noted."""
+        """Record signals within this block."""
         handlers = {number: signal.signal(number, lambda number, _: self.asked.append(number)) for number in END_BY}
         try:
             yield
@@ -102,10 +102,10 @@ class Tasks:
 
 
 def run_case(words, file, stop):
-    """Run a case by the ``words`` of a command, on a worker: the Record that its process has put into ``file``.
+    """Run a case on a worker by the ``words`` of a command; return the Record that its process wrote to ``file``.
 
-    It is told to end once the Event named ``stop`` is set; None where that has happened before. Raises RuntimeError
-    with what it said where it has put none.
+    The process is terminated once the Event named ``stop`` is set; if it is already set, None is returned. Raises
+    RuntimeError with the output of the process if it wrote no Record.
     """
     from distributed import Event
 
@@ -124,7 +124,7 @@ def run_case(words, file, stop):
 
 
 def _said(process, stop):
-    """Wait until a process ends, which is told once the Event is set: its errors."""
+    """Wait until a process ends, and terminate it once the Event is set; return its error output."""
     while True:
         try:
             return process.communicate(timeout=ASK)[1]

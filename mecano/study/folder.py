@@ -1,4 +1,4 @@
-"""The folder of a study: of each case its results file, what it said, and how it ended."""
+"""Folder of a study: results file, log and record of each case."""
 
 import fcntl
 import json
@@ -12,13 +12,13 @@ from mecano.results.lock import locked
 from mecano.results.whole_file import appearing, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
-GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume goes on with
-WORDS = "was run with other values, or another deck; --force begins the study anew, -o NAME another one"
+GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
+WORDS = "was run with other values, or another deck; --force runs the study again, -o NAME makes another one"
 
 
 @dataclass(frozen=True)
 class Record:
-    """How a case ended: ``processor_time`` and ``wall_time`` [s] of all its processes, ``memory`` [B] at most."""
+    """How a case ended: total ``processor_time`` and ``wall_time`` [s] of its processes, peak ``memory`` [B]."""
 
     status: str = WAITING
     exit_code: int | None = None
@@ -29,7 +29,7 @@ class Record:
 
 
 class Folder:
-    """Files of a study by the number of the case: 0001.h5, 0001.log, 0001.json; and the table of all."""
+    """Files of a study by the number of the case: 0001.h5, 0001.log, 0001.json; and the table of all cases."""
 
     def __init__(self, path, study):
         self.path, self.study = Path(path), study
@@ -37,11 +37,11 @@ class Folder:
         self.table = self.path / "table.h5"
 
     def file(self, case, ending):
-        """The path of a file of a case."""
+        """Return the path of a file of a case."""
         return self.path / f"{case.number:0{self.digits}d}{ending}"
 
     def record(self, case):
-        """The Record of a case. Raises UsageError where it is of other values, ResultsError."""
+        """Return the Record of a case. Raises UsageError if it belongs to other values, ResultsError if unreadable."""
         try:
             told = json.loads(self.file(case, ".json").read_text(encoding="utf-8"))
             record, run = Record(**told["ended"]), told["run"]
@@ -54,7 +54,7 @@ class Folder:
         return record
 
     def write(self, case, record):
-        """Keep the Record of a case."""
+        """Save the Record of a case."""
         with appearing(self.file(case, ".json")) as hidden:
             hidden.write_text(json.dumps({"run": self._run(case), "ended": asdict(record)}, indent=1) + "\n")
 
@@ -62,18 +62,18 @@ class Folder:
         return {"deck_sha256": self.study.digest, "overrides": list(self.study.overrides(case))}
 
     def clear(self, cases):
-        """Remove what there is of some cases."""
+        """Remove all files of some cases."""
         for case in cases:
             for ending in (".h5", ".json", ".log"):
                 self.file(case, ending).unlink(missing_ok=True)
 
     def begun(self):
-        """True when a case of the study has been run here."""
+        """Return True if a case of the study has been run here."""
         return os.path.isdir(self.path) and any(self.path.glob(f"{'[0-9]' * self.digits}.*"))
 
     @contextmanager
     def held(self, alone=True):
-        """In this block no other process runs cases here, or if not ``alone`` only such ones. Raises UsageError."""
+        """Lock the folder within this block, with ``alone`` False for shared use. Raises UsageError if it is locked."""
         make_folder(self.path)
         try:
             place = os.open(self.path, os.O_RDONLY)
@@ -87,7 +87,7 @@ class Folder:
         except OSError:  # a file system without locks
             pass
         try:
-            with locked(self.table) if alone else nullcontext():  # the record holds where the system's locks do not
+            with locked(self.table) if alone else nullcontext():  # the record works where the system's locks do not
                 yield
         finally:
             os.close(place)

@@ -1,4 +1,4 @@
-"""What a study file may contain, and how its values are checked: the fields and types beside those of decks."""
+"""Grammar of study files: fields and types in addition to those of decks, with their checks."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -13,78 +13,78 @@ from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
 
 VERSION = 1
-PATH = "a value of the deck, as in --set: 'time.end'"
+PATH = "a path in the deck, as in --set: 'time.end'"
 OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count")
 
 
 class Entry(NamedTuple):
-    """What a study gives a value of the deck: the node of its path, and that of what it is, or may be."""
+    """A value set by a study: the node of its path, and the node of its value or choices."""
 
     key: Node
     node: Node
 
 
 def check_output(output):
-    """Check of the values together: of a series or of events, and what can be taken of it."""
+    """Check that an output is of a series or of events, with a fitting ``take``; return the error text or None."""
     if (output["of"] is None) == (output["event"] is None):
         return "an output is 'of' a series, or of an 'event'"
     known, what = (OF_SERIES, "a series") if output["event"] is None else (OF_EVENTS, "events")
     if output["take"] not in known:
         return f"'take' of {what} is one of: {', '.join(known)}"
     if output["event"] is not None and len(output["event"].split()) != 2:
-        return "'event' is the name of an element and that of its event: 'wheel touch_down'"
+        return "'event' is the name of an element and the name of its event: 'wheel touch_down'"
     return None
 
 
 def check_number(number):
-    """Check: a number of cases."""
+    """Check a number of cases; return the error text or None."""
     return at_least_one(number) or ("must be at most 100000" if number > 100_000 else None)
 
 
 SPAN_FIELDS = (
     Field("from", NUMBER, ANY, "first value"),
     Field("to", NUMBER, ANY, "last value"),
-    Field("number", INTEGER, "-", "how many values, at equal distances", check=check_number),
+    Field("number", INTEGER, "-", "number of values, at equal distances", check=check_number),
 )
 SPAN = {"anyOf": [{"type": "array", "minItems": 1}, mapping_schema(SPAN_FIELDS)]}
 PAIR = {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2}
 PATH_TEXT = Type("path", PATH, schema={"type": "string"})
 SETTINGS = Type(
-    "settings", "a mapping of values of the deck, as in --set, to what they are: {time.end: 2}",
+    "settings", "a mapping of paths in the deck, as in --set, to values: {time.end: 2}",
     schema={"type": "object"},
 )  # fmt: skip
 CHOICES = Type(
-    "choices", "a mapping of values of the deck to lists, or to {from: 1, to: 2, number: 5}",
+    "choices", "a mapping of paths in the deck to lists, or to {from: 1, to: 2, number: 5}",
     schema={"type": "object", "minProperties": 1, "additionalProperties": SPAN},
 )  # fmt: skip
 RANGES = Type(
-    "ranges", "a mapping of values of the deck to [lowest, highest]",
+    "ranges", "a mapping of paths in the deck to [lowest, highest]",
     schema={"type": "object", "minProperties": 1, "additionalProperties": PAIR},
 )  # fmt: skip
 HYPERCUBE_FIELDS = (
-    Field("ranges", RANGES, "-", "what is varied, and between which numbers"),
-    Field("number", INTEGER, "-", "how many rows of values", check=check_number),
-    Field("seed", INTEGER, "-", "of the random numbers: the same seed gives the same rows", 0),
+    Field("ranges", RANGES, "-", "varied values, with their ranges"),
+    Field("number", INTEGER, "-", "number of rows of values", check=check_number),
+    Field("seed", INTEGER, "-", "seed of the random numbers: the same seed gives the same rows", 0),
 )
 SEED_FIELDS = (
-    Field("path", PATH_TEXT, "-", "where the seed stands: laws.road.random.seed"),
-    Field("number", INTEGER, "-", "how many seeds", check=check_number),
-    Field("first", INTEGER, "-", "the first of them; they follow one another", 1),
+    Field("path", PATH_TEXT, "-", "path of the seed: laws.road.random.seed"),
+    Field("number", INTEGER, "-", "number of seeds", check=check_number),
+    Field("first", INTEGER, "-", "first seed; the others are the numbers after it", 1),
 )
 OUTPUT_FIELDS = (
     Field("of", TEXT, "-", "a series of the results, as in `mecano post --plot`: wheel.radial_force", None),
     Field("event", TEXT, "-", "an element and its event: wheel touch_down", None),
-    Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "which number of it"),
+    Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "the number to take"),
 )
 FIELDS = (
     Field("study", INTEGER, "-", "version of the study file"),
     Field("title", TEXT, "-", "title of the study", ""),
-    Field("deck", TEXT, "-", "the deck, a file seen from that of the study"),
+    Field("deck", TEXT, "-", "file of the deck, relative to the study file"),
     Field("set", SETTINGS, "-", "values of the deck that are the same in all cases", {}),
     Field("grid", CHOICES, "-", "all combinations of values", None),
-    Field("list", list_of(SETTINGS), "-", "rows of values that go together", None),
-    Field("csv", TEXT, "-", "a file of such rows: its first line has what is varied", None),
+    Field("list", list_of(SETTINGS), "-", "rows of values that belong together", None),
+    Field("csv", TEXT, "-", "a CSV file of such rows; its first line names the varied values", None),
     Field("latin_hypercube", mapping(*HYPERCUBE_FIELDS), "-", "rows of random values that fill ranges evenly", None),
     Field("seeds", mapping(*SEED_FIELDS), "-", "one case for each seed of random numbers", None),
     Field("outputs", named(mapping(*OUTPUT_FIELDS), check_output), "-", "numbers of each case, for the table", {}),
@@ -92,30 +92,32 @@ FIELDS = (
 
 
 def path_of(node, scope):
-    """The text of a path of keys, or INVALID with the problem noted."""
+    """Return the text of a path of keys, or INVALID after reporting the problem."""
     keys = node.value.split(".") if type(node.value) is str else []
     if not keys or not all(keys) or len(keys) > MAX_DEPTH or set(node.value) & set("=\n"):
-        return scope.refuse(node, f"{quoted(str(node.value))} is no path of keys with dots between, as 'time.end'")
+        return scope.refuse(
+            node, f"{quoted(str(node.value))} is not a path of keys separated by dots, such as 'time.end'"
+        )
     return node.value
 
 
 def path(node, field, scope):
-    """A path of keys."""
+    """Return a path of keys."""
     return path_of(node, scope)
 
 
 def settings(node, field, scope):
-    """{path: Entry}, at least one."""
+    """Return {path: Entry}, at least one."""
     return _by_path(node, field, scope, lambda value, name: value)
 
 
 def choices(node, field, scope):
-    """{path: Entry}, each of a list of nodes."""
+    """Return {path: Entry}, each of a list of nodes."""
     return _by_path(node, field, scope, lambda value, name: _values(value, name, scope))
 
 
 def ranges(node, field, scope):
-    """{path: Entry}, each of [lowest, highest], numbers."""
+    """Return {path: Entry}, each of two numbers [lowest, highest]."""
     return _by_path(node, field, scope, lambda value, name: _range(value, name, scope))
 
 
@@ -151,23 +153,23 @@ def _range(node, name, scope):
     if found is INVALID:
         return INVALID
     raw = node.value[0].raw
-    return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must rise")
+    return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must be ascending")
 
 
 def here(node, value, raw=""):
-    """The node of another value at the place of ``node``; ``raw``: a text written there that has its unit."""
+    """Return the node of another value at the position of ``node``; ``raw``: the written text, with its unit."""
     return Node(value, node.source, node.line, node.column, raw)
 
 
 def plain(node):
-    """The value of a node as JSON has it."""
+    """Return the value of a node as plain JSON data."""
     if type(node.value) is dict:
         return {key: plain(item) for key, (_, item) in node.value.items()}
     return [plain(item) for item in node.value] if type(node.value) is list else node.value
 
 
 def shown(value):
-    """A value as it stands in tables: a quantity as a number in SI units, lists and mappings as text."""
+    """Return a value as shown in tables: a quantity as a number in SI units, lists and mappings as text."""
     if type(value) is str and is_quantity(value):
         try:
             return converted(value, ANY)

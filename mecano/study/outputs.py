@@ -1,4 +1,4 @@
-"""Numbers of a run for the table of a study: of a series, or of the times of an event."""
+"""Numbers of a run for the table of a study, from a series or from the times of an event."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ MAGNITUDE = ".magnitude"
 
 @dataclass(frozen=True)
 class Output:
-    """A column of the table: what is taken ``of`` a series, or of an ``event`` "element name"."""
+    """A column of the table: ``take`` of a series ``of``, or of an ``event`` "element name"."""
 
     name: str
     of: str | None
@@ -24,11 +24,11 @@ class Output:
 
     @property
     def doc(self):
-        """What it is, in words."""
+        """Description of the output."""
         return f"{self.take.replace('_', ' ')} of {self.of or self.event}"
 
     def value(self, results):
-        """The number and its unit from open Results; nan where there is no such event. Raises UnknownNameError."""
+        """Return the number and its unit from open Results; nan without such an event. Raises UnknownNameError."""
         return self._of_events(results) if self.event else self._of_series(results)
 
     def _of_events(self, results):
@@ -52,7 +52,7 @@ class Output:
         return self._extreme(results.extremes.get(trace.path), trace, values, results.axis.unit)
 
     def _extreme(self, extreme, trace, values, axis_unit):
-        """Over all accepted steps where these are known, else over the saved times."""
+        """Return the extreme over all accepted steps if these are recorded, else over the saved times."""
         largest, of_time = self.take.endswith("max"), self.take.startswith("time")
         if extreme and not self.of.endswith(MAGNITUDE):
             found = (extreme.maximum, extreme.maximum_time) if largest else (extreme.minimum, extreme.minimum_time)
@@ -63,7 +63,7 @@ class Output:
 
 
 def checked_outputs(outputs, prepared, node_of, scope):
-    """Note what the outputs name that the model of a Prepared has not; ``node_of(name)`` is where one is written."""
+    """Report outputs of names that the model of a Prepared lacks; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)
     happenings = _happenings(prepared.system)
     for output in outputs:
@@ -96,7 +96,7 @@ def _check_event(event, happenings, node, scope):
 
 
 def _happenings(system):
-    """{name of an element: names of the events of it and its parts}."""
+    """Return {name of an element: names of the events of the element and its parts}."""
     found = {}
     for batch in system.batches:
         for path, _ in batch.paths:

@@ -1,4 +1,4 @@
-"""A whole study: which cases are to be run, here, by Slurm or by Dask, and the table in the end."""
+"""Execution of a study: selection of the cases, their run here, by Slurm or by Dask, and the final table."""
 
 import os
 import subprocess
@@ -13,19 +13,19 @@ from mecano.study.table import Table
 
 
 def cores():
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def due(folder, *, resume=False, failed=False, force=False):
-    """The cases that are to be run: all of a new study, of one that has begun those that are not complete.
+    """Return the cases to run: all cases of a new study, the incomplete cases of one that has begun.
 
-    Those that have failed only if ``failed``; these and, with ``force``, all begin anew. Raises UsageError where cases
-    have been run and neither ``resume``, ``failed`` nor ``force`` is asked for.
+    Failed cases are included only with ``failed``; these and, with ``force``, all cases start again. Raises UsageError
+    if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
     """
     cases = folder.study.cases
     if folder.begun() and not (resume or failed or force):
-        raise UsageError(f"there are cases in {folder.path}: --resume goes on with them, --force begins anew")
+        raise UsageError(f"there are cases in {folder.path}: --resume continues them, --force starts again")
     if force:
         folder.clear(cases)
         return list(cases)
@@ -37,10 +37,10 @@ def due(folder, *, resume=False, failed=False, force=False):
 
 
 def compile_first(deck, announce=lambda text: None):
-    """Run the beginning of a checked Deck in a process of its own: what it compiles, no case has to.
+    """Run the beginning of a checked Deck in a separate process, so that no case has to compile.
 
-    A case that compiles needs more time and memory than its limits may give it. ``announce(text)`` is called where
-    something is compiled.
+    A case that compiles may exceed its limits of time and memory. ``announce(text)`` is called if something is
+    compiled.
     """
     settings = [word for text in deck.overrides for word in ("--set", text)]
     process = subprocess.Popen(
@@ -52,17 +52,17 @@ def compile_first(deck, announce=lambda text: None):
             for line in process.stderr:
                 if COMPILING in line:
                     announce(COMPILING)
-        except BaseException:  # a signal, which this process answers once the other has ended
+        except BaseException:  # a signal: end the child first, then handle it
             process.kill()
             process.wait()
             raise
 
 
 def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None, resume_by=""):
-    """Let ``run_cases(folder, cases, ended)`` run cases (``run_here``), and write the table; returns the Table.
+    """Run cases by ``run_cases(folder, cases, ended)`` (see ``run_here``), write the table, and return the Table.
 
-    ``units`` are those of what is varied (units.py). ``progress(done, total, text)`` is told of every case. Raises
-    Stopped where a signal ends the study; it says how to resume: ``resume_by``, or the command of this process.
+    ``units`` are the units of the varied values (units.py). ``progress(done, total, text)`` is called for every case.
+    Raises Stopped if a signal ends the study, with the command to resume: ``resume_by``, or that of this process.
     """
     table, failed = Table(folder, units), []
 
@@ -82,7 +82,7 @@ def perform(folder, units, cases, run_cases, progress=lambda done, total, text: 
 
 
 def one_case(folder, number, limits):
-    """Run the case of that number alone, as a task of an array does; returns its exit code. Raises UsageError."""
+    """Run one case by its number, as a task of an array does; return its exit code. Raises UsageError."""
     if not 1 <= number <= len(folder.study.cases):
         raise UsageError(f"there is no case {number}: the study has {len(folder.study.cases)}")
     case, codes = folder.study.cases[number - 1], []
@@ -94,7 +94,7 @@ def one_case(folder, number, limits):
 
 
 def collect(folder, units):
-    """Write the table of what there is, with the ``units`` of what is varied; returns the Table."""
+    """Write the table of the existing cases, with the ``units`` of the varied values; return the Table."""
     table = Table(folder, units)
     table.written()
     return table

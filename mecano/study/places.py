@@ -1,4 +1,4 @@
-"""Errors of the deck of a case: those of a value that the study gives stand where the study gives it."""
+"""Positions of errors in the deck of a case: an error of a value from the study points to the study file."""
 
 import re
 from dataclasses import replace
@@ -11,13 +11,13 @@ MOST_TOLD = 3  # values of a case
 
 
 def in_study(error, study, case):
-    """The DeckError of the deck of a case with places in the study; one of the deck itself says which case it is."""
+    """Return the DeckError of a case with positions in the study; errors of the deck itself name the case."""
     places = _places(study.entries(case))
     return DeckError([_moved(problem, places, case) for problem in error.problems], error.unchecked)
 
 
 def line_in_study(said, study, case):
-    """A line that `mecano run` said of such an error, with its place in the study."""
+    """Return an error line of `mecano run` with its position in the study."""
     places = _places(study.entries(case))
     return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], said)
 
@@ -27,15 +27,15 @@ def _moved(problem, places, case):
     if mark and mark.file in places:
         return replace(problem, mark=_mark(*places[mark.file], mark.column))
     told = [f"{path} = {value}" for path, value in case.values.items()]
-    hint = f"as of case {case.number} of the study" + (f" ({', '.join(told)})" if len(told) <= MOST_TOLD else "")
+    hint = f"in case {case.number} of the study" + (f" ({', '.join(told)})" if len(told) <= MOST_TOLD else "")
     return replace(problem, hint=f"{problem.hint}; {hint}" if problem.hint else hint)
 
 
 def _places(entries):
-    """What messages have in the place of a file -> (path, Entry)."""
+    """Return {text shown in place of a file: (path, Entry)}."""
     return {shown(path): (path, entry) for path, entry in entries.items()}
 
 
 def _mark(path, entry, column):
-    """The Mark of the path, or of the value, for a column of "path=value"."""
+    """Return the Mark of the path, or of the value, for a column of "path=value"."""
     return (entry.key if column <= len(path) else entry.node).mark

@@ -1,4 +1,4 @@
-"""Cases side by side on this machine: a process for each, so that none can hurt another."""
+"""Parallel cases on this machine: one process for each, so that no case can affect another."""
 
 import os
 import re
@@ -18,8 +18,8 @@ from mecano.study.places import line_in_study
 
 PROGRAM = (sys.executable, "-m", "mecano")
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
-LOOK = 0.2  # s between two looks at memory and time
-GRACE, SHARE = 10.0, 0.1  # s, and share of its time, after which a case that does not end is killed
+LOOK = 0.2  # s between two checks of memory and time
+GRACE, SHARE = 10.0, 0.1  # s, and share of its time limit, after which a case that does not end is killed
 END_BY = set(SIGNALS) - {CLOCK}
 LONGEST_REASON = 300  # characters
 HIGH_WATER = re.compile(r"VmHWM:\s*(\d+) kB")
@@ -27,14 +27,14 @@ HIGH_WATER = re.compile(r"VmHWM:\s*(\d+) kB")
 
 @dataclass(frozen=True)
 class Limits:
-    """Of one case: wall-clock time [s] and memory in use [B]; None: without."""
+    """Limits of one case: wall-clock time [s] and memory [B]; None: no limit."""
 
     time: int | None = None
     memory: int | None = None
 
 
 def case_words(folder, limits):
-    """Arguments of a command that runs one case of a study alone, whose number is to follow."""
+    """Return the arguments of a command that runs one case of a study; the number of the case must be appended."""
     words = ["sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
     words += ["--memory-limit", str(limits.memory // 10**6)] if limits.memory else []
     words += ["--time-limit", str(limits.time)] if limits.time else []
@@ -42,27 +42,27 @@ def case_words(folder, limits):
 
 
 def run_here(folder, cases, ended, *, limits, jobs):
-    """Run cases on this machine, ``jobs`` side by side; ``ended`` and what is returned as of ``Pool``."""
+    """Run cases on this machine, ``jobs`` in parallel; ``ended`` and the return value: see ``Pool``."""
     with folder.held():
         return Pool(folder, jobs, limits, ended).run(cases)
 
 
 @dataclass
 class Running:
-    """A case that runs; ``before`` is the Record of its earlier processes."""
+    """A running case; ``before`` is the Record of its earlier processes."""
 
     case: object
     process: subprocess.Popen
     before: Record
     log: Path
     said: int  # B in the log before this process
-    memory: int = 0  # B in use at most
+    memory: int = 0  # B, peak
     begun: float = field(default_factory=time.monotonic)
-    killed: str = ""  # why, if it was
+    killed: str = ""  # reason, if it was killed
 
 
 class Pool:
-    """Runs cases, as many at a time as there are ``jobs``, and keeps a Record of each.
+    """Runner of cases, at most ``jobs`` at a time, that saves a Record of each.
 
     Parameters
     ----------
@@ -70,17 +70,17 @@ class Pool:
     jobs : int
     limits : Limits
     ended : function
-        Told of (case, Record) of each as it ends.
+        Called with (case, Record) of each as it ends.
     """
 
     def __init__(self, folder, jobs, limits, ended=lambda case, record: None):
         self.folder, self.jobs, self.limits, self.ended = folder, jobs, limits, ended
         self.running = []
-        self.asked = []  # signals that came, of those that end the study
+        self.asked = []  # received signals that end the study
         self._forwarded = 0
 
     def run(self, cases):
-        """Run cases to the end of each, or until a signal ends them all; returns the number of the signal, or None."""
+        """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         waiting = list(reversed(cases))
         with self._listening() as bell:
             try:
@@ -99,7 +99,7 @@ class Pool:
             self._gather()
 
     def _end(self):
-        """Let no process outlive an error in this one: each writes a checkpoint, and --resume continues from it."""
+        """End all processes if this one fails: each writes a checkpoint, and --resume continues from it."""
         for one in self.running:
             os.kill(one.process.pid, signal.SIGTERM)
         for one in self.running:
@@ -121,7 +121,7 @@ class Pool:
 
     @contextmanager
     def _listening(self):
-        """In this block signals, and the ends of processes, ring a bell: a file to wait for."""
+        """Provide within this block a file descriptor that becomes readable on signals and ends of processes."""
         bell, rope = os.pipe()
         os.set_blocking(bell, False)
         os.set_blocking(rope, False)
@@ -141,14 +141,14 @@ class Pool:
         self.asked.append(number)
 
     def _forward(self):
-        """Tell the processes, which are in groups of their own, what this one was told."""
+        """Forward received signals to the processes, which are in process groups of their own."""
         for number in self.asked[self._forwarded :]:
             for one in self.running:
                 os.kill(one.process.pid, number)  # Popen.send_signal would wait for it first
             self._forwarded += 1
 
     def _watch(self):
-        """Kill what uses too much memory, or does not end in its time."""
+        """Kill processes that use too much memory, or exceed their time."""
         for one in self.running:
             one.memory = max(one.memory, _memory(one.process.pid))
             if self.limits.memory and one.memory > self.limits.memory:
@@ -159,7 +159,7 @@ class Pool:
                 os.kill(one.process.pid, signal.SIGKILL)
 
     def _gather(self):
-        """Keep the Records of those that have ended."""
+        """Save the Records of ended processes."""
         ended = [(one, used) for one in self.running if (used := _used(one.process)) is not None]
         for one, used in ended:
             self.running.remove(one)
@@ -182,7 +182,7 @@ class Pool:
 
 
 def _rest(bell):
-    """Wait until a process ends or a signal comes, or some time."""
+    """Wait until a process ends, a signal arrives, or some time has passed."""
     select.select([bell], [], [], LOOK)
     try:
         os.read(bell, 4096)
@@ -191,7 +191,7 @@ def _rest(bell):
 
 
 def _used(process):
-    """What an ended process has used, as of getrusage; None while it runs."""
+    """Return the resources used by an ended process, as from getrusage; None while it runs."""
     number, status, used = os.wait4(process.pid, os.WNOHANG)
     if number == 0:
         return None
@@ -200,9 +200,9 @@ def _used(process):
 
 
 def _memory(number):
-    """Memory that a process has used at most [B]; 0 when it has ended, or where this cannot be known.
+    """Return the peak memory of a process [B]; 0 after its end, or if unknown.
 
-    What getrusage says of an ended process is not less than what this one used when it was started.
+    getrusage is not used: it reports at least the memory that this process had when it started the other.
     """
     try:
         found = HIGH_WATER.search(Path(f"/proc/{number}/status").read_text())
@@ -212,7 +212,7 @@ def _memory(number):
 
 
 def _words(one, code):
-    """Why a case ended, in a line: what it said, or what ended it."""
+    """Return the reason why a case ended on one line: its message, or the signal."""
     if one.killed:
         return one.killed
     if code < 0 and -code not in EXIT_CODES:
@@ -224,7 +224,7 @@ def _words(one, code):
 
 
 def gist(said):
-    """The line of what a process said that tells why it ended; "" where there is none."""
+    """Return the line of the output of a process that gives the reason of its end, or ""."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""
     return line.removeprefix("mecano: ").partition("; go on with: ")[0][:LONGEST_REASON]

@@ -1,4 +1,4 @@
-"""A study file -> a checked Study: what is run, with which values, and what is asked of the results."""
+"""A study file -> a checked Study: deck, values of the cases, and outputs."""
 
 import json
 import os
@@ -17,30 +17,30 @@ from mecano.study.outputs import Output, checked_outputs
 from mecano.study.places import in_study
 from mecano.study.variation import rows_of
 
-TRIED = 5  # cases, spread over the study, of which the deck of one must be right
+TRIED = 5  # cases, spread over the study, of which at least one must have a valid deck
 
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a study: its number, from 1, and {path: Entry} of what is varied."""
+    """One run of a study: its number, from 1, and {path: Entry} of the varied values."""
 
     number: int
     entries: dict = field(repr=False, compare=False)
 
     @property
     def values(self):
-        """{path: value} of what is varied, as JSON has it."""
+        """{path: value} of the varied values as plain JSON data."""
         return _plain(self.entries)
 
     @property
     def shown(self):
-        """The values as they stand in tables: numbers, in SI units, and texts."""
+        """Values as shown in tables: numbers, in SI units, and texts."""
         return {path: shown(value) for path, value in self.values.items()}
 
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study: ``common`` {path: Entry} is what all cases have, ``digest`` the SHA-256 of the deck's file."""
+    """A checked study: ``common`` {path: Entry} is set in all cases, ``digest`` is the SHA-256 of the deck's file."""
 
     file: str
     text: str
@@ -54,24 +54,24 @@ class Study:
 
     @property
     def paths(self):
-        """What is varied."""
+        """Paths of the varied values."""
         return tuple(dict.fromkeys(path for case in self.cases for path in case.entries))
 
     def given(self, path):
-        """The values that the cases give to a path, as they are written; of a range its lower end."""
+        """Return the values of a path in the cases, as written; for a range its lower end."""
         return [case.entries[path].node.raw for case in self.cases if path in case.entries]
 
     def entries(self, case):
-        """{path: Entry} of all that is set in a case."""
+        """Return {path: Entry} of all values set in a case."""
         return {**self.common, **case.entries}
 
     def overrides(self, case):
-        """What `mecano run --set` is told for a case."""
+        """Return the texts of `mecano run --set` for a case."""
         return tuple(f"{path}={json.dumps(value)}" for path, value in _plain(self.entries(case)).items())
 
 
 def read_study(path):
-    """The Study of a file; raises DeckError with all problems of the first step that finds any."""
+    """Return the Study of a file; raises DeckError with all problems of the first step that finds any."""
     source, _ = _source(path, Mark(str(path), 1, 1), "study")
     problems = []
     root = compose(source, problems) or Node(None, source)
@@ -88,9 +88,9 @@ def read_study(path):
 
 
 def try_deck(study):
-    """Look at the deck of a study, with the values of some cases, and for its outputs; returns the first right Deck.
+    """Check the deck of a study with the values of some cases, and the outputs; return the first valid Deck.
 
-    Raises DeckError where none of these decks is right, or an output is of something that is not in the model.
+    Raises DeckError if none of these decks is valid, or an output refers to something that the model lacks.
     """
     checked, scope = _one_deck(study), Scope(STUDY_CHECKS, {}, {}, "", [])
     if study.outputs:
@@ -122,7 +122,7 @@ def _table_source(path, name, root, scope):
 
 
 def _values(root, scope):
-    """The values of the fields; the version comes first."""
+    """Return the checked values of the fields; the version is checked first."""
     if type(root.value) is not dict or "study" not in root.value:
         hint = "begin with 'study: 1'" + (": this is a deck" if "mecano" in (root.value or ()) else "")
         scope.problems.append(Problem("missing 'study', the version of the study file", root.mark, hint))
@@ -135,7 +135,7 @@ def _values(root, scope):
 
 
 def _one_deck(study):
-    """The checked deck of the first of some cases for which it is right; raises the errors of the first."""
+    """Return the first valid deck of some cases; raises the errors of the first case if none is valid."""
     count, first = len(study.cases), None
     for number in dict.fromkeys(i * (count - 1) // (TRIED - 1) for i in range(TRIED)):
         case = study.cases[number]

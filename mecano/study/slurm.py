@@ -1,4 +1,4 @@
-"""A study as an array of jobs of Slurm: a script beside the cases, a task for each of them."""
+"""A study as a Slurm job array: a script in the folder of the study, with one task for each case."""
 
 import os
 import shlex
@@ -8,7 +8,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.results.whole_file import make_folder
 from mecano.study.pool import PROGRAM, case_words
 
-NOTICE = 60  # s before the end of its time at which a task is told, unless the options of the user say otherwise
+NOTICE = 60  # s before its end at which a task is signalled, unless the user's options set another time
 SCRIPT = """\
 #!/bin/bash
 #SBATCH --job-name={name}
@@ -37,7 +37,7 @@ exit $code
 
 
 def script(folder, cases, limits):
-    """The text of the script that runs these cases, one in each task."""
+    """Return the text of the script that runs these cases, one in each task."""
     command = shlex.join([*PROGRAM, *case_words(folder, limits)])
     return SCRIPT.format(
         name=shlex.quote(folder.path.name), numbers=ranges([case.number for case in cases]), notice=NOTICE,
@@ -46,7 +46,7 @@ def script(folder, cases, limits):
 
 
 def ranges(numbers):
-    """Rising whole numbers as an array of Slurm has them: 1-3,7."""
+    """Return ascending whole numbers in the notation of Slurm arrays: 1-3,7."""
     parts, first = [], None
     for number, following in zip(numbers, [*numbers[1:], None], strict=True):
         first = number if first is None else first
@@ -57,9 +57,9 @@ def ranges(numbers):
 
 
 def submit(folder, cases, limits, options, wait=False):
-    """Write the script into the folder and give it to sbatch with ``options``; returns what sbatch says.
+    """Write the script into the folder and submit it to sbatch with ``options``; return the output of sbatch.
 
-    With ``wait`` until all tasks have ended. Raises ResultsError where sbatch refuses, UsageError without sbatch.
+    With ``wait``, return after all tasks have ended. Raises ResultsError if sbatch refuses, UsageError without sbatch.
     """
     path = folder.path / "array.sbatch"
     make_folder(folder.path)

@@ -1,4 +1,4 @@
-"""The table of a study: parameters, how each case ended, and the numbers that are asked of the results."""
+"""Table of a study: varied values, how each case ended, and its outputs."""
 
 from collections import Counter
 
@@ -10,30 +10,30 @@ from mecano.results.study_file import StudyTable, column, write_columns, write_s
 from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
-    ("status", "", "complete, failed, stopped (goes on with --resume) or waiting"),
-    ("exit_code", "", "of the process, negative: the signal that ended it"),
-    ("processor_time", "s", "time of the processor, of all processes of the case"),
-    ("wall_time", "s", "time by the clock"),
-    ("memory", "MB", "memory in use at most"),
+    ("status", "", "complete, failed, stopped (--resume continues it) or waiting"),
+    ("exit_code", "", "exit code of the process; negative: the signal that ended it"),
+    ("processor_time", "s", "processor time of all processes of the case"),
+    ("wall_time", "s", "wall-clock time"),
+    ("memory", "MB", "peak memory"),
 )
-MOST_REASONS = 10  # told at the end
+MOST_REASONS = 10  # shown in the summary
 
 
 class Table:
-    """Takes the cases as they end; ``written`` puts all into files. ``varied``: units of the paths that are varied."""
+    """Table filled as cases end; ``written`` writes it to files. ``varied``: units of the varied paths."""
 
     def __init__(self, folder, varied):
         self.folder, self.study, self.varied = folder, folder.study, varied
         self.records, self.numbers, self.units = {}, {}, {}
 
     def take(self, case, record):
-        """Note how a case ended, and read its outputs if it is complete."""
+        """Record how a case ended, and read its outputs if it is complete."""
         self.records[case.number] = record
         if record.status == COMPLETE:
             self.numbers[case.number] = self._outputs(case)
 
     def _outputs(self, case):
-        """{name: number} of a complete case; what its file has not is nan."""
+        """Return {name: number} of a complete case; values missing in its file are nan."""
         found = {}
         try:
             with open_results(self.folder.file(case, ".h5")) as results:
@@ -51,7 +51,7 @@ class Table:
                 self.take(case, self.folder.record(case))
 
     def written(self):
-        """Write table.h5 and table.csv into the folder, of all cases; returns the path of the latter."""
+        """Write table.h5 and table.csv of all cases into the folder; return the path of the latter."""
         self.gather()
         table = StudyTable(self.study.title, self.study.text, self.study.deck, tuple(self._columns()))
         path = self.folder.path / "table.csv"
@@ -75,7 +75,7 @@ class Table:
         yield column("case", "reason", "", "why a case is not complete", [record.reason for record in records])
 
     def summary(self):
-        """How many cases ended how, and why those that are not complete are not: text on lines."""
+        """Return the numbers of cases by status, and the reasons of those that are not complete, as lines of text."""
         lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}"]
         reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
         lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
@@ -84,7 +84,7 @@ class Table:
 
     @property
     def incomplete(self):
-        """Numbers of cases by status, of those that are not complete, in words; empty when all are."""
+        """Numbers of incomplete cases by status, as text; empty if all are complete."""
         return self._counted(STATUSES[1:])
 
     def _counted(self, statuses):

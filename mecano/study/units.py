@@ -1,12 +1,12 @@
-"""Units of what a study varies, as far as they can be told: SI units, in which the table has its numbers."""
+"""SI units of the varied values of a study, as far as they are known; the table has its numbers in these units."""
 
 from mecano.deck.unit_of import parameters_of, unit_of
 
 
 def units_of(study, deck):
-    """{path: unit} of what is varied in a study of a checked Deck; "" where it has none, or where it is not known.
+    """Return {path: unit} of the varied values of a study of a checked Deck; "" if there is no unit or it is unknown.
 
-    Of a parameter, which is a number alone, the unit is that which a case or the deck gives it.
+    A parameter is a plain number, whose unit is taken from its value in a case or in the deck.
     """
     in_deck = parameters_of(deck.file, deck.text)
     return {path: unit_of(path, deck.values, [*study.given(path), in_deck.get(path)]) for path in study.paths}

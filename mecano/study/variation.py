@@ -1,4 +1,4 @@
-"""The cases of a study: rows of values from grids, lists, tables, random numbers; several ways: all combinations."""
+"""Cases of a study: rows of values from grids, lists, tables and random numbers; several sources are combined."""
 
 import csv
 from itertools import product
@@ -14,9 +14,9 @@ MOST = 100_000  # cases
 
 
 def rows_of(values, source, scope):
-    """[{path: Entry}] of all cases, from the checked values of a study; the last way varies fastest.
+    """Return [{path: Entry}] of all cases from the checked values of a study; the last source varies fastest.
 
-    ``source(name)`` gives the Source of a file, or None. What is wrong is noted in the scope.
+    ``source(name)`` returns the Source of a file, or None. Errors are reported to the scope.
     """
     ways = {
         "grid": _grid(values["grid"]), "list": values["list"], "csv": _table(values["csv"], source, scope),
@@ -47,7 +47,7 @@ def _grid(grid):
 
 
 def _hypercube(cube):
-    """Rows in which each of ``number`` equal parts of every range has one value, at a random place of it."""
+    """Return rows in which each of ``number`` equal parts of every range has one value, at a random position."""
     if cube is None:
         return []
     random, number = np.random.default_rng(cube["seed"] & (2**63 - 1)), cube["number"]
@@ -67,7 +67,7 @@ def _seeds(seeds, root):
 
 
 def _table(name, source, scope):
-    """Rows of a CSV file; ``#`` begins a comment."""
+    """Return the rows of a CSV file; ``#`` begins a comment."""
     found = source(name) if name else None
     if found is None:
         return []
@@ -88,5 +88,5 @@ def _table(name, source, scope):
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
     if not rows:
-        scope.refuse(Node(None, found), "the table has no rows: the first line names what is varied")
+        scope.refuse(Node(None, found), "the table has no rows: the first line names the varied values")
     return rows
