@@ -15,9 +15,10 @@ import numpy as np
 from llvmlite import ir
 from numba import carray, cfunc, njit, types
 from numba.core import cgutils
+from numba.core.datamodel.models import OpaqueModel
 from numba.core.imputils import lower_builtin, lower_getattr
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, overload, register_model
 
 from mecano.compiled import memory, methods, symbols
 from mecano.compiled.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
@@ -39,14 +40,33 @@ ERRORS = frozenset(
     "PyBytes_FromStringAndSize Py_DecRef".split()
 )
 FATAL = b"an error in compiled code of mecano, which should have none\0"
+
+
+class PlainDispatcher(types.Dispatcher):
+    """A function that is compiled once for all constants with which it is called, not for each of them."""
+
+    def get_call_type(self, context, arguments, keywords):
+        """Return the signature of a call."""
+        plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
+        return super().get_call_type(context, [types.unliteral(kind) for kind in arguments], plain)
+
+
 NUMERIC = (types.Number, types.Boolean)
 LOOP = types.void(types.int64, types.int64)
 NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
 
+@register_model(PlainDispatcher)
+class _PlainModel(OpaqueModel):
+    """Nothing, as of other functions."""
+
+
 def compiled(function):
-    """numba's object for a function that compiled functions call: it compiles it for the types they call it with."""
-    return njit(error_model="numpy", no_cpython_wrapper=True)(function)
+    """Return the type of numba of a function that compiled functions call; it compiles it for the types they use."""
+    dispatcher = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    found = PlainDispatcher(dispatcher)
+    found.kept = dispatcher  # to which numba's own reference is weak
+    return found
 
 
 def loop_code(function):

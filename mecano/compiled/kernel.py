@@ -30,7 +30,7 @@ class Kernel:
     @property
     def _numba_type_(self):
         """What numba asks of an object that it does not know: here, the type of the function compiled by numba."""
-        return self._compiled._numba_type_
+        return self._compiled
 
 
 class Inlined(Kernel):
