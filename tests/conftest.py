@@ -11,7 +11,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 import mecano  # noqa: E402
-from mecano.compiled.store import folder  # noqa: E402
+from mecano.jit.store import folder  # noqa: E402
 
 SOURCES = sorted(Path(mecano.__file__).parent.rglob("*.py"))
 KEY = hashlib.sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:16]

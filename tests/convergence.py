@@ -1,24 +1,24 @@
 """Convergence of a march to a known answer: runs with the steps h and h/2, the order, the extrapolated value."""
 
 import numpy as np
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 SECOND_ORDER = 4.0, 0.3  # ratio of the errors with h and h/2, and what may be missing to it
 
 
-def at_times(march, values, times):
+def at_times(recorded, values, times):
     """``values`` (n, ...) of the accepted steps of a march, at ``times`` (m,) that must be among their ends."""
-    index = np.searchsorted(march.time, np.asarray(times) - 1e-9)
-    np.testing.assert_allclose(march.time[index], times, rtol=0, atol=1e-9)
+    index = np.searchsorted(recorded.time, np.asarray(times) - 1e-9)
+    np.testing.assert_allclose(recorded.time[index], times, rtol=0, atol=1e-9)
     return np.asarray(values)[index]
 
 
 def pair(name, observe, times, h, *overrides):
-    """``observe(march)`` (n, ...) at ``times``, from a deck of inputs/ with the steps h and h/2."""
+    """``observe(recorded)`` (n, ...) at ``times``, from a deck of inputs/ with the steps h and h/2."""
     found = []
     for step in (h, h / 2.0):
-        march = March(input_deck(name, f"time.step={step}", f"time.end={max(times)}", *overrides))
-        found.append(at_times(march, observe(march), times))
+        recorded = RecordedRun(input_deck(name, f"time.step={step}", f"time.end={max(times)}", *overrides))
+        found.append(at_times(recorded, observe(recorded), times))
     return found
 
 

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.contract import Kind, Output
 from mecano.deck.read import deck_of
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
+from mecano.element_interface import Kind, Output
 from mecano.errors import DeckError
 from mecano.schema import (
     CURVE,

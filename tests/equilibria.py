@@ -1,7 +1,7 @@
 """Decks in equilibrium, for tests of statics and modes: paths in memory, and models with closed forms."""
 
 import numpy as np
-from marching import deck
+from time_runs import deck
 
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import prepare

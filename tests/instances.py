@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints import CONSTRAINTS
-from mecano.contract import Context, Place
+from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
@@ -63,7 +63,7 @@ class Instance:
     kind: object
     p: np.ndarray  # (1,) record
     nodes: tuple
-    mode: int
+    phase: int
     memory: np.ndarray
     laws: np.ndarray
     scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
@@ -71,7 +71,7 @@ class Instance:
     lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
     def local(self, motion):
-        """(q, v, a, R) as contract.py has them."""
+        """(q, v, a, R) as element_interface.py has them."""
         levels, R = [], []
         for slot in self.kind.layout:
             node = self.nodes[int(slot[1:])]
@@ -91,7 +91,7 @@ class Instance:
     def run(self, name, t, state, *out, k=1.0, penalty=0.0):
         """Call the function ``name`` of the kind, as the Python that it is: nothing is compiled."""
         with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
-            at = Place(t, self.mode, k, penalty, self.laws, self.memory, *state)
+            at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)
             getattr(self.kind, name)(self.p.view(np.recarray)[0], at, *out)
 
     def force(self, t, state, k=1.0, penalty=0.0):
@@ -107,7 +107,7 @@ class Instance:
         """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
         q, v, a, R = state
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
-        end = n - len(self.kind.multipliers) - len(self.kind.borrowed)
+        end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
         self.run("residual", t, state, f, k=k, penalty=penalty)
         tangents = np.zeros((3, n, n))
         for array in range(2):
@@ -141,7 +141,7 @@ class Instance:
             out = duals(g[:, 0], g[:, 0])
             self.run("velocity_constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
             g[:, 1:] = [(x.value, x.slope) if isinstance(x, Dual) else (x, 0.0) for x in out]
-        if self.kind.levels is not None:
+        if self.kind.constraint_derivatives is not None:
             self.run("levels", t, state, g)
         return g
 
@@ -168,7 +168,7 @@ class Sample:
     name: str
     values: dict
     nodes: list
-    mode: str
+    phase: str
     instances: list
     motion: Motion
 
@@ -182,26 +182,26 @@ def samples(kind):
     """All samples of a kind."""
     rng = seed_of(kind.name)
     found = []
-    for values, nodes, mode in kind.sample(rng):
+    for values, nodes, phase in kind.sample(rng):
         if isinstance(nodes, int):
             nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
         defaults = {field.name: field.default for field in kind.fields if not field.required}
         values = {**defaults, **values}
-        instances = expand(kind, values, nodes, mode, GRAVITY, rng)
-        found.append(Sample(kind.name, values, nodes, mode, instances, _motion(kind, values, nodes, rng)))
+        instances = expand(kind, values, nodes, phase, GRAVITY, rng)
+        found.append(Sample(kind.name, values, nodes, phase, instances, _motion(kind, values, nodes, rng)))
     return found
 
 
-def expand(kind, values, nodes, mode, gravity, rng):
+def expand(kind, values, nodes, phase, gravity, rng):
     """[Instance]: the element and its parts, with random scalars and multipliers."""
     context, kind = Context(LawTable(), gravity), kind.chosen(values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
-    listed = [(kind, own, tuple(range(len(nodes))), kind.modes.index(mode))]
+    listed = [(kind, own, tuple(range(len(nodes))), kind.phases.index(phase))]
     for part in parts:
-        follows = len(part.kind.modes) > 1 and part.kind.modes == kind.modes
-        listed.append((part.kind, part.parameters, part.nodes, kind.modes.index(mode) if follows else 0))
+        follows = len(part.kind.phases) > 1 and part.kind.phases == kind.phases
+        listed.append((part.kind, part.parameters, part.nodes, kind.phases.index(phase) if follows else 0))
     instances = []
     for of, record, on, mode_number in listed:
         p = np.zeros(1, of.dtype)
@@ -212,9 +212,9 @@ def expand(kind, values, nodes, mode, gravity, rng):
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):
-        instance.lenders = [instances[1 + i] for i in part.borrows]
-        lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
-        assert lent == [row.unit for row in part.kind.borrowed]
+        instance.lenders = [instances[1 + i] for i in part.coupled_to]
+        coupled = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
+        assert coupled == [row.unit for row in part.kind.coupled_multipliers]
     if not kind.acts:
         instances[0].lenders = instances[1:]
     return instances

@@ -66,7 +66,7 @@ def running(folder):
         waited(lambda: subprocess.run(["munge", "-n"], capture_output=True).returncode == 0)
         for words in (["slurmctld", "-D"], ["slurmd", "-D"]):
             processes.append(subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-        waited(lambda: told("sinfo", "-h", "-o", "%T").strip() == "idle")
+        waited(lambda: reported("sinfo", "-h", "-o", "%T").strip() == "idle")
         yield
     finally:
         for process in reversed(processes):
@@ -77,7 +77,7 @@ def running(folder):
             os.environ["SLURM_CONF"] = before
 
 
-def told(*words):
+def reported(*words):
     """What a command prints."""
     return subprocess.run(words, capture_output=True, text=True).stdout
 
@@ -92,5 +92,5 @@ def waited(done, seconds=60.0):
 
 def states():
     """{number of a job: state} of all that Slurm remembers."""
-    rows = (line.split() for line in told("squeue", "-h", "-r", "-t", "all", "-o", "%i %T").splitlines())
+    rows = (line.split() for line in reported("squeue", "-h", "-r", "-t", "all", "-o", "%i %T").splitlines())
     return {number: state for number, state in rows}

@@ -3,7 +3,7 @@
 import textwrap
 
 import scipy.sparse as sp
-from marching import deck
+from time_runs import deck
 
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import prepare

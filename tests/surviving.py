@@ -6,10 +6,10 @@ import signal
 import traceback
 
 import numpy as np
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 
 import mecano
-from mecano.analyses import keeper
+from mecano.analyses import checkpoint_writer
 from mecano.analyses.dynamic import resume
 from mecano.process.interrupt import Interruption, stopped_by
 
@@ -122,5 +122,5 @@ def listening_resume(deck, path, interval):
     """What ``mecano run --resume`` does, for a fork."""
     interruption = Interruption(again="mecano run deck.yaml --resume")
     interruption.listen()
-    keeper.SHARE = 0  # as many checkpoints as the interval asks for
+    checkpoint_writer.SHARE = 0  # as many checkpoints as the interval asks for
     resume(deck, path, interruption=interruption, interval=interval)

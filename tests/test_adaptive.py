@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, deck
+from time_runs import RecordedRun, deck
 from work_precision import CASES, adaptive, fixed
 
 from mecano.solve.time.step_control import StepControl
@@ -16,10 +16,10 @@ def check_tolerances(name, tolerances):
     """Errors within a factor 3 of each tolerance, each smaller than the one before; few rejections."""
     errors = []
     for tolerance in tolerances:
-        march, error = adaptive(name, tolerance)
+        recorded, error = adaptive(name, tolerance)
         errors.append(error)
         assert 0.1 <= error / tolerance <= 3.0
-        assert march.run.rejected <= REJECTED * march.run.steps
+        assert recorded.run.rejected <= REJECTED * recorded.run.steps
     assert np.all(np.diff(errors) < 0.0)
 
 
@@ -53,8 +53,10 @@ def test_error_of_a_steady_precession_follows_the_tolerance(tolerance):
     rate = min(np.roots([-A * np.cos(tilt), C * n, -weight]))
     axis = np.array([0.0, np.sin(tilt), np.cos(tilt)])
     velocity = rate * np.array([0.0, 0.0, 1.0]) + (n - rate * np.cos(tilt)) * axis
-    march = March(deck(PRECESSION.format(tilt=np.pi / 2 - tilt, velocity=velocity.tolist(), tolerance=tolerance)))
-    error = np.abs(march["elements/top/center_of_mass"][:, 2] - 0.5).max()
+    recorded = RecordedRun(
+        deck(PRECESSION.format(tilt=np.pi / 2 - tilt, velocity=velocity.tolist(), tolerance=tolerance))
+    )
+    error = np.abs(recorded["elements/top/center_of_mass"][:, 2] - 0.5).max()
     assert 0.1 * tolerance <= error <= 3.0 * tolerance
 
 
@@ -67,16 +69,16 @@ def test_error_follows_every_tolerance(name):
 @pytest.mark.parametrize(("name", "h", "gain"), [("four_bar", 2e-3, 1.5), ("wheel_drop", 1e-3, 2.0)])
 def test_fewer_steps_than_fixed_ones(name, h, gain):
     """At the error of fixed steps, which falls with the square of their size, error control takes fewer."""
-    march, error = adaptive(name, 1e-4)
+    recorded, error = adaptive(name, 1e-4)
     every, error_of_fixed = fixed(name, h)
     needed = every.run.steps * np.sqrt(error_of_fixed / error)
-    assert gain * march.run.steps < needed
+    assert gain * recorded.run.steps < needed
 
 
 def test_step_sizes_follow_the_motion():
     """Long steps in flight, short ones on the ground; a step keeps its size most of the time."""
-    march, _ = adaptive("wheel_drop", 1e-5)
-    h, load = np.diff(march.time), march["elements/tire/normal_force"][1:]
+    recorded, _ = adaptive("wheel_drop", 1e-5)
+    h, load = np.diff(recorded.time), recorded["elements/tire/normal_force"][1:]
     assert np.median(h[load == 0.0]) > 3.0 * np.median(h[load > 0.0])
     changes = np.abs(np.diff(h)) > 1e-9 * h[1:]
     assert changes.mean() < 0.2
@@ -115,9 +117,9 @@ def test_a_looser_tolerance_never_costs_more():
     """Trials of a landing gear whose wheel spins at 186 rad/s, which no step may turn by more than 2.4 rad."""
     work = []
     for tolerance in (1e-1, 1e-2, 1e-3, 1e-4):
-        march = March(deck(GEAR_DROP.format(tolerance=tolerance)))
-        work.append(march.run.steps + march.run.rejected)
-        assert len(march.march.cuts) <= 3
+        recorded = RecordedRun(deck(GEAR_DROP.format(tolerance=tolerance)))
+        work.append(recorded.run.steps + recorded.run.rejected)
+        assert len(recorded.integrator.cuts) <= 3
     assert work == sorted(work) and work[-1] > 5 * work[0]
 
 

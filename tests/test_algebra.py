@@ -6,10 +6,10 @@ import operator
 import numpy as np
 import pytest
 
-from mecano.compiled import closure
-from mecano.compiled.entry import Vector, entry
-from mecano.compiled.kernel import kernel
-from mecano.compiled.methods import code_for, method
+from mecano.jit import closure
+from mecano.jit.entry import Vector, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.methods import code_for, method
 from mecano.maths.dual import Dual, atan2, chain, cos, exp, select, sin, sqrt, tan, value
 from mecano.maths.vector import EYE, ZERO, Mat3, Vec3, cross, dot, mat, norm, outer, skew, vec
 

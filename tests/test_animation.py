@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 from browser import browser, dom
-from marching import INPUTS
 from process import mecano_process, settings
+from time_runs import INPUTS
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.animation import MOST_FRAMES, animate
@@ -80,7 +80,7 @@ def test_what_is_zero_throughout_colours_nothing(results):
     assert [list(shape["colours"]) for shape in data["shapes"]] == [["axial force"], [], []]
 
 
-def test_what_cannot_be_played_is_told(results, tmp_path):
+def test_what_cannot_be_played_is_reported(results, tmp_path):
     with pytest.raises(UsageError, match="ends with .html"):
         animate(results / "wheel_drop.h5", tmp_path / "page.png")
     with pytest.raises(ResultsError, match="cannot write"):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
-from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.errors import AssemblyError
 from mecano.solve.time.interpolate import interpolate
 
@@ -31,7 +31,7 @@ def test_positions_are_brought_to_the_nearest_that_fit():
     assert np.linalg.norm(x - [1.6, 0, 0]) == pytest.approx(1.0, abs=1e-11)
     assert x[0] == pytest.approx(0.8, abs=1e-11) and x[2] > 0  # of the two solutions the one on the deck's side
     assert prepared.displacement == pytest.approx(np.abs(x - [1.02, 0, 0.01]).max(), abs=1e-9)
-    assert any("moved the initial positions" in text for text in remarks(prepared))
+    assert any("moved the initial positions" in text for text in startup_warnings(prepared))
 
 
 def test_what_cannot_be_met_is_refused_by_name():
@@ -60,7 +60,7 @@ def test_mechanisms_and_redundant_constraints_are_named():
     assert sum(group.count for group in analysis.redundant) == 3
     named = " ".join(name for group in analysis.redundant for name in group.names)
     assert all(f"hinge 'hinge_{letter}'" in named for letter in "abcd")
-    assert any("not unique" in text for text in remarks(prepare(input_deck("four_bar"))))
+    assert any("not unique" in text for text in startup_warnings(prepare(input_deck("four_bar"))))
 
 
 @pytest.mark.parametrize("what, order", [("position", 4), ("velocity", 3)])
@@ -70,12 +70,12 @@ def test_motion_between_steps_is_as_good_as_the_steps(what, order):
     for h in (0.02, 0.01):
         kept = []
 
-        def keep(march, run, kept=kept):
-            march.observers = (*march.observers, kept.append)
+        def keep(integrator, run, kept=kept):
+            integrator.observers = (*integrator.observers, kept.append)
             return run
 
         # nearly exact states at the ends of long steps and a quarter into them, from a fine march
-        m = March(input_deck("double_pendulum", "time.end=0.4", f"time.step={h / 40}"), change=keep)
+        m = RecordedRun(input_deck("double_pendulum", "time.end=0.4", f"time.step={h / 40}"), change=keep)
         of, x = m.system.numbering, m.system.numbering.x[m.system.numbering.x < m.system.numbering.n_q]
         worst = 0.0
         for i in range(19, len(kept) - 40, 40):

@@ -9,8 +9,8 @@ import sys
 import time
 
 import pytest
-from marching import INPUTS
 from scorecard.damage import in_a_fork
+from time_runs import INPUTS
 
 import mecano
 from mecano.results.verify import verify

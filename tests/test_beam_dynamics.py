@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
+from time_runs import RecordedRun, deck, input_deck
 
 THREADS = {  # flexible_pendulum without the shear and the rotary inertia of its section
     "type": "stiffness", "EA": 7853.981633974483, "GA2": 2.7e6, "GA3": 2.7e6, "GJ": 0.0377610413,
@@ -16,23 +16,23 @@ THREADS = {  # flexible_pendulum without the shear and the rotary inertia of its
 def test_flexible_pendulum():
     """Tip at 1 s: 64 ANCF cable elements of Exudyn 1.9, step 2.5e-4 s, without shear and rotary inertia."""
     section = "{" + ", ".join(f"{key}: {value}" for key, value in THREADS.items()) + "}"
-    march = March(
+    recorded = RecordedRun(
         input_deck("flexible_pendulum", f"sections.rubber={section}", "elements.rod.mesh=12", "time.step=5e-4")
     )
-    np.testing.assert_allclose(march["nodes/tip/position"][-1], [-0.999461, 0.0, 0.007782], rtol=0, atol=5e-5)
-    march = March(input_deck("flexible_pendulum"))
-    np.testing.assert_allclose(march["nodes/tip/position"][-1], [-0.999448, 0.0, 0.007979], rtol=0, atol=1.5e-4)
-    energy = march["energy/balance"]
-    assert np.abs(energy - energy[0]).max() < 2e-5 * march["energy/kinetic"].max()
+    np.testing.assert_allclose(recorded["nodes/tip/position"][-1], [-0.999461, 0.0, 0.007782], rtol=0, atol=5e-5)
+    recorded = RecordedRun(input_deck("flexible_pendulum"))
+    np.testing.assert_allclose(recorded["nodes/tip/position"][-1], [-0.999448, 0.0, 0.007979], rtol=0, atol=1.5e-4)
+    energy = recorded["energy/balance"]
+    assert np.abs(energy - energy[0]).max() < 2e-5 * recorded["energy/kinetic"].max()
 
 
-def test_a_spring_let_go_suddenly_does_not_cut_long_steps():
+def test_a_spring_released_suddenly_does_not_cut_long_steps():
     """A stiff, light rod snaps towards its natural angle: nearly I p'' + c p' + k p = k p_0, as a rigid one.
 
     At the start its first node alone accelerates, 1e5 rad/s2: a prediction from that is of no use over 5 ms.
     """
     k, c, goal = 2.0, 0.5, 1.45
-    march = March(
+    recorded = RecordedRun(
         deck(f"""
         mecano: 1
         gravity: [0, 0, 0]
@@ -45,16 +45,19 @@ def test_a_spring_let_go_suddenly_does_not_cut_long_steps():
         time: {{end: 0.5, step: 5e-3, rho_inf: 0.6}}
     """)
     )
-    assert march.run.steps == 100 and march.run.rejected == 0
+    assert recorded.run.steps == 100 and recorded.run.rejected == 0
     inertia = 1600 * np.pi * (0.015**2 - 0.0135**2) / 3
     p, q = np.roots([inertia, c, k])
 
     def angle(t):
         return goal * (1.0 + (q * np.exp(p * t) - p * np.exp(q * t)) / (p - q)).real
 
-    late, found = march.time - 5e-3, march["joints/hinge/angle"]  # the filter of the first step costs up to a step
-    rising = (march.time > 0.05) & (march.time < 0.35)
-    assert np.all((found > angle(late))[rising]) and np.all((found < angle(march.time + 5e-4))[rising])
+    late, found = (
+        recorded.time - 5e-3,
+        recorded["joints/hinge/angle"],
+    )  # the filter of the first step costs up to a step
+    rising = (recorded.time > 0.05) & (recorded.time < 0.35)
+    assert np.all((found > angle(late))[rising]) and np.all((found < angle(recorded.time + 5e-4))[rising])
 
 
 class SpinUp:
@@ -98,8 +101,8 @@ class SpinUp:
 
 def test_spin_up():
     """Lag of the tip within 1.5 % of the largest of the linear theory; stretched at full speed (closed form)."""
-    march = March(input_deck("beam_spin_up"))
-    t, (x, y, _) = march.time, march["nodes/tip/position"].T
+    recorded = RecordedRun(input_deck("beam_spin_up"))
+    t, (x, y, _) = recorded.time, recorded["nodes/tip/position"].T
     angle = 0.2 * t**2 + SpinUp.c * (np.cos(SpinUp.f * t) - 1.0)
     deflection, elongation = y * np.cos(angle) - x * np.sin(angle), x * np.cos(angle) + y * np.sin(angle) - 10.0
     expected = SpinUp().tip(t)
@@ -156,13 +159,13 @@ class Rod:
 
 def test_slider_crank():
     """Middle of the rod, in the first two turns; the difference grows with the phase of the first mode."""
-    march = March(input_deck("flexible_slider_crank", "time.step=4e-5"))
-    middle, a, b = (march[f"nodes/{name}/position"][:, [0, 2]] for name in ("rod.4", "big_end", "small_end"))
+    recorded = RecordedRun(input_deck("flexible_slider_crank", "time.step=4e-5"))
+    middle, a, b = (recorded[f"nodes/{name}/position"][:, [0, 2]] for name in ("rod.4", "big_end", "small_end"))
     line = (b - a) / np.linalg.norm(b - a, axis=1)[:, None]
     across = np.stack([-line[:, 1], line[:, 0]], axis=1)
     deflection = np.sum((middle - 0.5 * (a + b)) * across, axis=1)
-    expected = Rod().middle(march.time)
-    early = march.time < 0.03
+    expected = Rod().middle(recorded.time)
+    early = recorded.time < 0.03
     np.testing.assert_allclose(deflection[early], expected[early], rtol=0, atol=0.03 * np.abs(expected).max())
     assert np.abs(deflection).max() == pytest.approx(0.00466, abs=5e-5)
 
@@ -182,18 +185,18 @@ def breathing(times):
 def ring(mesh, *overrides):
     """The march of flexible_ring with so many elements in a quarter."""
     quarters = (f"elements.{name}.mesh={mesh}" for name in ("first", "second", "third", "fourth"))
-    return March(input_deck("flexible_ring", *quarters, *overrides))
+    return RecordedRun(input_deck("flexible_ring", *quarters, *overrides))
 
 
 def test_ring():
     """Radius against the exact breathing of 19 mm; energy error falls fourfold with half the step."""
     errors, energies = [], []
     for step in (5e-4, 2.5e-4):
-        march = ring(24, f"time.step={step}", "time.end=0.2")
-        radius = np.linalg.norm(march["nodes/first.12/position"], axis=1)
-        np.testing.assert_allclose(radius, np.linalg.norm(march["nodes/west/position"], axis=1), rtol=0, atol=1e-7)
-        errors.append(np.abs(radius - breathing(march.time)).max())
-        energy = march["energy/balance"]
+        recorded = ring(24, f"time.step={step}", "time.end=0.2")
+        radius = np.linalg.norm(recorded["nodes/first.12/position"], axis=1)
+        np.testing.assert_allclose(radius, np.linalg.norm(recorded["nodes/west/position"], axis=1), rtol=0, atol=1e-7)
+        errors.append(np.abs(radius - breathing(recorded.time)).max())
+        energy = recorded["energy/balance"]
         energies.append(np.abs(energy - energy[0]).max())
     assert errors[1] < 1e-4
     assert energies[0] / energies[1] == pytest.approx(4.0, abs=0.2)
@@ -204,10 +207,10 @@ def test_ring_over_100_turns():
     """The ring turns and bends, the oval mode set going: energy error at h and h/2 without numerical damping."""
     drift = []
     for step in (1e-3, 5e-4):
-        march = oval_ring(step, end=62.9)
-        energy = march["energy/balance"]
+        recorded = oval_ring(step, end=62.9)
+        energy = recorded["energy/balance"]
         drift.append(np.abs(energy - energy[0]).max())
-        turned = np.unwrap(np.arctan2(*march["nodes/east/position"].T[[1, 0]]))[-1]
+        turned = np.unwrap(np.arctan2(*recorded["nodes/east/position"].T[[1, 0]]))[-1]
         assert turned > 100 * 2 * np.pi * 0.97
     assert drift[0] / drift[1] == pytest.approx(4.0, abs=0.5)
 
@@ -215,15 +218,15 @@ def test_ring_over_100_turns():
 def oval_ring(step, end):
     """Four elements in a quarter; the nodes swing by v = 0.5 m/s (x, -y)/r besides."""
 
-    def set_going(march, run):
-        system, s = march.system, run.motion.copy()
+    def set_going(integrator, run):
+        system, s = integrator.system, run.motion.copy()
         for i, node in enumerate(system.nodes):
             x = system.numbering.x[i]
             s.v[x : x + 2] += 0.5 * node.x[:2] * [1, -1]
-        return march.begin(s, step)
+        return integrator.begin(s, step)
 
     quarters = (f"elements.{name}.mesh=4" for name in ("first", "second", "third", "fourth"))
-    return March(
+    return RecordedRun(
         input_deck("flexible_ring", *quarters, f"time.step={step}", f"time.end={end}", "time.rho_inf=1"),
         change=set_going,
     )
@@ -260,13 +263,13 @@ def spaghetti(n, step, end):
 
 def spaghetti_errors(n, step, end):
     """Largest error of the ends [m] at each time of the reference, and of the energy, relative."""
-    march, errors = March(spaghetti(n, step, end)), {}
+    recorded, errors = RecordedRun(spaghetti(n, step, end)), {}
     for time, (x1, y1, x2, y2, energy) in SPAGHETTI.items():
         if time <= end:
-            i = int(np.argmin(np.abs(march.time - time)))
-            a, b = march["nodes/a/position"][i, :2], march["nodes/b/position"][i, :2]
+            i = int(np.argmin(np.abs(recorded.time - time)))
+            a, b = recorded["nodes/a/position"][i, :2], recorded["nodes/b/position"][i, :2]
             off = np.abs([*(a - [x1, y1]), *(b - [x2, y2])]).max()
-            errors[time] = float(off), float(abs(march["energy/total"][i] / energy - 1.0))
+            errors[time] = float(off), float(abs(recorded["energy/total"][i] / energy - 1.0))
     return errors
 
 

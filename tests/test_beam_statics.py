@@ -14,9 +14,9 @@ from beam_cases import (
     stiffness,
     straight,
 )
-from marching import input_deck
 from scipy.linalg import eigh
 from static_solution import Equilibrium
+from time_runs import input_deck
 
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import prepare

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck
 from scipy.optimize import brentq
+from time_runs import RecordedRun, deck
 
 from mecano.errors import DeckError
 
@@ -49,28 +49,28 @@ def braked(bound, torque="1.0e9", nodes="[leg, hub]", axis="[0, 1, 0]", end=1.0)
 
 def test_a_brake_bound_by_the_load_of_its_tire_does_not_skid():
     """(m + I/r^2) v' = -0.9 mu_0 exp(-kappa v) m g; of the smaller of both 1 - s^2 is left for a huge torque."""
-    march = March(braked("wheel: tire, adhesion: {exponential: {start: 0.72, rate: 0.02}}"))
+    recorded = RecordedRun(braked("wheel: tire, adhesion: {exponential: {start: 0.72, rate: 0.02}}"))
     drive = (1 - 0.02**2) * 0.72 * GRAVITY * MASS / (MASS + SPIN_INERTIA / 0.3**2)
-    speed, later = march["nodes/hub/velocity"][:, 0], march.time > 0.1  # the wheel has settled to its creep
-    time, fast = march.time[later] - march.time[later][0], speed[later][0]
+    speed, later = recorded["nodes/hub/velocity"][:, 0], recorded.time > 0.1  # the wheel has settled to its creep
+    time, fast = recorded.time[later] - recorded.time[later][0], speed[later][0]
     expected = np.log(math.exp(0.02 * fast) - 0.02 * drive * time) / 0.02
     np.testing.assert_allclose(speed[later], expected, rtol=1e-6)
-    assert np.abs(march["elements/tire/longitudinal_slip"][later]).max() < 0.05
-    bound = march["loads/brake/bound"]
+    assert np.abs(recorded["elements/tire/longitudinal_slip"][later]).max() < 0.05
+    bound = recorded["loads/brake/bound"]
     np.testing.assert_allclose(bound[-1], 0.72 * math.exp(-0.02 * expected[-1]) * MASS * GRAVITY * 0.3, rtol=1e-4)
 
 
 def test_the_same_torque_without_a_bound_locks_the_wheel():
-    march = March(braked("bound: null", torque="400", end=0.5))
-    assert abs(march["elements/tire/spin_rate"][-1]) < 0.1 and march["nodes/hub/velocity"][-1, 0] > 25.0
+    recorded = RecordedRun(braked("bound: null", torque="400", end=0.5))
+    assert abs(recorded["elements/tire/spin_rate"][-1]) < 0.1 and recorded["nodes/hub/velocity"][-1, 0] > 25.0
 
 
 def test_anti_skid_holds_the_slip_and_a_stopped_wheel():
     """The slip ratio settles where the torque that is left balances the friction; stopped, it carries full torque."""
     slip = "wheel: tire, anti_skid: {slip: 0.1, width: 0.1}"
-    march = March(braked(slip, torque="400", end=5.5))
-    speed, found = march["nodes/hub/velocity"][:, 0], march["loads/brake/slip_ratio"]
-    i = int(np.searchsorted(march.time, 1.0))
+    recorded = RecordedRun(braked(slip, torque="400", end=5.5))
+    speed, found = recorded["nodes/hub/velocity"][:, 0], recorded["loads/brake/slip_ratio"]
+    i = int(np.searchsorted(recorded.time, 1.0))
     friction = 0.8 * math.exp(-0.02 * speed[i]) * MASS * GRAVITY
     deceleration = friction / MASS
 
@@ -79,9 +79,11 @@ def test_anti_skid_holds_the_slip_and_a_stopped_wheel():
         return 400.0 * (1 - x * x * (3 - 2 * x)) - friction * 0.3 - SPIN_INERTIA * spin_down
 
     assert found[i] == pytest.approx(brentq(balance, 0.1, 0.2), rel=2e-3)
-    assert found.max() < 0.2 and march["elements/tire/spin_rate"][march.time < 3.0].min() > 0.0
-    assert abs(speed[-1]) < 1e-3 and abs(march["elements/tire/spin_rate"][-1]) < 1e-2
-    assert march["energy/balance"][-1] == pytest.approx(march["energy/balance"][0], abs=1e-4 * 0.5 * MASS * SPEED**2)
+    assert found.max() < 0.2 and recorded["elements/tire/spin_rate"][recorded.time < 3.0].min() > 0.0
+    assert abs(speed[-1]) < 1e-3 and abs(recorded["elements/tire/spin_rate"][-1]) < 1e-2
+    assert recorded["energy/balance"][-1] == pytest.approx(
+        recorded["energy/balance"][0], abs=1e-4 * 0.5 * MASS * SPEED**2
+    )
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.elements import KINDS
 
@@ -20,21 +20,21 @@ def test_fall_on_a_slack_rope():
     """Taut at sqrt(2 h/g), exactly; slack again and peak with errors of the second order (closed form)."""
     errors, drifts = [], []
     for step in (2e-3, 1e-3, 5e-4):
-        march = March(input_deck("cable_snatch", f"time.step={step}", "time.end=0.75"))
-        assert [h.name for h in march.happenings] == ["goes taut", "goes slack"]
-        assert march.happenings[0].t == pytest.approx(TAUT, abs=1e-9)
-        tension = march["elements/rope/tension"]
-        errors.append((abs(march.happenings[1].t - SLACK), abs(tension.max() - PEAK) / PEAK))
+        recorded = RecordedRun(input_deck("cable_snatch", f"time.step={step}", "time.end=0.75"))
+        assert [h.name for h in recorded.event_records] == ["goes taut", "goes slack"]
+        assert recorded.event_records[0].t == pytest.approx(TAUT, abs=1e-9)
+        tension = recorded["elements/rope/tension"]
+        errors.append((abs(recorded.event_records[1].t - SLACK), abs(tension.max() - PEAK) / PEAK))
         assert tension.min() > -1e-9 * PEAK
-        np.testing.assert_allclose(march["elements/rope/stress"], tension / 8e-5, rtol=1e-14)
-        drifts.append(np.ptp(march["energy/balance"]))
+        np.testing.assert_allclose(recorded["elements/rope/stress"], tension / 8e-5, rtol=1e-14)
+        drifts.append(np.ptp(recorded["energy/balance"]))
     errors = np.array(errors)
     assert errors[-1].max() < 2e-6
     assert errors[0, 0] / errors[2, 0] == pytest.approx(16.0, rel=0.2)
     assert drifts[2] < 2e-4 and drifts[0] / drifts[2] == pytest.approx(16.0, rel=0.2)  # [J] of 245
 
 
-def length_of_the_wire(march):
+def length_of_the_wire(recorded):
     """The one equation of the hoist, integrated to 1e-11: the length at the times of the march."""
     m, mu, EA, tau = 200.0, 8.0, 5e5, 0.02
 
@@ -47,10 +47,10 @@ def length_of_the_wire(march):
         strain, strain_rate = y[0] / L - 1, y[1] / L - y[0] * L1 / L**2
         return y[1], ((m + mu / 2) * g - EA * (strain + tau * strain_rate)) / (m + mu / 3)
 
-    ends = (0.0, 0.5, 3.5, march.time[-1])
+    ends = (0.0, 0.5, 3.5, recorded.time[-1])
     y, found = np.array([10.04, 0.0]), []
     for start, end in zip(ends, ends[1:], strict=False):
-        times = march.time[(march.time > start) & (march.time <= end)]
+        times = recorded.time[(recorded.time > start) & (recorded.time <= end)]
         part = solve_ivp(rate, (start, end), y, method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
         y = part.y[:, -1]
         found.append(part.sol(times)[0])
@@ -61,18 +61,18 @@ def test_hoist():
     """Length, hanging state and the work of the winch; errors of the second order."""
     errors, drifts = [], []
     for step in (4e-3, 2e-3):
-        march = March(input_deck("hoist", f"time.step={step}"))
-        errors.append(np.abs(march["elements/wire/length"] - length_of_the_wire(march)).max())
-        drifts.append(np.ptp(march["energy/balance"]))
+        recorded = RecordedRun(input_deck("hoist", f"time.step={step}"))
+        errors.append(np.abs(recorded["elements/wire/length"] - length_of_the_wire(recorded)).max())
+        drifts.append(np.ptp(recorded["energy/balance"]))
     assert errors[1] < 1e-6 and drifts[1] < 0.005  # [m] of 10, [J] of 8000
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
     assert drifts[0] / drifts[1] == pytest.approx(4.0, rel=0.2)
     weight = 204.0 * g
-    assert march["elements/wire/length"][-1] == pytest.approx(6 * (1 + weight / 5e5), rel=1e-6)
-    work = march["energy/given"][-1]
-    change = march["energy/potential"][-1] - march["energy/potential"][0]
-    assert work == pytest.approx(change + march["energy/dissipated"][-1], abs=0.1)
-    assert change == pytest.approx(weight * (10.04 - march["elements/wire/length"][-1]), rel=0.01)
+    assert recorded["elements/wire/length"][-1] == pytest.approx(6 * (1 + weight / 5e5), rel=1e-6)
+    work = recorded["energy/given"][-1]
+    change = recorded["energy/potential"][-1] - recorded["energy/potential"][0]
+    assert work == pytest.approx(change + recorded["energy/dissipated"][-1], abs=0.1)
+    assert change == pytest.approx(weight * (10.04 - recorded["elements/wire/length"][-1]), rel=0.01)
 
 
 BOUNCE = """
@@ -93,15 +93,17 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
     """It jumps to a force when it is taut at a speed, and is slack again before it is short (see the docstring)."""
     drift = []
     for step in (2e-3, 1e-3):
-        march = March(deck(BOUNCE.format(length=1.2, damping=damping, step=step)))
-        tension, strain = march["elements/rope/tension"], march["elements/rope/strain"]
+        recorded = RecordedRun(deck(BOUNCE.format(length=1.2, damping=damping, step=step)))
+        tension, strain = recorded["elements/rope/tension"], recorded["elements/rope/strain"]
         assert tension.min() == 0.0
-        assert {h.name for h in march.happenings} == {"goes taut", "goes slack"}
-        left = strain[[np.argmin(np.abs(march.time - h.t)) for h in march.happenings if h.name == "goes slack"]]
+        assert {h.name for h in recorded.event_records} == {"goes taut", "goes slack"}
+        left = strain[
+            [np.argmin(np.abs(recorded.time - h.t)) for h in recorded.event_records if h.name == "goes slack"]
+        ]
         assert left[0] > 1e-4  # slack while longer than natural
-        drift.append(np.ptp(march["energy/balance"]) / np.ptp(march["energy/dissipated"]))
+        drift.append(np.ptp(recorded["energy/balance"]) / np.ptp(recorded["energy/dissipated"]))
     assert drift[1] < 2e-3 and drift[1] < 0.5 * drift[0]
-    assert np.all(np.diff(march["energy/dissipated"]) >= -1e-12)
+    assert np.all(np.diff(recorded["energy/dissipated"]) >= -1e-12)
 
 
 def test_stiffness_and_length_are_checked():

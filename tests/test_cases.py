@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from marching import March
 from scipy.spatial.transform import Rotation
+from time_runs import RecordedRun
 
 from mecano import open_results
 from mecano.analyses.dynamic import run
@@ -65,14 +65,14 @@ def test_a_landing_with_drift_and_roll_comes_to_its_end(law):
     of what is dissipated.
     """
     settings = "parameters.drift=6 deg", "parameters.roll=4 deg", "time.end=0.7"
-    march = March(read_deck(CASES / "main_gear.yaml", [*settings, f"tire_laws.tyre.lateral={LATERAL[law]}"]))
+    recorded = RecordedRun(read_deck(CASES / "main_gear.yaml", [*settings, f"tire_laws.tyre.lateral={LATERAL[law]}"]))
     for side in ("left", "right"):
         N, across, along = (
-            march[f"elements/mlg_wheel_{side}/{way}_force"].ravel() for way in ("normal", "lateral", "longitudinal")
+            recorded[f"elements/mlg_wheel_{side}/{way}_force"].ravel() for way in ("normal", "lateral", "longitudinal")
         )
         assert np.all(np.hypot(across, along) <= 0.8 * N + 1e-6 * N.max())
-    drift = march["nodes/mlg_body/velocity"][:, 1]
+    drift = recorded["nodes/mlg_body/velocity"][:, 1]
     assert drift[0] == pytest.approx(70.0 * np.sin(np.radians(6.0))) and drift[-1] < 0.8 * drift[0]
-    names = [happening.name for happening in march.happenings if "wheel" in happening.element]
+    names = [event.name for event in recorded.event_records if "wheel" in event.element]
     assert names == ["touch_down", "touch_down", "lift_off", "lift_off"]
-    assert np.ptp(march["energy/balance"]) < 1e-4 * np.ptp(march["energy/dissipated"])
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * np.ptp(recorded["energy/dissipated"])

@@ -10,9 +10,9 @@ import time
 from textwrap import dedent
 
 import pytest
-from marching import INPUTS
 from process import COMMAND, processor_time
 from test_deck_physics import MOTOR, problems
+from time_runs import INPUTS
 
 import mecano
 from mecano.cli import main
@@ -163,13 +163,13 @@ class TestRun:
         code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
         command = [sys.executable, "-c", code, "run", "deck.yaml", "-q"]
         loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
-        assert "mecano.solve.time.march" in loaded and not {"numba", "scipy", "matplotlib"} & set(loaded)
+        assert "mecano.solve.time.time_integration" in loaded and not {"numba", "scipy", "matplotlib"} & set(loaded)
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
         assert (folder / "quiet.h5").exists()
 
-    def test_no_file_is_overwritten_unless_told(self, call, folder):
+    def test_no_file_is_overwritten_without_force(self, call, folder):
         (folder / "deck.h5").write_text("precious")
         code, _, err = call("run", "deck.yaml")
         assert code == 5 and "deck.h5 exists already" in err and "--force" in err

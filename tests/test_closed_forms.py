@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from convergence import check_second_order, pair
-from marching import March, input_deck
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.special import fresnel
+from time_runs import RecordedRun, input_deck
 
 TENTHS = np.arange(1, 21) / 10
 
@@ -64,15 +64,15 @@ def test_base_excitation(verify):
 
 def test_base_excitation_of_the_table():
     """The table follows the law exactly and does not turn; the joint that moves it feels table, mass and spring."""
-    march = March(input_deck("base_excitation", "time.end=1"))
-    law = 5e-3 * np.sin(4 * np.pi * march.time)
-    np.testing.assert_allclose(march["nodes/table/position"][:, 2], law, rtol=0, atol=1e-10)
-    assert np.abs(march["nodes/table/position"][:, :2]).max() < 1e-12
-    np.testing.assert_allclose(march["nodes/table/rotation"], [[1, 0, 0, 0]] * len(law), rtol=0, atol=1e-14)
-    pull = 20.0 * (9.81 - (4 * np.pi) ** 2 * law) + march["elements/isolator/force"]
+    recorded = RecordedRun(input_deck("base_excitation", "time.end=1"))
+    law = 5e-3 * np.sin(4 * np.pi * recorded.time)
+    np.testing.assert_allclose(recorded["nodes/table/position"][:, 2], law, rtol=0, atol=1e-10)
+    assert np.abs(recorded["nodes/table/position"][:, :2]).max() < 1e-12
+    np.testing.assert_allclose(recorded["nodes/table/rotation"], [[1, 0, 0, 0]] * len(law), rtol=0, atol=1e-14)
+    pull = 20.0 * (9.81 - (4 * np.pi) ** 2 * law) + recorded["elements/isolator/force"]
     size = np.abs(pull).max()
-    np.testing.assert_allclose(march["joints/shaker/force"], pull, rtol=0, atol=1e-4 * size)
-    np.testing.assert_allclose(march["joints/upright/moment"], 0.0, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(recorded["joints/shaker/force"], pull, rtol=0, atol=1e-4 * size)
+    np.testing.assert_allclose(recorded["joints/upright/moment"], 0.0, rtol=0, atol=1e-9)
 
 
 def test_torsion_pendulum(verify):
@@ -83,9 +83,9 @@ def test_torsion_pendulum(verify):
     exact += forced_vibration(TENTHS, natural, damping, w, -2j / 0.5)
     coarse, fine = pair("torsion_pendulum", lambda m: m["joints/bearing/angle"], TENTHS, 4e-3)
     verify.second_order(V, "driven torsion pendulum: angle [rad]", coarse, fine, exact, 2e-8, FORCED)
-    march = March(input_deck("torsion_pendulum", "time.end=0.5"))
-    angle, rate = march["joints/bearing/angle"], march["joints/bearing/rate"]
-    np.testing.assert_allclose(march["elements/wire/moment"], 20.0 * angle + 0.8 * rate, rtol=1e-12, atol=1e-12)
+    recorded = RecordedRun(input_deck("torsion_pendulum", "time.end=0.5"))
+    angle, rate = recorded["joints/bearing/angle"], recorded["joints/bearing/rate"]
+    np.testing.assert_allclose(recorded["elements/wire/moment"], 20.0 * angle + 0.8 * rate, rtol=1e-12, atol=1e-12)
 
 
 def test_slider_crank(verify):
@@ -95,14 +95,14 @@ def test_slider_crank(verify):
     def position(theta):
         return r * np.cos(theta) + np.sqrt(L**2 - (r * np.sin(theta)) ** 2)
 
-    march = March(input_deck("slider_crank", "time.step=5e-4"))
-    x = march["nodes/piston/position"]
-    exact = position(w * march.time)
+    recorded = RecordedRun(input_deck("slider_crank", "time.step=5e-4"))
+    x = recorded["nodes/piston/position"]
+    exact = position(w * recorded.time)
     verify(V, "slider-crank: place of the piston [m]", x[:, 0], exact, "closed form", absolute=1e-10)
-    np.testing.assert_allclose(march["joints/bore/displacement"], x[:, 0] - 0.2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recorded["joints/bore/displacement"], x[:, 0] - 0.2, rtol=0, atol=1e-12)
     assert np.abs(x[:, 1:]).max() < 1e-11
-    swing = -np.arcsin(r / L * np.sin(w * march.time))  # of the rod, against the piston
-    np.testing.assert_allclose(march["joints/piston_joint/angle"], -swing, rtol=0, atol=1e-9)
+    swing = -np.arcsin(r / L * np.sin(w * recorded.time))  # of the rod, against the piston
+    np.testing.assert_allclose(recorded["joints/piston_joint/angle"], -swing, rtol=0, atol=1e-9)
 
     theta = w * times
     exact = -r * w * np.sin(theta) * (1.0 + r * np.cos(theta) / np.sqrt(L**2 - (r * np.sin(theta)) ** 2))
@@ -116,10 +116,10 @@ def test_conical_pendulum(verify):
     exact = np.stack([0.5 * np.cos(w * TENTHS), 0.5 * np.sin(w * TENTHS)], axis=1)
     coarse, fine = pair("spherical_pendulum", lambda m: m["nodes/ball/position"][:, :2], TENTHS, 5e-3)
     verify.second_order(V, "conical pendulum: path [m]", coarse, fine, exact, 1e-8, "uniform circle")
-    march = March(input_deck("spherical_pendulum"))
-    assert np.ptp(march["nodes/ball/position"][:, 2]) < 1e-6
+    recorded = RecordedRun(input_deck("spherical_pendulum"))
+    assert np.ptp(recorded["nodes/ball/position"][:, 2]) < 1e-6
     pull = 9.81 / np.cos(np.pi / 6)
-    verify(V, "conical pendulum: tension [N]", march["joints/rod/tension"], pull, "m g/cos 30 deg", relative=1e-5)
+    verify(V, "conical pendulum: tension [N]", recorded["joints/rod/tension"], pull, "m g/cos 30 deg", relative=1e-5)
 
 
 def test_thruster(verify):
@@ -134,15 +134,15 @@ def test_thruster(verify):
 
 def test_what_the_parts_of_the_thruster_feel():
     """The stern carries the push to the hull; the bolts carry what accelerates the cargo, and its torque."""
-    march = March(input_deck("thruster"))
-    np.testing.assert_allclose(march["elements/stern/force"], -march["loads/push/force"], rtol=0, atol=1e-6)
-    t = march.time[-1]
+    recorded = RecordedRun(input_deck("thruster"))
+    np.testing.assert_allclose(recorded["elements/stern/force"], -recorded["loads/push/force"], rtol=0, atol=1e-6)
+    t = recorded.time[-1]
     along = np.array([np.cos(0.1 * t**2), np.sin(0.1 * t**2), 0.0])
     across = np.array([-along[1], along[0], 0.0])
     acceleration = 0.5 * along + [0, 0, 0.05] + 0.8 * (0.2 * across - (0.2 * t) ** 2 * along)
-    np.testing.assert_allclose(march["joints/bolts/force"][-1], 2.0 * acceleration, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(march["joints/bolts/moment"][-1], [0, 0, 0.1 * 0.2 - 0.2], rtol=0, atol=1e-6)
-    assert march["energy/given"][-1] == pytest.approx(march["energy/total"][-1], rel=1e-4)
+    np.testing.assert_allclose(recorded["joints/bolts/force"][-1], 2.0 * acceleration, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(recorded["joints/bolts/moment"][-1], [0, 0, 0.1 * 0.2 - 0.2], rtol=0, atol=1e-6)
+    assert recorded["energy/given"][-1] == pytest.approx(recorded["energy/total"][-1], rel=1e-4)
 
 
 def strut_motion(times):
@@ -164,12 +164,12 @@ def test_strut():
     exact, touches = strut_motion(TENTHS)
     strokes, events, lost = [], [], []
     for h in (1e-3, 5e-4):
-        march = March(input_deck("strut", f"time.step={h}", "time.end=2"))
-        stroke = CubicHermiteSpline(march.time, march["elements/strut/stroke"], -march["elements/strut/rate"])
+        recorded = RecordedRun(input_deck("strut", f"time.step={h}", "time.end=2"))
+        stroke = CubicHermiteSpline(recorded.time, recorded["elements/strut/stroke"], -recorded["elements/strut/rate"])
         strokes.append(stroke(TENTHS))
-        events.append(np.array([event.t for event in march.happenings]))
-        assert [event.name for event in march.happenings] == ["lower stop closes", "lower stop opens"]
-        lost.append(march["energy/balance"][-1] - march["energy/balance"][0])
+        events.append(np.array([event.t for event in recorded.event_records]))
+        assert [event.name for event in recorded.event_records] == ["lower stop closes", "lower stop opens"]
+        lost.append(recorded["energy/balance"][-1] - recorded["energy/balance"][0])
     check_second_order(*strokes, exact, 1e-7)
     check_second_order(*events, touches, 3e-7)
     check_second_order(*lost, 0.0, 4e-4)
@@ -177,6 +177,6 @@ def test_strut():
 
 def test_rest_of_the_strut():
     """It settles where the air carries the weight."""
-    march = March(input_deck("strut", "time.end=10", "time.step=2e-3"))
+    recorded = RecordedRun(input_deck("strut", "time.end=10", "time.step=2e-3"))
     rest = 0.3 * (1.0 - (3000.0 / (500.0 * 9.81)) ** (1.0 / 1.3))
-    assert march["elements/strut/stroke"][-1] == pytest.approx(rest, abs=1e-3)
+    assert recorded["elements/strut/stroke"][-1] == pytest.approx(rest, abs=1e-3)

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mecano.compiled import compiler, store, trust
-from mecano.compiled.closure import digest
-from mecano.compiled.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
-from mecano.compiled.kernel import kernel
 from mecano.errors import ResultsError
+from mecano.jit import compiler, store, trust
+from mecano.jit.closure import digest
+from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
+from mecano.jit.kernel import kernel
 
 Spec = namedtuple("Spec", "origin")
 SYMBOLS = 2  # a section of symbols
@@ -214,7 +214,7 @@ SCRIPT = """
 
 
 FAILING = """
-    import mecano.compiled.entry as of
+    import mecano.jit.entry as of
 
     def refuse(n: int):
         assert n < 0
@@ -275,7 +275,7 @@ class TestStore:
         """Without a compiler; objects that others could have written are not used."""
         shared, own = tmp_path / "shared", tmp_path / "own"
         first = run_script(SCRIPT, tmp_path / "admin").stdout.split()[1]
-        run_script(f"from mecano.compiled import store; store.share({str(shared)!r})", tmp_path / "admin")
+        run_script(f"from mecano.jit import store; store.share({str(shared)!r})", tmp_path / "admin")
         monkeypatch.setenv(store.SHARED, str(shared))
         assert run_script(SCRIPT, own).stdout.split() == ["False", first]
         (path,) = shared.rglob("*.o")
@@ -297,14 +297,14 @@ class TestStore:
         assert trust.secret() != trust.secret()
 
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
-        script = "from mecano.compiled import store; store.before_compiling(lambda: print('compiling'))\n"
+        script = "from mecano.jit import store; store.before_compiling(lambda: print('compiling'))\n"
         script += textwrap.dedent(SCRIPT)
         assert run_script(script, tmp_path).stdout.split()[0] == "compiling"
         assert "compiling" not in run_script(script, tmp_path).stdout
 
     def test_where_no_folder_can_be_made_one_lives_as_long_as_the_process(self, tmp_path):
         (tmp_path / "file").write_text("")
-        script = "from mecano.compiled import store; print(store.folder(), store.folder().is_dir())"
+        script = "from mecano.jit import store; print(store.folder(), store.folder().is_dir())"
         path, is_there = run_script(script, tmp_path / "file").stdout.split()
         assert Path(path).parent == Path(tempfile.gettempdir()) and is_there == "True" and not Path(path).exists()
 
@@ -353,7 +353,7 @@ class TestDigest:
     """Objects are compiled again where, and only where, what they are made of has changed."""
 
     HEAD = """
-        from mecano.compiled.kernel import kernel
+        from mecano.jit.kernel import kernel
         FACTOR = 2.0
 
         @kernel

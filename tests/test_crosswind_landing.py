@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 from mecano.laws.probe import curve_at
 
@@ -13,7 +13,7 @@ SIGMA = 0.35  # m
 
 @pytest.fixture(scope="module")
 def landing():
-    return March(input_deck("crosswind_landing"))
+    return RecordedRun(input_deck("crosswind_landing"))
 
 
 def of_wheel(landing, side, name):
@@ -22,7 +22,7 @@ def of_wheel(landing, side, name):
 
 def test_the_low_wheel_touches_down_first_and_both_stay_down(landing):
     """It is 5 mm above the ground and sinks with 1.8 m/s, as lift is weight."""
-    touched = [(h.element, h.name, h.t) for h in landing.happenings if "wheel" in h.element]
+    touched = [(h.element, h.name, h.t) for h in landing.event_records if "wheel" in h.element]
     assert [(name, event) for name, event, _ in touched] == [
         ("flexible_wheel 'right_wheel'", "touch_down"), ("flexible_wheel 'left_wheel'", "touch_down"),
     ]  # fmt: skip

@@ -29,15 +29,15 @@ def test_commands_meet_damaged_files(tried):
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("version, told", [(0, "format 0 of another version"), (2, "format 2 of a newer mecano")])
-def test_a_run_of_another_format_is_not_resumed(tmp_path, version, told):
+@pytest.mark.parametrize("version, reported", [(0, "format 0 of another version"), (2, "format 2 of a newer mecano")])
+def test_a_run_of_another_format_is_not_resumed(tmp_path, version, reported):
     assert layout.FORMAT_VERSION == 1
     deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
     run(deck, path)
     with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = version
     before = path.read_bytes()
-    with pytest.raises(ResultsError, match=told):
+    with pytest.raises(ResultsError, match=reported):
         resume(deck, path)
     assert path.read_bytes() == before
 
@@ -48,10 +48,10 @@ def endless(*_):
 
 
 @pytest.mark.parametrize(
-    "reading, told",
+    "reading, reported",
     [(lambda path: os.kill(os.getpid(), signal.SIGKILL), "ends by SIGKILL"), (checked._read_quietly, "does not end")],
 )
-def test_a_file_without_sums_at_which_hdf5_would_crash_or_hang_is_refused(tmp_path, monkeypatch, reading, told):
+def test_a_file_without_sums_at_which_hdf5_would_crash_or_hang_is_refused(tmp_path, monkeypatch, reading, reported):
     run(decks()["bouncing_ball"], tmp_path / "r.h5")
     data = (tmp_path / "r.h5").read_bytes()
     (tmp_path / "r.h5").write_bytes(data[:-100])
@@ -60,5 +60,5 @@ def test_a_file_without_sums_at_which_hdf5_would_crash_or_hang_is_refused(tmp_pa
     monkeypatch.setattr(checked, "PATIENCE", 0.1)
     monkeypatch.setattr(checked, "_read_item", endless)
     monkeypatch.setattr(checked, "_read_quietly", reading)
-    with pytest.raises(ResultsError, match=f"sums at its end.* are missing, and reading it {told}"):
+    with pytest.raises(ResultsError, match=f"sums at its end.* are missing, and reading it {reported}"):
         info(tmp_path / "r.h5")

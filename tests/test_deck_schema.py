@@ -87,7 +87,7 @@ def test_copies_fit(validator):
     assert errors(validator, chain.replace("{repeat: {i: 0..$count}, type", "{repeat: 5, type"))
 
 
-def test_editors_are_told_of_everything():
+def test_editors_know_everything():
     """Every kind, term and section is there, its fields with unit, meaning and default."""
     schema = deck_schema()
     assert {field.name for field in SECTIONS} < set(schema["properties"])

@@ -64,7 +64,7 @@ def test_units_in_a_deck():
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "reported"),
     [
         ("every: 5e-3", "every: -5 ms", "'output.every' must be greater than zero [s], got -5 ms"),
         ("mass: 7e1", "mass: \u22125 kg", "got the text '\u22125 kg'; a number is written as 2.5 or 2.5 kg"),
@@ -73,11 +73,11 @@ def test_units_in_a_deck():
         ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 KN", "'KN' is not a unit; did you mean 'kN'?"),
     ],
 )
-def test_quantities_that_are_refused(old, new, told):
+def test_quantities_that_are_refused(old, new, reported):
     """What stands there, and what would be right."""
     assert VALID.count(old) == 1
     (problem,) = problems_of(VALID.replace(old, new))
-    assert told in problem
+    assert reported in problem
 
 
 @pytest.mark.parametrize(

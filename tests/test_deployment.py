@@ -4,13 +4,13 @@ import csv
 
 import numpy as np
 import pytest
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.errors import ConvergenceError
 from mecano.post import pictures
 from mecano.post.deployment import deployment_sheet, margin_told
-from mecano.post.happenings import groups, shock_sheet
+from mecano.post.event_groups import groups, shock_sheet
 from mecano.post.info import info
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
@@ -43,8 +43,8 @@ def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_en
     angle = (np.arange(40) + 0.5) * 2.6 / 40
     margin = 4.0 - np.sin(np.pi * angle / 2.6)
     margin[-2:] = 9.0, 2.0
-    told = margin_told(angle, margin)
-    assert told == "least 3 at 1.27 rad; in the last 5% of the way 2 at 2.57 rad"
+    reported = margin_told(angle, margin)
+    assert reported == "least 3 at 1.27 rad; in the last 5% of the way 2 at 2.57 rad"
     margin[-2:] = np.nan
     assert margin_told(angle, margin).endswith("in the last 5% of the way nothing resists")
 
@@ -67,7 +67,7 @@ def test_shocks_are_a_table_and_a_sheet(panel, tmp_path, monkeypatch):
     assert sheet.panels[1].curves[0].y.values[-1] == lock.energy_lost
 
 
-def test_what_is_alike_at_one_instant_is_told_together(panel):
+def test_what_is_alike_at_one_instant_is_grouped(panel):
     class Several:
         time = np.array([0.0, 1.0])
         events = [*open_results(panel).events] * 3
@@ -82,9 +82,9 @@ def test_a_torque_that_is_too_weak(tmp_path):
     """A spring of 0.2 N m/rad stands still below the latch, where dampers have taken all that it gave."""
     law = "{spring: {stiffness: 0.2}, damper: {coefficient: 0.5}}"
     weak = input_deck("panel_lock", "gravity=[0, -1, 0]", f"joints.hinge.turning_law={law}", "time.end=12")
-    told = []
-    run(weak, tmp_path / "weak.h5", announce=told.append)
-    (text,) = told
+    reported = []
+    run(weak, tmp_path / "weak.h5", announce=reported.append)
+    (text,) = reported
     results = open_results(tmp_path / "weak.h5")
     angle = results["joints/hinge/angle"].values[-1]
     assert 0.2 * (np.pi / 2.0 - angle) == pytest.approx(0.5 * np.cos(angle), rel=1e-3)
@@ -96,13 +96,15 @@ def test_a_torque_that_is_too_weak(tmp_path):
 def test_a_latch_that_holds_the_others_back(tmp_path):
     """Of a linkage with one freedom the latch of the crank closes first; that of the rocker never does."""
     latches = ("joints.hinge_a.latch.angle=-0.3", "joints.hinge_d.latch.angle=1.5", "time.end=1.5")
-    told = []
-    run(input_deck("four_bar", *latches), tmp_path / "held.h5", announce=told.append)
+    reported = []
+    run(input_deck("four_bar", *latches), tmp_path / "held.h5", announce=reported.append)
     results = open_results(tmp_path / "held.h5")
     assert [event.element for event in results.events if event.name == "locks"] == ["hinge 'hinge_a'"]
     angle = results["joints/hinge_d/angle"].values[-1]
-    assert told[-1].startswith(f"1 of 2 latches never closed: hinge 'hinge_d' at {angle:.4g} of 1.5 rad, moving at ")
-    assert abs(float(told[-1].split()[-2])) < 1e-9
+    assert reported[-1].startswith(
+        f"1 of 2 latches never closed: hinge 'hinge_d' at {angle:.4g} of 1.5 rad, moving at "
+    )
+    assert abs(float(reported[-1].split()[-2])) < 1e-9
 
 
 STOPPED = """

@@ -24,11 +24,11 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
     for name in ("docs", "inputs"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated"))
-    told = []
-    Verify(told)("Rolling", "disc: speed [m/s]", [2.0, 3.00000001], [2.0, 3.0], "closed form", relative=1e-8)
-    Verify(told).second_order("Shocks", "a ball", 1.04, 1.01, 1.0, 1e-3, "its flight")
+    reported = []
+    Verify(reported)("Rolling", "disc: speed [m/s]", [2.0, 3.00000001], [2.0, 3.0], "closed form", relative=1e-8)
+    Verify(reported).second_order("Shocks", "a ball", 1.04, 1.01, 1.0, 1e-3, "its flight")
     (folder / "build").mkdir()
-    (folder / "build" / "verification.json").write_text(json.dumps([record for _, record in told]))
+    (folder / "build" / "verification.json").write_text(json.dumps([record for _, record in reported]))
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", folder / "docs", folder / "built"]
     built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr
@@ -58,17 +58,17 @@ def test_pages_ask_for_nothing_from_elsewhere(site):
         assert not [address for address in asked if re.match(r"(https?:)?//", address)], page.name
 
 
-def test_the_manual_shows_what_tests_told(site):
+def test_the_manual_shows_what_tests_reported(site):
     page = (site / "generated" / "verification.html").read_text(encoding="utf-8")
     for shown in ("3.00000001", "disc: speed [m/s], 2 numbers", "order 2.00", "its flight", "verification_shocks.svg"):
         assert shown in page
 
 
-def test_a_number_beyond_its_tolerance_fails_and_is_told():
-    told = []
+def test_a_number_beyond_its_tolerance_fails_and_is_reported():
+    reported = []
     with pytest.raises(AssertionError, match="speed"):
-        Verify(told)("Rolling", "speed", 1.1, 1.0, "closed form", relative=0.01)
-    assert told[0][1]["error"] == pytest.approx(0.1)
+        Verify(reported)("Rolling", "speed", 1.1, 1.0, "closed form", relative=0.01)
+    assert reported[0][1]["error"] == pytest.approx(0.1)
 
 
 def test_every_command_and_option_is_on_the_page_of_commands(site):

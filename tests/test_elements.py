@@ -9,7 +9,7 @@ import yaml
 from instances import ALL_KINDS, GRAVITY, KINDS, expand, samples, seed_of, turned_values
 from scipy.spatial.transform import Rotation
 
-from mecano.contract import Context
+from mecano.element_interface import Context
 from mecano.laws.table import LawTable
 
 every_kind = pytest.mark.parametrize("kind", ALL_KINDS.values(), ids=ALL_KINDS)
@@ -64,13 +64,13 @@ def test_tangents_are_derivatives_of_the_force(kind):
         t, state = sample.motion.t, instance.local(sample.motion)
         tangents = instance.force(t, state, K_SCALE, PENALTY)[1:]
         n = instance.kind.n_local
-        end = n - len(instance.kind.multipliers) - len(instance.kind.borrowed)
+        end = n - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)
         for array, tangent in enumerate(tangents):
             expected = np.zeros((n, n))
             for column in range(n if array == 0 else end):
                 expected[:, column] = slope(instance, t, state, array, column)
             expected[:, end:] *= K_SCALE  # the multiplier in q is k lambda, that of the tangent lambda
-            close(tangent, expected, 1e-7, mode=sample.mode, of=instance.kind.name, tangent="KCM"[array])
+            close(tangent, expected, 1e-7, phase=sample.phase, of=instance.kind.name, tangent="KCM"[array])
 
 
 @every_kind
@@ -90,7 +90,7 @@ def test_functions_are_pure(kind):
             before = [array.copy() for array in inputs]
 
             def results(i=instance, t=t, state=state, F=F):
-                found = [i.levels(t, state), *i.observe(t, state, F)]
+                found = [i.constraint_derivatives(t, state), *i.observe(t, state, F)]
                 if i.kind.acts:
                     found += i.force(t, state, K_SCALE, PENALTY)
                 for name, size in (("event_values", len(i.kind.events)), ("commit", len(i.kind.memory))):
@@ -110,7 +110,7 @@ FREE = {"air", "free", "between", "slack", "taut", "paying out"}  # modes in whi
 
 def lets_go(instance):
     """True in a mode in which the constraints of a kind do not hold."""
-    return instance.kind.modes[instance.mode] in FREE
+    return instance.kind.phases[instance.phase] in FREE
 
 
 @every_kind
@@ -119,19 +119,21 @@ def test_levels_are_rates_of_the_constraint(kind):
         if not instance.kind.multipliers:
             continue
 
-        def levels(h, sample=sample, instance=instance):
+        def constraint_derivatives(h, sample=sample, instance=instance):
             later = sample.motion.after(h)
-            return instance.levels(later.t, instance.after(h).local(later))
+            return instance.constraint_derivatives(later.t, instance.after(h).local(later))
 
-        rates = difference(levels, 1e-4)
-        value, rate, second = levels(0.0).T
+        rates = difference(constraint_derivatives, 1e-4)
+        value, rate, second = constraint_derivatives(0.0).T
         position = value != 0.0  # a constraint on velocities has no value, its rate is the constraint
         np.testing.assert_allclose(rate[position], rates[position, 0], rtol=1e-7, atol=1e-8)
         np.testing.assert_allclose(second, rates[:, 1], rtol=1e-7, atol=1e-8)
-        let_go = not np.any((value, rate, second))
-        assert let_go == lets_go(instance) and (let_go or np.all(rate != 0.0))
+        deactivate = not np.any((value, rate, second))
+        assert deactivate == lets_go(instance) and (deactivate or np.all(rate != 0.0))
         _, v, a, _ = state = instance.local(sample.motion)
-        np.testing.assert_array_equal(instance.levels(sample.motion.t, (state[0], v, 0.0 * a, state[3]))[:, 1], rate)
+        np.testing.assert_array_equal(
+            instance.constraint_derivatives(sample.motion.t, (state[0], v, 0.0 * a, state[3]))[:, 1], rate
+        )
 
 
 @every_kind
@@ -141,7 +143,7 @@ def test_multiplier_rows_are_the_constraint(kind):
         if n == 0:
             continue
         t, state = sample.motion.t, instance.local(sample.motion)
-        value, rate, _ = instance.levels(t, state).T
+        value, rate, _ = instance.constraint_derivatives(t, state).T
         f = instance.force(t, state, K_SCALE, 0.0)[0]
         held = -K_SCALE * np.where(value != 0.0, value, rate)
         expected = -instance.multipliers if lets_go(instance) else held
@@ -175,10 +177,10 @@ def test_power_of_the_forces_is_the_change_of_energy(kind):
             state, n = instance.local(motion), len(instance.kind.multipliers)
             f = instance.force(motion.t, state)[0]
             terms = (f * state[1])[: len(f) - n]
-            power += terms.sum() + instance.multipliers @ instance.levels(motion.t, state)[:, 1]
+            power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
         size += np.abs(energy(0.0)[0]).sum()
-        assert power == pytest.approx(difference(lambda h: energy(h)[1], 1e-3), abs=1e-8 * size), sample.mode
+        assert power == pytest.approx(difference(lambda h: energy(h)[1], 1e-3), abs=1e-8 * size), sample.phase
         assert dissipated >= -1e-12 * size
 
 
@@ -212,7 +214,7 @@ def test_forces_turn_with_the_whole_model(kind):
     for sample in samples(kind):
         values = turned_values(kind, sample.values, Q, shift)
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
-        twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
+        twins = expand(kind, values, nodes, sample.phase, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
         for instance in sample.instances:
             if lets_go(instance):
@@ -267,7 +269,7 @@ def force_on_nodes(instances, motion, penalty=PENALTY):
         f = instance.force(motion.t, instance.local(motion), 1.0, penalty)[0]
         for i, slot in enumerate(instance.kind.layout):
             (force if slot[0] == "x" else moment)[instance.nodes[int(slot[1:])]] += f[3 * i : 3 * i + 3]
-        end = len(f) - len(instance.kind.multipliers) - len(instance.kind.borrowed)
+        end = len(f) - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)
         scalars.append(f[3 * len(instance.kind.layout) : end])
         size += f[end:] @ f[end:]
     return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
@@ -282,13 +284,13 @@ def test_declarations_are_complete(kind):
     assert all(text.strip() for text in texts)
     names = [field.name for field in kind.fields], [output.name for output in kind.outputs]
     assert all(len(set(group)) == len(group) for group in names)
-    assert bool(kind.multipliers) == ((kind.levels or kind.velocity_constraints) is not None)
+    assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.velocity_constraints) is not None)
     assert bool(kind.outputs) <= (kind.observe is not None)
     assert bool(kind.memory) == (kind.commit is not None)
     assert bool(kind.events) == (kind.event_values is not None)
     assert kind.acts or kind.observe is not None
     for event in kind.events:
-        assert event.before in kind.modes and event.after in kind.modes
+        assert event.before in kind.phases and event.after in kind.phases
 
 
 def first_of(name):
@@ -318,8 +320,8 @@ def test_outputs_of_parts_are_declared_by_their_owner(kind):
 @every_kind
 def test_every_mode_has_a_sample_that_passes_the_check(kind):
     found = samples(kind)
-    modes = set().union(*(kind.chosen(sample.values).modes for sample in found))
-    assert {sample.mode for sample in found} == modes | set(kind.modes)
+    phases = set().union(*(kind.chosen(sample.values).phases for sample in found))
+    assert {sample.phase for sample in found} == phases | set(kind.phases)
     for sample in found:
         assert kind.check(sample.values, sample.nodes) == []
         for name in set(sample.values) - {field.name for field in kind.fields}:

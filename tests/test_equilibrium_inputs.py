@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from equilibria import Path
-from marching import INPUTS, deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
 import mecano
 from mecano.analyses.modal import modes
@@ -82,7 +82,7 @@ def statics_and_modes(elements):
     """Lateral buckling loads [N] found by the stability of the path, and by the frequency that vanishes."""
     mesh = f"elements.blade.mesh={elements}"
     path = Path(input_deck("lateral_buckling", mesh, "static.steps=40"))
-    by_statics = 5.0 * float(path.result.remarks[0].split("near ")[1].split(",")[0])
+    by_statics = 5.0 * float(path.result.warnings[0].split("near ")[1].split(",")[0])
     loads, squares = (0.995 * by_statics, 0.999 * by_statics), []
     for load in loads:
         loaded = input_deck("lateral_buckling", mesh, f"parameters.load={load!r}", "static.steps=4")

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 g = 9.81
 WHEELS = """
@@ -40,12 +40,12 @@ def wheels(*heights, slope=0.0, speed=0.0, climb=0.0, end=0.2, step=1e-3):
         ]
     lines = "\n      "
     values = {"slope": slope, "speed": speed, "climb": climb, "end": end, "step": step}
-    return March(deck(WHEELS.format(nodes=lines.join(nodes), elements=lines.join(elements), **values)))
+    return RecordedRun(deck(WHEELS.format(nodes=lines.join(nodes), elements=lines.join(elements), **values)))
 
 
-def story(march):
+def story(recorded):
     """[(name of the event, name of the element)] in the order in which they happened."""
-    return [(h.name, h.element.split("'")[1]) for h in march.happenings]
+    return [(h.name, h.element.split("'")[1]) for h in recorded.event_records]
 
 
 def falling(height):
@@ -63,10 +63,10 @@ def time_on_ground(v):
 @pytest.mark.parametrize("slope", [0.0, 0.3], ids=["level", "slope"])
 def test_touch_down_of_a_ballistic_wheel(slope, step):
     """A parabola meets a plane: h + v_n t - g_n t^2/2 = r0 along the normal."""
-    march = wheels(0.6, slope=slope, speed=-3.0, climb=1.0, end=0.4, step=step)
+    recorded = wheels(0.6, slope=slope, speed=-3.0, climb=1.0, end=0.4, step=step)
     n = np.array([slope, 0.0, 1.0]) / math.hypot(slope, 1.0)
     h, v, a = 0.6 * n[2] - 0.3, -3.0 * n[0] + n[2], -g * n[2]
-    (down, *_) = march.happenings
+    (down, *_) = recorded.event_records
     assert (down.name, down.before, down.after) == ("touch_down", "air", "contact")
     assert down.t == pytest.approx((-v - math.sqrt(v * v - 2 * a * h)) / a, abs=1e-9)
 
@@ -75,10 +75,12 @@ def test_lift_off_is_of_second_order():
     """The contact of a linear tyre ends after (2 pi - 2 atan(v p/g))/p."""
     exact, errors = falling(0.4) + time_on_ground(g * falling(0.4)), []
     for step in (1e-3, 5e-4, 2.5e-4):
-        march = wheels(0.4, step=step)
-        assert story(march) == [("touch_down", "tire_0"), ("lift_off", "tire_0")]
-        errors.append(abs(march.happenings[1].t - exact))
-        at_events = march["elements/tire_0/deformation"][np.isin(march.time, [h.t for h in march.happenings])]
+        recorded = wheels(0.4, step=step)
+        assert story(recorded) == [("touch_down", "tire_0"), ("lift_off", "tire_0")]
+        errors.append(abs(recorded.event_records[1].t - exact))
+        at_events = recorded["elements/tire_0/deformation"][
+            np.isin(recorded.time, [h.t for h in recorded.event_records])
+        ]
         assert len(at_events) == 2 and at_events.max() < 1e-12
     assert errors[0] < 1e-4
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.5)
@@ -109,10 +111,10 @@ def test_stops_of_a_strut():
     exact = np.array([first, first + half, first + half + 0.15, first + half + 0.15 + half])
     errors = []
     for step in (1e-3, 5e-4, 2.5e-4):
-        march = March(deck(STRUT.format(step=step)))
+        recorded = RecordedRun(deck(STRUT.format(step=step)))
         names = [f"{side} stop {what}" for side in ("lower", "upper") for what in ("closes", "opens")]
-        assert [h.name for h in march.happenings][:4] == names
-        found = np.array([h.t for h in march.happenings][:4])
+        assert [h.name for h in recorded.event_records][:4] == names
+        found = np.array([h.t for h in recorded.event_records][:4])
         assert found[0] == pytest.approx(first, abs=1e-12)
         errors.append(np.abs(found - exact)[1:])
     assert errors[0].max() < 1e-3
@@ -122,9 +124,9 @@ def test_stops_of_a_strut():
 
 def test_several_at_once_and_in_order():
     """Two wheels of four are equally high; one is a little, one much higher."""
-    march = wheels(0.4, 0.44, 0.4, 0.4001, end=0.174)
-    assert story(march) == [("touch_down", f"tire_{i}") for i in (0, 2, 3, 1)]
-    first, second, third, last = (h.t for h in march.happenings)
+    recorded = wheels(0.4, 0.44, 0.4, 0.4001, end=0.174)
+    assert story(recorded) == [("touch_down", f"tire_{i}") for i in (0, 2, 3, 1)]
+    first, second, third, last = (h.t for h in recorded.event_records)
     assert first == second == pytest.approx(falling(0.4), abs=1e-9)
     assert third == pytest.approx(falling(0.4001), abs=1e-9)
     assert last == pytest.approx(falling(0.44), abs=1e-9)
@@ -133,9 +135,9 @@ def test_several_at_once_and_in_order():
 @pytest.mark.parametrize("gap", [1e-5, 1e-7, 1e-9, 1e-11, 1e-13])
 def test_one_event_right_after_another(gap):
     """The second wheel follows the first by 7e-6 to 7e-14 s: both touch down, none is lost, at their times."""
-    march = wheels(0.4, 0.4 + gap)
-    assert story(march)[:2] == [("touch_down", "tire_0"), ("touch_down", "tire_1")]
-    times = [h.t for h in march.happenings]
+    recorded = wheels(0.4, 0.4 + gap)
+    assert story(recorded)[:2] == [("touch_down", "tire_0"), ("touch_down", "tire_1")]
+    times = [h.t for h in recorded.event_records]
     assert times == sorted(times) and len(times) == 4
     assert times[:2] == pytest.approx([falling(0.4), falling(0.4 + gap)], abs=1e-9)
 
@@ -144,44 +146,46 @@ def test_one_event_right_after_another(gap):
 @pytest.mark.parametrize("above", [0.0, 1e-13, 1e-12])
 def test_an_event_at_the_beginning_of_a_step(above, climb):
     """A wheel that starts on the ground, or next to it, does not fall through."""
-    march = wheels(0.3 + above, climb=climb, end=0.01)
-    assert story(march) == [("touch_down", "tire_0")]
-    assert march.happenings[0].t <= 1e-6
-    assert march["elements/tire_0/deformation"][-1] > 1e-4
+    recorded = wheels(0.3 + above, climb=climb, end=0.01)
+    assert story(recorded) == [("touch_down", "tire_0")]
+    assert recorded.event_records[0].t <= 1e-6
+    assert recorded["elements/tire_0/deformation"][-1] > 1e-4
 
 
 def test_a_wheel_that_starts_on_the_ground_and_rises():
     """Its event value is zero at the start, but no touch-down happens there: it comes back after 2 v/g."""
-    march = wheels(0.3, climb=0.01, end=0.004, step=4e-3)
-    assert story(march) == [("touch_down", "tire_0")]
-    assert march.happenings[0].t == pytest.approx(2 * 0.01 / g, abs=1e-9)
+    recorded = wheels(0.3, climb=0.01, end=0.004, step=4e-3)
+    assert story(recorded) == [("touch_down", "tire_0")]
+    assert recorded.event_records[0].t == pytest.approx(2 * 0.01 / g, abs=1e-9)
 
 
 def test_a_wheel_that_starts_in_the_ground_is_in_contact():
     """The mode at the start is no event."""
-    march = wheels(0.29, end=0.01)
-    assert story(march) == [] and march["elements/tire_0/radial_force"][0] == pytest.approx(STIFFNESS * 0.01)
+    recorded = wheels(0.29, end=0.01)
+    assert story(recorded) == [] and recorded["elements/tire_0/radial_force"][0] == pytest.approx(STIFFNESS * 0.01)
 
 
 @pytest.mark.parametrize("late", [-1e-9, -1e-12, 1e-12, 1e-9])
 def test_an_event_near_the_end_of_the_run(late):
     """The run ends when it is told to; what lies before the end has happened, at its time, and nothing else."""
-    march = wheels(0.4, end=falling(0.4) + late)
-    assert march.time[-1] == march.run.motion.t == falling(0.4) + late
-    assert story(march) == ([("touch_down", "tire_0")] if late > 0 else [])
-    assert all(h.t == pytest.approx(falling(0.4), abs=5e-13) for h in march.happenings)
-    deformation = march["elements/tire_0/deformation"][-1]
+    recorded = wheels(0.4, end=falling(0.4) + late)
+    assert recorded.time[-1] == recorded.run.motion.t == falling(0.4) + late
+    assert story(recorded) == ([("touch_down", "tire_0")] if late > 0 else [])
+    assert all(h.t == pytest.approx(falling(0.4), abs=5e-13) for h in recorded.event_records)
+    deformation = recorded["elements/tire_0/deformation"][-1]
     assert deformation == pytest.approx(max(late, 0.0) * g * falling(0.4), rel=1e-2, abs=1e-14)
 
 
 @pytest.mark.parametrize("late", [-1e-14, -1e-16, 0.0, 1e-16, 1e-15])
 def test_an_event_within_rounding_of_the_end_of_the_run(late):
     """Whether it still happens is a matter of rounding, when and how often is not."""
-    march = wheels(0.4, end=falling(0.4) + late)
-    assert march.time[-1] == march.run.motion.t == falling(0.4) + late
-    assert story(march) in ([], [("touch_down", "tire_0")])
-    assert all(h.t == pytest.approx(falling(0.4), abs=1e-13) and h.t <= march.time[-1] for h in march.happenings)
-    assert np.abs(march["elements/tire_0/deformation"][-1]) <= 1e-14
+    recorded = wheels(0.4, end=falling(0.4) + late)
+    assert recorded.time[-1] == recorded.run.motion.t == falling(0.4) + late
+    assert story(recorded) in ([], [("touch_down", "tire_0")])
+    assert all(
+        h.t == pytest.approx(falling(0.4), abs=1e-13) and h.t <= recorded.time[-1] for h in recorded.event_records
+    )
+    assert np.abs(recorded["elements/tire_0/deformation"][-1]) <= 1e-14
 
 
 @pytest.mark.parametrize("early", [1e-6, 1e-8, 1e-10])
@@ -189,12 +193,12 @@ def test_forces_where_a_step_to_an_event_is_very_short(early):
     """In free fall nothing is transmitted, whatever is left of the step before the touch-down, 1 km from the origin."""
     drop = 3.05 * (0.01 + early) + 0.5 * g * (0.01 + early) ** 2
     places = [f"nodes.{node}.position=[1000, 0, {0.3225 + drop!r}]" for node in ("fork", "hub")]
-    march = March(input_deck("wheel_spin_up", *places, "time={end: 0.02, step: 1.0e-3}"))
-    assert march.happenings[0].t == pytest.approx(0.01 + early, abs=1e-12)
-    i = int(np.argmax(march.time >= march.happenings[0].t))
-    assert march.time[i] - march.time[i - 1] == pytest.approx(early, rel=1e-3)
-    assert abs(march["joints/tow/force"][i]) < 1e-6
-    assert np.abs(march["joints/bearing/force"][i]).max() < 1e-6
+    recorded = RecordedRun(input_deck("wheel_spin_up", *places, "time={end: 0.02, step: 1.0e-3}"))
+    assert recorded.event_records[0].t == pytest.approx(0.01 + early, abs=1e-12)
+    i = int(np.argmax(recorded.time >= recorded.event_records[0].t))
+    assert recorded.time[i] - recorded.time[i - 1] == pytest.approx(early, rel=1e-3)
+    assert abs(recorded["joints/tow/force"][i]) < 1e-6
+    assert np.abs(recorded["joints/bearing/force"][i]).max() < 1e-6
 
 
 RAMP = """
@@ -219,17 +223,17 @@ PUSHED = 0.5 * 10 * (0.0719 - 0.0137) / 2 + 10 * (0.1 - 0.0719) / 2  # velocity 
 @pytest.mark.parametrize("control", CONTROLS, ids=["fixed", "adaptive"])
 def test_steps_end_at_the_corners_of_a_load(control):
     """The method without damping integrates a ramp exactly, unless a step goes over a corner."""
-    march = March(deck(RAMP.format(control=control)))
-    assert 0.0137 in march.time and 0.0719 in march.time and march.time[-1] == 0.1
-    assert march["nodes/ball/velocity"][-1, 0] == pytest.approx(PUSHED, rel=1e-13)
+    recorded = RecordedRun(deck(RAMP.format(control=control)))
+    assert 0.0137 in recorded.time and 0.0719 in recorded.time and recorded.time[-1] == 0.1
+    assert recorded["nodes/ball/velocity"][-1, 0] == pytest.approx(PUSHED, rel=1e-13)
 
 
 def test_corners_of_a_load_cost_no_order():
     """With damping the velocity is of second order, also where steps were cut to meet corners."""
     errors = []
     for step in ("1.0e-2", "5.0e-3", "2.5e-3"):
-        march = March(deck(RAMP.format(control="").replace("1.0e-2", step)))
-        errors.append(abs(march["nodes/ball/velocity"][-1, 0] / PUSHED - 1.0))
+        recorded = RecordedRun(deck(RAMP.format(control="").replace("1.0e-2", step)))
+        errors.append(abs(recorded["nodes/ball/velocity"][-1, 0] / PUSHED - 1.0))
     assert errors[0] < 2e-4
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, abs=0.1)
@@ -237,10 +241,10 @@ def test_corners_of_a_load_cost_no_order():
 
 def test_no_step_is_accepted_with_more_error_than_allowed():
     """Nor one that leads to an event: 1e-4 per second here."""
-    march = March(input_deck("wheel_drop"))
-    errors = np.array([info.error for info in march.infos])
-    assert len(march.happenings) == 6
-    assert (errors <= 1e-4 * np.diff(march.time) * (1 + 1e-9)).all()
+    recorded = RecordedRun(input_deck("wheel_drop"))
+    errors = np.array([info.error for info in recorded.infos])
+    assert len(recorded.event_records) == 6
+    assert (errors <= 1e-4 * np.diff(recorded.time) * (1 + 1e-9)).all()
 
 
 AXLE = """
@@ -284,8 +288,8 @@ def test_equal_wheels_lift_off_at_one_instant(heading, pull):
 
     The pull, which grows for 1 s, bears the weight of 140 kg at 140 x 9.81/pull; the axle does not roll.
     """
-    march = March(deck(AXLE.replace("HEADING", str(heading)).replace("PULL", str(pull))))
-    assert sorted(story(march)) == [("lift_off", "wheel_left"), ("lift_off", "wheel_right")]
-    first, second = (h.t for h in march.happenings)
+    recorded = RecordedRun(deck(AXLE.replace("HEADING", str(heading)).replace("PULL", str(pull))))
+    assert sorted(story(recorded)) == [("lift_off", "wheel_left"), ("lift_off", "wheel_right")]
+    first, second = (h.t for h in recorded.event_records)
     assert first == second == pytest.approx(140.0 * g / pull, abs=1e-8)
-    assert np.abs(march["nodes/axle/angular_velocity"][:, :2]).max() < 1e-9  # wheels turn at 25 rad/s: rounding
+    assert np.abs(recorded["nodes/axle/angular_velocity"][:, :2]).max() < 1e-9  # wheels turn at 25 rad/s: rounding

@@ -6,8 +6,8 @@ import every_kind
 import h5py
 import numpy as np
 import pytest
-from marching import INPUTS
 from process import mecano_process, settings
+from time_runs import INPUTS
 
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
@@ -94,7 +94,7 @@ def test_all_columns_of_the_solver_history(path, tmp_path):
         export(path, tmp_path / "a.csv", series=["solver.step_*x"])
 
 
-def test_what_cannot_be_exported_is_told(path, tmp_path):
+def test_what_cannot_be_exported_is_reported(path, tmp_path):
     for options in ({"output": tmp_path / "a.txt"}, {"vtk": True, "output": tmp_path / "a.csv"}):
         with pytest.raises(UsageError, match=".vtkhdf"):
             export(path, **options)
@@ -226,5 +226,5 @@ def test_nothing_is_added_to_a_file_that_is_being_written(tmp_path):
 
 def test_the_command(own, tmp_path):
     assert mecano_process("export", own, "--vtk", "-o", tmp_path / "a.vtkhdf")[:2] == (0, f"{tmp_path / 'a.vtkhdf'}\n")
-    code, _, told = mecano_process("export", own, "--vtk", "-o", tmp_path / "a.vtkhdf")
-    assert code == 5 and "--force" in told
+    code, _, reported = mecano_process("export", own, "--vtk", "-o", tmp_path / "a.vtkhdf")
+    assert code == 5 and "--force" in reported

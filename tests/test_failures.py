@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from marching import March, deck, in_python, input_deck
+from time_runs import RecordedRun, deck, in_python, input_deck
 
 import mecano
 import mecano.analyses.prepare
@@ -87,7 +87,7 @@ def test_no_convergence(tmp_path):
 def test_forces_that_are_not_finite(monkeypatch):
     monkeypatch.setattr(mecano.analyses.prepare, "SMALLEST_STEP", 0.5)  # as in SHORT
     with pytest.raises(NonFiniteError, match="a residual is not finite") as error:
-        March(deck(OVERFLOW))
+        RecordedRun(deck(OVERFLOW))
     head, worst = str(error.value).split("worst equations:\n")
     first, *_ = worst.splitlines()
     assert first.startswith("  node pin: force x: residual ")
@@ -172,9 +172,9 @@ def failing(step, when):
 def with_failing(when):
     """A change of a march: steps fail where ``when(state, h)``."""
 
-    def change(march, run):
-        in_python(march)
-        march.method.step = failing(march.method.step, when)
+    def change(integrator, run):
+        in_python(integrator)
+        integrator.method.step = failing(integrator.method.step, when)
         return run
 
     return change
@@ -189,15 +189,17 @@ def test_a_search_of_an_event_that_fails_once_tries_a_smaller_step():
         failures.extend([h] * inside)
         return inside
 
-    march = March(input_deck("wheel_drop", *WHEEL), change=with_failing(when))
+    recorded = RecordedRun(input_deck("wheel_drop", *WHEEL), change=with_failing(when))
     assert len(failures) == 1
-    assert march.happenings[0].name == "touch_down" and march.happenings[0].t == pytest.approx(FALL, abs=1e-9)
-    assert march.run.rejected == 1
+    assert recorded.event_records[0].name == "touch_down" and recorded.event_records[0].t == pytest.approx(
+        FALL, abs=1e-9
+    )
+    assert recorded.run.rejected == 1
 
 
 def test_a_search_of_an_event_that_always_fails_stops_the_run():
     with pytest.raises(ConvergenceError, match="no step could be taken at t = 0.142"):
-        March(input_deck("wheel_drop", *WHEEL), change=with_failing(lambda s, h: h < 0.999e-3 and s.t > 0.14))
+        RecordedRun(input_deck("wheel_drop", *WHEEL), change=with_failing(lambda s, h: h < 0.999e-3 and s.t > 0.14))
 
 
 STRUTS = """
@@ -218,13 +220,13 @@ STRUTS = """
 def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
     """A stop that is met in every mode: the march ends, and the element is named."""
 
-    def contradict(march, run):
-        plain = march.system.event_values
-        march.system.event_values = lambda s: plain(s) if s.t < 0.02 else np.ones_like(plain(s))
-        return in_python(march, run)
+    def contradict(recorded, run):
+        plain = recorded.system.event_values
+        recorded.system.event_values = lambda s: plain(s) if s.t < 0.02 else np.ones_like(plain(s))
+        return in_python(recorded, run)
 
     with pytest.raises(ConvergenceError) as error:
-        March(deck(STRUTS), change=contradict)
+        RecordedRun(deck(STRUTS), change=contradict)
     said = str(error.value)
     assert said.startswith("time stands still at t = 0.02") and "spring_damper 'strut' has met 'lower stop" in said
     assert "(between -> below) 21 times" in said or "(below -> between) 21 times" in said

@@ -5,7 +5,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
-from marching import INPUTS, deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import modal, sweep
 from mecano.analyses.modal import about, modes

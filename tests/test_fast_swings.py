@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from marching import March, deck
 from scipy.integrate import solve_ivp
+from time_runs import RecordedRun, deck
 
 TOLERANCE = 1e-3
 
@@ -35,16 +35,16 @@ def test_a_stiff_member_gains_no_energy_at_a_start_and_where_steps_grow(rho):
     stiffness, stretch = 4e6, 1e-6  # omega h = 40
 
     time = f"{{end: 0.4, step: 0.02, rho_inf: {rho}}}"
-    march = March(oscillator(stiffness, stretch, time), change=lambda march, run: replace(run, h=1e-3))
-    x, v = (march[f"nodes/weight/{name}"][:, 0] for name in ("position", "velocity"))
-    assert march.run.steps > 20 and np.diff(march.time).max() > 19e-3
+    recorded = RecordedRun(oscillator(stiffness, stretch, time), change=lambda integrator, run: replace(run, h=1e-3))
+    x, v = (recorded[f"nodes/weight/{name}"][:, 0] for name in ("position", "velocity"))
+    assert recorded.run.steps > 20 and np.diff(recorded.time).max() > 19e-3
     assert (0.5 * v**2 + 0.5 * stiffness * (x - 1.0) ** 2).max() <= 1.01 * 0.5 * stiffness * stretch**2
 
 
 def test_steps_of_a_slow_motion_are_not_held_by_a_small_fast_one():
     """A swing of 1e-6 m and 1600 Hz beside one of 1 m: as many steps, to a tenth, as without it."""
     time = f"{{end: 6, step: 1.0e-3, rho_inf: 0.8, adaptive: {{tolerance: {TOLERANCE}, maximum_step: 0.5}}}}"
-    still, swinging = (March(oscillator(1e8, stretch, time)).run for stretch in (0.0, 1e-6))
+    still, swinging = (RecordedRun(oscillator(1e8, stretch, time)).run for stretch in (0.0, 1e-6))
     assert swinging.steps <= 1.1 * still.steps
 
 
@@ -53,10 +53,10 @@ def test_a_mode_is_off_by_its_amplitude_at_most(phase):
     """However well steps resolve it: about its amplitude is counted, where the sum of errors is 60 to 70,000 of it."""
     frequency, amplitude, duration = 1e3, 1e-5, 1e3  # rad/s, m, s
     h = phase / frequency
-    march = March(oscillator(frequency**2, amplitude, f"{{end: {20 * h}, step: {h}, rho_inf: 0.8}}"))
-    method, s = march.march.method, march.run.motion
+    recorded = RecordedRun(oscillator(frequency**2, amplitude, f"{{end: {20 * h}, step: {h}, rho_inf: 0.8}}"))
+    method, s = recorded.integrator.method, recorded.run.motion
     method.duration = duration
-    history, sums = march.run.history, []
+    history, sums = recorded.run.history, []
     for _ in range(12):
         s, history, info = method.step(s, history, h)
         errors = np.array([method.bounded_error(s, history, info), info.plain])
@@ -67,7 +67,7 @@ def test_a_mode_is_off_by_its_amplitude_at_most(phase):
 
 def pendulum(angle, end):
     """A bar of 1 m on a hinge, ``angle`` [rad] from where it hangs, with the error of its end [rad]."""
-    march = March(
+    recorded = RecordedRun(
         deck(f"""
         mecano: 1
         gravity: [0, 0, -9.81]
@@ -84,21 +84,21 @@ def pendulum(angle, end):
     swing = lambda t, y: (y[1], -9.81 / 1.1 * np.sin(y[0]))
     exact = solve_ivp(swing, (0.0, end), (angle, 0.0), method="DOP853", rtol=1e-12, atol=1e-14).y[0, -1]
     # turning about y by the angle of the hinge takes off the angle from the vertical
-    return march, abs(angle - march["joints/hinge/angle"][-1] - exact)
+    return recorded, abs(angle - recorded["joints/hinge/angle"][-1] - exact)
 
 
 def test_a_motion_that_steps_resolve_keeps_to_the_tolerance():
     """Small swings for 75 periods: within a factor 10 of the tolerance, as all others (test_adaptive.py)."""
-    march, error = pendulum(0.05, 150.0)
-    assert march.run.steps > 75 * 20
+    recorded, error = pendulum(0.05, 150.0)
+    assert recorded.run.steps > 75 * 20
     assert error <= 10.0 * TOLERANCE
 
 
 @pytest.mark.parametrize("angle, counts_whole", [(np.pi - 0.05, True), (0.05, False)])
 def test_what_grows_is_not_called_small(angle, counts_whole):
     """The error of a pendulum near its top is not reduced by what its stiffness, negative there, would make of it."""
-    march, _ = pendulum(angle, 0.1)
-    method, run = march.march.method, march.run
+    recorded, _ = pendulum(angle, 0.1)
+    method, run = recorded.integrator.method, recorded.run
     method.duration = 1e5
     s, history, info = method.step(run.motion, method.restart(run.motion, run.history, 0.02), 0.02)
     assert (method.bounded_error(s, history, info) == info.error) == counts_whole

@@ -6,8 +6,8 @@ Reference b1_shimmy: a trailing wheel with Moreland's tyre, characteristic polyn
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from small_motions import eigenvalues
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.lateral_law import FORMS, check_lateral, matrices, twists
@@ -88,34 +88,34 @@ def test_creep_shifts_the_eigenvalues_as_the_regularization():
 @pytest.mark.parametrize("kind", ["adhesive_wheel", "flexible_wheel"])
 def test_growth_of_shimmy_in_time(kind):
     """Growth rate and frequency of a small swing, to 1 percent."""
-    march = March(input_deck("caster_shimmy", f"elements.tire.type={kind}", "time.step=5e-4", "time.end=0.6",
+    recorded = RecordedRun(input_deck("caster_shimmy", f"elements.tire.type={kind}", "time.step=5e-4", "time.end=0.6",
                              "tire_laws.rubber.slip_regularization=1e-4"))  # fmt: skip
-    angle = march["joints/caster/angle"]
-    peaks = [i for i in range(1, len(angle) - 1) if angle[i - 1] < angle[i] >= angle[i + 1] and march.time[i] > 0.1]
-    rate = np.polyfit(march.time[peaks], np.log(angle[peaks]), 1)[0]
+    angle = recorded["joints/caster/angle"]
+    peaks = [i for i in range(1, len(angle) - 1) if angle[i - 1] < angle[i] >= angle[i + 1] and recorded.time[i] > 0.1]
+    rate = np.polyfit(recorded.time[peaks], np.log(angle[peaks]), 1)[0]
     assert rate == pytest.approx(4.455675965770043, rel=0.01)
-    assert 2 * np.pi / np.diff(march.time[peaks]).mean() == pytest.approx(64.538, rel=0.01)
+    assert 2 * np.pi / np.diff(recorded.time[peaks]).mean() == pytest.approx(64.538, rel=0.01)
 
 
 def test_the_lateral_force_builds_up_over_the_relaxation_length():
-    march = March(input_deck("step_steer", "tire_laws.rubber.slip_regularization=1e-3"))
-    force = march["elements/tire/tire_force"]
-    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
+    recorded = RecordedRun(input_deck("step_steer", "tire_laws.rubber.slip_regularization=1e-3"))
+    force = recorded["elements/tire/tire_force"]
+    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * recorded.time / 0.3))
     assert np.abs(np.abs(force) - expected).max() < 5e-3 * 1200.0
     assert np.abs(force[-1]) == pytest.approx(expected[-1], rel=2e-3)
-    assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/kinetic"][0]
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/kinetic"][0]
 
 
 def test_error_control_takes_a_law_without_a_rate_of_psi():
     """C1 = 0: psi = C F from the start on, rates included; the steps are those of the motion, not of a start-up."""
     adaptive = "time.adaptive={tolerance: 1e-5}", "tire_laws.rubber.slip_regularization=1e-3"
-    march = March(input_deck("step_steer", *adaptive))
-    force = march["elements/tire/tire_force"]
-    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * march.time / 0.3))
-    assert len(march.time) < 300
+    recorded = RecordedRun(input_deck("step_steer", *adaptive))
+    force = recorded["elements/tire/tire_force"]
+    expected = 6e4 * 0.02 * (1 - np.exp(-10.0 * recorded.time / 0.3))
+    assert len(recorded.time) < 300
     assert np.abs(np.abs(force) - expected).max() < 2e-3 * 1200.0
-    np.testing.assert_allclose(march["elements/tire/psi"], force / 6e4, rtol=2e-3, atol=1e-8)
-    assert march["elements/tire/psi_rate"][0] == pytest.approx(-10.0 * 0.02 / 0.3, rel=1e-3)
+    np.testing.assert_allclose(recorded["elements/tire/psi"], force / 6e4, rtol=2e-3, atol=1e-8)
+    assert recorded["elements/tire/psi_rate"][0] == pytest.approx(-10.0 * 0.02 / 0.3, rel=1e-3)
 
 
 DROP = """
@@ -148,26 +148,26 @@ LATERAL = f"lateral: {{moreland: {{{MORELAND_LAW}}}}}"
 
 
 def drop(kind="flexible_wheel", rough=0.0, step=2e-4, control="rho_inf: 0.8", lateral=LATERAL):
-    return March(deck(DROP.format(kind=kind, rough=rough, step=step, control=control, lateral=lateral)))
+    return RecordedRun(deck(DROP.format(kind=kind, rough=rough, step=step, control=control, lateral=lateral)))
 
 
 def test_energy_across_touch_down_slip_and_lift_off():
     """Dropped spinning on rough ground and sideways: the budget closes at second order."""
     leaks = []
     for step in (2e-4, 1e-4, 5e-5):
-        march = drop(rough=1e-5, step=step)
-        assert [h.name for h in march.happenings][:2] == ["touch_down", "lift_off"]
-        leaks.append(np.ptp(march["energy/balance"]))
+        recorded = drop(rough=1e-5, step=step)
+        assert [h.name for h in recorded.event_records][:2] == ["touch_down", "lift_off"]
+        leaks.append(np.ptp(recorded["energy/balance"]))
     assert leaks[2] < leaks[1] < leaks[0]
-    assert leaks[2] < 1e-4 * march["energy/total"][0]
+    assert leaks[2] < 1e-4 * recorded["energy/total"][0]
 
 
 def test_y_and_psi_relax_in_the_air():
     """dy/dt = -(K/D) y; M = 0 likewise with F = 0: dpsi/dt = -psi/C1."""
-    march = drop(step=5e-5)
-    up = next(h.t for h in march.happenings if h.name == "lift_off")
-    later = (march.time > up) & (march.time < up + 0.006)
-    y, psi, t = (v[later] for v in (march["elements/tire/y"], march["elements/tire/psi"], march.time))
+    recorded = drop(step=5e-5)
+    up = next(h.t for h in recorded.event_records if h.name == "lift_off")
+    later = (recorded.time > up) & (recorded.time < up + 0.006)
+    y, psi, t = (v[later] for v in (recorded["elements/tire/y"], recorded["elements/tire/psi"], recorded.time))
     assert abs(y[0]) > 1e-4
     np.testing.assert_allclose(y / y[0], np.exp(-(1e5 / 500) * (t - t[0])), atol=2e-3)
     np.testing.assert_allclose(psi / psi[0], np.exp(-(t - t[0]) / 2e-3), atol=5e-3)
@@ -175,16 +175,16 @@ def test_y_and_psi_relax_in_the_air():
 
 def test_an_adhesive_wheel_is_spun_up_at_once():
     """The slip of 20 - 15 m/s is gone in a shock: with 1/m = 1/20 + 0.3^2/1, 5 m N s against the motion, 12.5 m J."""
-    march = drop("adhesive_wheel", step=1e-4)
-    down, m = march.happenings[0], 1 / (1 / 20 + 0.3**2)
+    recorded = drop("adhesive_wheel", step=1e-4)
+    down, m = recorded.event_records[0], 1 / (1 / 20 + 0.3**2)
     assert (down.name, down.after, down.unit) == ("touch_down", "contact", "N s")
     assert down.impulse == pytest.approx(-5 * m, rel=1e-9) and down.lost == pytest.approx(12.5 * m, rel=1e-9)
-    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/total"][0]
-    assert march.run.dissipated > down.lost
-    touching = march["elements/tire/normal_force"] > 0.0
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * recorded["energy/total"][0]
+    assert recorded.run.dissipated > down.lost
+    touching = recorded["elements/tire/normal_force"] > 0.0
     for name in ("longitudinal_slip", "lateral_slip"):
-        assert np.abs(march[f"elements/tire/{name}"][touching]).max() < 1e-9
-    before, after = (march["elements/tire/spin_rate"][i] for i in (0, np.argmax(touching)))
+        assert np.abs(recorded[f"elements/tire/{name}"][touching]).max() < 1e-9
+    before, after = (recorded["elements/tire/spin_rate"][i] for i in (0, np.argmax(touching)))
     assert before == pytest.approx(50.0) and after == pytest.approx(50 + 0.3 * 5 / (1 / 20 + 0.3**2), abs=0.05)
 
 
@@ -244,9 +244,9 @@ def test_friction_falls_with_the_speed_of_the_axle():
           velocities: [{nodes: [hub], velocity: [20, 0, 0]}]
         time: {end: 2.0, step: 2.0e-3}
         """
-    march = March(deck(text))
-    expected = np.log(np.exp(0.05 * 20.0) - 0.05 * 0.6 * 9.81 * march.time) / 0.05
-    np.testing.assert_allclose(march["nodes/hub/velocity"][:, 0], expected, rtol=1e-5)
+    recorded = RecordedRun(deck(text))
+    expected = np.log(np.exp(0.05 * 20.0) - 0.05 * 0.6 * 9.81 * recorded.time) / 0.05
+    np.testing.assert_allclose(recorded["nodes/hub/velocity"][:, 0], expected, rtol=1e-5)
 
 
 def test_a_brake_keeps_its_bound_and_holds_a_stopped_wheel():
@@ -268,12 +268,12 @@ def test_a_brake_keeps_its_bound_and_holds_a_stopped_wheel():
           velocities: [{nodes: [hub], angular_velocity: [0, 10, 0]}]
         time: {end: 2.0, step: 1.0e-3}
         """
-    march = March(deck(text))
-    torque, rate = march["loads/brake/torque"], march["loads/brake/rate"]
+    recorded = RecordedRun(deck(text))
+    torque, rate = recorded["loads/brake/torque"], recorded["loads/brake/rate"]
     least = 0.5 * (65 - np.sqrt(15**2 + 4 * 0.02**2 * 1000))  # the smaller of 40 and 25 N m, smooth
     assert torque.max() == pytest.approx(least, rel=1e-9) and 24.9 < least < 25.0
-    moving = march.time < 0.9
-    np.testing.assert_allclose(rate[moving], 10 - (least - 5.0) / 2.0 * march.time[moving], rtol=1e-7)
+    moving = recorded.time < 0.9
+    np.testing.assert_allclose(rate[moving], 10 - (least - 5.0) / 2.0 * recorded.time[moving], rtol=1e-7)
     # creeps at the rate whose friction balances 5 N m: T x (2 - x) = 5
     x = 1 - np.sqrt(1 - 5.0 / least)
     assert rate[-1] == pytest.approx(0.01 * x, rel=1e-6) and torque[-1] == pytest.approx(5.0, rel=1e-6)
@@ -337,9 +337,9 @@ def test_a_wheel_at_rest_under_braking_stays():
             - {nodes: [hub], angular_velocity: [0, 10, 0]}
         time: {end: 1.5, step: 1.0e-3, adaptive: {tolerance: 1.0e-4}}
         """
-    march = March(deck(text))
-    v = march["nodes/leg/velocity"][:, 0]
+    recorded = RecordedRun(deck(text))
+    v = recorded["nodes/leg/velocity"][:, 0]
     decel = 100 / 0.3 / (100 + 0.4 / 0.09)
-    i = np.searchsorted(march.time, 0.5)
-    assert v[i] == pytest.approx(3.0 - decel * march.time[i], rel=0.02)
-    assert abs(v[-1]) < 1e-3 and np.ptp(march["energy/balance"]) < 1e-3 * march["energy/kinetic"][0]
+    i = np.searchsorted(recorded.time, 0.5)
+    assert v[i] == pytest.approx(3.0 - decel * recorded.time[i], rel=0.02)
+    assert abs(v[-1]) < 1e-3 and np.ptp(recorded["energy/balance"]) < 1e-3 * recorded["energy/kinetic"][0]

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from time_runs import RecordedRun, input_deck
 
 INERTIA, DAMPING, LINK, PLAY, TRAIL = 1.0, 10.0, 5.0e4, 2.0e-3, 0.1
 SIDE, YAW, YAW_TIME = 2.0e5, 1 / 6e4, 1.0e-3  # K, C, C1 of Moreland's tyre
@@ -50,9 +50,11 @@ def cycle(time, angle):
 
 
 def marched(V, *overrides):
-    march = March(input_deck("shimmy_freeplay", f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", *overrides))
-    late = march.time > march.time[-1] - 0.5
-    return cycle(march.time[late], march["joints/caster/angle"][late])
+    recorded = RecordedRun(
+        input_deck("shimmy_freeplay", f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", *overrides)
+    )
+    late = recorded.time > recorded.time[-1] - 0.5
+    return cycle(recorded.time[late], recorded["joints/caster/angle"][late])
 
 
 def test_the_describing_function_is_near_the_motion():

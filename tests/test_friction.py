@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
+from time_runs import RecordedRun, deck, input_deck
 
-from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.elements import KINDS
 from mecano.errors import ConvergenceError
 
@@ -44,10 +44,10 @@ def test_pendulum_braked_by_its_pin():
     """The angle is that of the one equation, with errors of the second order in the step."""
     errors, drifts = [], []
     for step in (2e-3, 1e-3):
-        march = March(input_deck("friction_pendulum", f"time.step={step}", "time.end=1.5"))
-        exact = pendulum(march.time)
-        errors.append(np.abs(1.2 - march["joints/hinge/angle"] - exact).max())
-        drifts.append(np.ptp(march["energy/balance"]))
+        recorded = RecordedRun(input_deck("friction_pendulum", f"time.step={step}", "time.end=1.5"))
+        exact = pendulum(recorded.time)
+        errors.append(np.abs(1.2 - recorded["joints/hinge/angle"] - exact).max())
+        drifts.append(np.ptp(recorded["energy/balance"]))
     assert errors[1] < 1e-5 and drifts[1] < 1e-5  # [rad], [J] of 1
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3)
     assert drifts[0] / drifts[1] == pytest.approx(4.0, rel=0.3)
@@ -55,22 +55,22 @@ def test_pendulum_braked_by_its_pin():
 
 def test_small_swings_lose_a_constant_amplitude_and_end():
     """Rigid bob, N = m g: each half swing is smaller by 2 mu r m g/(m g L); then it sticks within half of that."""
-    march = March(input_deck("friction_pendulum", "nodes.pin.orientation=[0, -0.2, 0]", "time.end=5"))
-    angle = 0.2 - march["joints/hinge/angle"]
-    turns = np.abs(angle[np.r_[0, np.flatnonzero(np.diff(np.sign(march["joints/hinge/rate"][1:]))) + 1]])
+    recorded = RecordedRun(input_deck("friction_pendulum", "nodes.pin.orientation=[0, -0.2, 0]", "time.end=5"))
+    angle = 0.2 - recorded["joints/hinge/angle"]
+    turns = np.abs(angle[np.r_[0, np.flatnonzero(np.diff(np.sign(recorded["joints/hinge/rate"][1:]))) + 1]])
     np.testing.assert_allclose(-np.diff(turns[:3]), 2 * 0.4 * 0.04 / 0.5, rtol=0.02)
-    assert abs(angle[-1]) < 0.4 * 0.04 / 0.5 and abs(march["joints/hinge/rate"][-1]) < 2e-3 / 0.04
+    assert abs(angle[-1]) < 0.4 * 0.04 / 0.5 and abs(recorded["joints/hinge/rate"][-1]) < 2e-3 / 0.04
 
 
 def test_strut_binds_beyond_the_threshold():
     """mu < b/(2 a) slides with P/m (1 - 2 mu a/b); mu > b/(2 a) creeps at eps (1 - sqrt(1 - b/(2 mu a)))."""
-    march = March(input_deck("binding_strut"))
-    np.testing.assert_allclose(march["joints/rail_1/normal_force"], 6000.0, rtol=1e-9)
-    acceleration = np.diff(march["joints/rail_1/velocity"]) / np.diff(march.time)
+    recorded = RecordedRun(input_deck("binding_strut"))
+    np.testing.assert_allclose(recorded["joints/rail_1/normal_force"], 6000.0, rtol=1e-9)
+    acceleration = np.diff(recorded["joints/rail_1/velocity"]) / np.diff(recorded.time)
     np.testing.assert_allclose(acceleration[100:], 100.0 * (1 - 2 * 0.15 * 3), rtol=1e-7)
     creep = 1e-3 * (1 - math.sqrt(1 - 1 / (6 * 0.18)))
-    assert march["joints/rail_2/velocity"][-1] == pytest.approx(creep, rel=1e-9)
-    assert march["joints/rail_2/friction_force"][-1] == pytest.approx(1000.0, rel=1e-9)
+    assert recorded["joints/rail_2/velocity"][-1] == pytest.approx(creep, rel=1e-9)
+    assert recorded["joints/rail_2/friction_force"][-1] == pytest.approx(1000.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("mu", "slides"), [(0.166, True), (0.1675, False)])
@@ -78,8 +78,8 @@ def test_strut_binds_beyond_the_threshold():
 def test_threshold_is_sharp_in_both_guides(kind, mu, slides):
     """b/(2 a) = 0.16667; a cylindrical guide binds alike."""
     rails = [f"joints.rail_{i}.{key}" for i in (1, 2) for key in (f"type={kind}", f"friction.coefficient={mu}")]
-    march = March(input_deck("binding_strut", *rails, "time.end=0.1"))
-    assert bool(march["joints/rail_2/velocity"][-1] > 2e-3) is slides
+    recorded = RecordedRun(input_deck("binding_strut", *rails, "time.end=0.1"))
+    assert bool(recorded["joints/rail_2/velocity"][-1] > 2e-3) is slides
 
 
 BRAKED = """
@@ -103,16 +103,16 @@ BRAKED = """
 @pytest.mark.parametrize("mu", [0.1, 0.15, 0.16])
 def test_a_guide_that_inertia_presses(mu):
     """A mass at the arm a: m s'' = P - 2 mu m |s''| a/b, so s'' = (P/m)/(1 - 2 mu a/b), from the first instant on."""
-    march = March(deck(BRAKED.format(mu=mu)))
+    recorded = RecordedRun(deck(BRAKED.format(mu=mu)))
     exact = -10.0 / (1 - 2 * mu * 0.3 / 0.1)
-    np.testing.assert_allclose(np.diff(march["joints/rail/velocity"]) / 1e-3, exact, rtol=1e-7)
-    np.testing.assert_allclose(march["joints/rail/normal_force"], -2 * 10 * exact * 0.3 / 0.1, rtol=1e-6)
+    np.testing.assert_allclose(np.diff(recorded["joints/rail/velocity"]) / 1e-3, exact, rtol=1e-7)
+    np.testing.assert_allclose(recorded["joints/rail/normal_force"], -2 * 10 * exact * 0.3 / 0.1, rtol=1e-6)
 
 
-def test_a_guide_that_no_acceleration_satisfies_is_told():
+def test_a_guide_that_no_acceleration_satisfies_is_reported():
     """Beyond mu = b/(2 a) that equation has no solution: the run ends, naming the guide."""
     with pytest.raises(ConvergenceError, match="prismatic 'rail'"):
-        March(deck(BRAKED.format(mu=0.18)))
+        RecordedRun(deck(BRAKED.format(mu=0.18)))
 
 
 SPIN = """
@@ -149,12 +149,12 @@ SPINNING = {
 def test_a_spinning_body_is_braked_evenly(case):
     """J omega' = -mu (r N): constant, so that the rate falls linearly; N of both ends of a bearing by hand."""
     kind, axes, geometry, center, spin, arm = SPINNING[case]
-    march = March(deck(SPIN.format(kind=kind, axes=axes, geometry=geometry, center=center, spin=spin)))
-    rate = np.linalg.norm(march["nodes/body/angular_velocity"], axis=1)
-    np.testing.assert_allclose(rate, np.linalg.norm(spin) - 0.25 * arm / 0.3 * march.time, rtol=1e-6)
-    powers = [march[path] for path in march.columns if "dissipated_power" in path]
+    recorded = RecordedRun(deck(SPIN.format(kind=kind, axes=axes, geometry=geometry, center=center, spin=spin)))
+    rate = np.linalg.norm(recorded["nodes/body/angular_velocity"], axis=1)
+    np.testing.assert_allclose(rate, np.linalg.norm(spin) - 0.25 * arm / 0.3 * recorded.time, rtol=1e-6)
+    powers = [recorded[path] for path in recorded.columns if "dissipated_power" in path]
     np.testing.assert_allclose(sum(powers), 0.25 * arm * rate, rtol=1e-6)
-    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/kinetic"][0]
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * recorded["energy/kinetic"][0]
 
 
 def test_a_turning_shaft_slides_easily():
@@ -163,7 +163,7 @@ def test_a_turning_shaft_slides_easily():
         kind="cylindrical", axes="axis: [0, 1, 0],", geometry="radius: 0.05", center=[0, 0, 0], spin=[0, 20, 0]
     )
     text += "    loads: {push: {type: force, node: body, direction: [0, 1, 0], value: 2.0}}\n"
-    march = March(deck(text.replace("1.0e-4", "1.0e-2").replace("5.0e-3", "5.0e-4")))
+    recorded = RecordedRun(deck(text.replace("1.0e-4", "1.0e-2").replace("5.0e-3", "5.0e-4")))
 
     def rate(t, y):
         slide, turn = y[2], y[3]
@@ -171,13 +171,13 @@ def test_a_turning_shaft_slides_easily():
         c = WEIGHT * drag(0.25, 1e-2, u) / u
         return slide, turn, (2.0 - c * slide) / 2.0, -c * 0.05**2 * turn / 0.3
 
-    found = solve_ivp(rate, (0.0, 0.1), [0, 0, 0, 20.0], method="DOP853", rtol=1e-11, atol=1e-13, t_eval=march.time)
+    found = solve_ivp(rate, (0.0, 0.1), [0, 0, 0, 20.0], method="DOP853", rtol=1e-11, atol=1e-13, t_eval=recorded.time)
     assert found.y[0, -1] > 1e-3  # the push alone is less than the friction of a shaft at rest, 4.9 N
-    np.testing.assert_allclose(march["joints/joint/displacement"], found.y[0], rtol=0, atol=1e-6 * found.y[0, -1])
-    np.testing.assert_allclose(march["joints/joint/rate"], found.y[3], rtol=1e-7)
+    np.testing.assert_allclose(recorded["joints/joint/displacement"], found.y[0], rtol=0, atol=1e-6 * found.y[0, -1])
+    np.testing.assert_allclose(recorded["joints/joint/rate"], found.y[3], rtol=1e-7)
 
 
-def test_friction_on_redundant_reactions_is_told():
+def test_friction_on_redundant_reactions_is_reported():
     """Two hinges on one axis share their loads in a way that the rigid model does not tell."""
     text = SPIN.format(kind="hinge", axes="axis: [0, 1, 0],", geometry="radius: 0.05", center=[0, 0, 0], spin=[0, 9, 0])
     for old, new in (
@@ -187,9 +187,9 @@ def test_friction_on_redundant_reactions_is_told():
     ):
         assert old in text
         text = text.replace(old, new, 1)
-    said = remarks(prepare(deck(text)))
+    said = startup_warnings(prepare(deck(text)))
     assert any("hinge 'joint'" in line and "friction" in line and "not unique" in line for line in said)
-    assert not any("the friction" in line for line in remarks(prepare(input_deck("friction_pendulum"))))
+    assert not any("the friction" in line for line in startup_warnings(prepare(input_deck("friction_pendulum"))))
 
 
 SEATED = """
@@ -208,13 +208,13 @@ SEATED = """
 def test_friction_in_an_elastic_seat():
     """The force of the seat, k s + c ds/dt, is that of the bearing: M = mu r of it once the pin slides."""
     k, c = 1e5, 100.0
-    march = March(deck(SEATED.replace("LAW", f"{{spring: {{stiffness: {k}}}, damper: {{coefficient: {c}}}}}")))
-    s, rate = march["nodes/sleeve/position"], march["nodes/sleeve/velocity"]
+    recorded = RecordedRun(deck(SEATED.replace("LAW", f"{{spring: {{stiffness: {k}}}, damper: {{coefficient: {c}}}}}")))
+    s, rate = recorded["nodes/sleeve/position"], recorded["nodes/sleeve/velocity"]
     force = np.linalg.norm(k * s + c * rate, axis=1)
-    slides = march["joints/pin/rate"] * 0.02 > 1e-4
+    slides = recorded["joints/pin/rate"] * 0.02 > 1e-4
     assert slides[1:].all() and np.linalg.norm(s, axis=1).max() > 1e-4
-    np.testing.assert_allclose(march["joints/pin/normal_force"], force, rtol=1e-6)
-    np.testing.assert_allclose(march["joints/pin/friction_moment"][slides], 0.2 * 0.02 * force[slides], rtol=1e-6)
+    np.testing.assert_allclose(recorded["joints/pin/normal_force"], force, rtol=1e-6)
+    np.testing.assert_allclose(recorded["joints/pin/friction_moment"][slides], 0.2 * 0.02 * force[slides], rtol=1e-6)
 
 
 REFUSED = [

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order, pair
-from marching import March, deck, in_python, input_deck, with_history
 from scipy.integrate import solve_ivp
+from time_runs import RecordedRun, deck, in_python, input_deck, with_history
 
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
@@ -90,14 +90,14 @@ def exact():
     ).sol  # fmt: skip
 
 
-def errors(march):
+def errors(recorded):
     """Errors (n, 3) of position, velocity and tension at every accepted step."""
-    angle, rate = exact()(march.time)
+    angle, rate = exact()(recorded.time)
     along = np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
     across = np.stack([-along[:, 2], 0 * angle, along[:, 0]], axis=1)
-    q = np.linalg.norm(march["nodes/mass/position"] - along, axis=1)
-    v = np.linalg.norm(march["nodes/mass/velocity"] - rate[:, None] * across, axis=1)
-    return np.stack([q, v, np.abs(march["joints/rod/tension"] - rate**2 + 9.81 * np.sin(angle))], axis=1)
+    q = np.linalg.norm(recorded["nodes/mass/position"] - along, axis=1)
+    v = np.linalg.norm(recorded["nodes/mass/velocity"] - rate[:, None] * across, axis=1)
+    return np.stack([q, v, np.abs(recorded["joints/rod/tension"] - rate**2 + 9.81 * np.sin(angle))], axis=1)
 
 
 def acceleration(x, v):
@@ -114,8 +114,8 @@ def jerk():
 def start_of_the_reference(history):
     """The history of the reference: a_0 = q''_0, for ``shift`` a_0 = q''_0 + (am - af) h q'''_0; v_0 not shifted."""
 
-    def change(march, run):
-        c, first = march.method.coefficients, march.system.numbering.x[1]
+    def change(integrator, run):
+        c, first = integrator.method.coefficients, integrator.system.numbering.x[1]
         a = np.zeros_like(run.history.a)
         shift = (c.am - c.af) * run.h if history == "shift" else 0.0
         a[first : first + 3] = acceleration(X0, V0) + shift * jerk()
@@ -128,7 +128,7 @@ def start_of_the_reference(history):
 def test_errors_of_the_reference(method, rho, history):
     """To 3 digits of the error: the integrator is the published one."""
     change = start_of_the_reference(history)
-    found = [errors(March(pendulum(method, rho, h), change=change))[-1] for h in STEPS]
+    found = [errors(RecordedRun(pendulum(method, rho, h), change=change))[-1] for h in STEPS]
     np.testing.assert_allclose(found, REFERENCE[method, rho, history], rtol=1e-3)
 
 
@@ -155,9 +155,9 @@ class Pattern:
 
 
 def with_pattern(factors):
-    def change(march, run):
-        march.control = Pattern(run.h, factors)
-        return in_python(march, run)
+    def change(integrator, run):
+        integrator.control = Pattern(run.h, factors)
+        return in_python(integrator, run)
 
     return change
 
@@ -167,7 +167,7 @@ METHODS = [("generalized_alpha", 0.8), ("generalized_alpha", 0.5), ("hht", 0.8)]
 
 def orders(method, rho, change, reduce):
     """Orders (2, 3) of the errors, reduced over the run, between 1/128, 1/256 and 1/512 s."""
-    found = [reduce(errors(March(pendulum(method, rho, h), change=change))) for h in (1 / 128, 1 / 256, 1 / 512)]
+    found = [reduce(errors(RecordedRun(pendulum(method, rho, h), change=change))) for h in (1 / 128, 1 / 256, 1 / 512)]
     return np.log2(np.array(found[:-1]) / np.array(found[1:]))
 
 
@@ -192,10 +192,12 @@ def test_order_of_steps_that_always_change(method, rho, verify):
 def constraints_watched(worst):
     """A change of the march that notes the largest constraint of each step, over the length scale or one radian."""
 
-    def change(march, run):
-        system, n_q, n = march.system, march.system.n_q, march.system.n
-        scale = np.where(system.numbering.kind[n_q:n] == LENGTH_CONSTRAINT, march.method.length, 1.0)
-        march.observers += (lambda step: worst.append(np.abs(system.levels(step.run.motion)[:, 0] / scale).max()),)
+    def change(integrator, run):
+        system, n_q, n = integrator.system, integrator.system.n_q, integrator.system.n
+        scale = np.where(system.numbering.kind[n_q:n] == LENGTH_CONSTRAINT, integrator.method.length, 1.0)
+        integrator.observers += (
+            lambda step: worst.append(np.abs(system.constraint_derivatives(step.run.motion)[:, 0] / scale).max()),
+        )
         return run
 
     return change
@@ -207,9 +209,9 @@ def test_newton_does_not_depend_on_the_step_size(name):
     iterations, worst = [], []
     for h in (1e-6, 1e-4, 1e-2):
         values = (f"time.step={h}", f"time.end={100 * h}", f"output.every={h}")
-        march = March(input_deck(name, *values), change=constraints_watched(worst))
-        assert len(march.iterations) == 100
-        iterations += [march.iterations.min(), march.iterations.max()]
+        recorded = RecordedRun(input_deck(name, *values), change=constraints_watched(worst))
+        assert len(recorded.iterations) == 100
+        iterations += [recorded.iterations.min(), recorded.iterations.max()]
     assert max(iterations) - min(iterations) <= 1
     assert len(worst) == 300 and max(worst) <= 1e-10
 
@@ -226,10 +228,10 @@ def test_energy_of_unconstrained_models_does_not_drift(name, h, overrides):
     """With rho = 1: its oscillation falls as h^2, its mean stays within 1e-6 over 1e5 steps."""
     swings = []
     for step in (4 * h, 2 * h):
-        energy = March(input_deck(name, f"time.step={step}", f"time.end={2000 * h}", *overrides))["energy/total"]
+        energy = RecordedRun(input_deck(name, f"time.step={step}", f"time.end={2000 * h}", *overrides))["energy/total"]
         swings.append(np.ptp(energy))
     check_second_order(*np.array(swings), 0.0, swings[1] / 20)
-    energy = March(input_deck(name, f"time.step={h}", f"time.end={1e5 * h}", *overrides))["energy/total"]
+    energy = RecordedRun(input_deck(name, f"time.step={h}", f"time.end={1e5 * h}", *overrides))["energy/total"]
     tenth = len(energy) // 10
     assert abs(energy[-tenth:].mean() - energy[:tenth].mean()) < 1e-6 * abs(energy[0])
 
@@ -243,7 +245,7 @@ def test_dissipation_of_the_method_falls_as_the_step_squared(name):
 
 
 def test_a_start_in_full_motion_fits_the_constraints_whatever_the_last_step_turned():
-    found = March(
+    found = RecordedRun(
         deck("""
             mecano: 1
             gravity: [0, 0, -9.81]
@@ -262,11 +264,11 @@ def test_a_start_in_full_motion_fits_the_constraints_whatever_the_last_step_turn
             time: {end: 0.6, step: 0.02}
         """)
     )
-    s, _ = found.march.method.start(found.run.motion, 0.02)
+    s, _ = found.integrator.method.start(found.run.motion, 0.02)
     of = found.system.numbering
     turned = np.abs(found.run.motion.z[: of.n_q][of.kind[: of.n_q] == ROTATION]).max()
     assert turned > 0.01 and np.linalg.norm(s.v) > 1.0
-    level, rate, second = np.abs(found.system.levels(s)).max(axis=0)
+    level, rate, second = np.abs(found.system.constraint_derivatives(s)).max(axis=0)
     assert level < 1e-10 and rate < 1e-13 and second < 1e-11
 
 
@@ -300,7 +302,9 @@ GYRO = """
 @pytest.mark.parametrize("path", ["joints/foot/force", "joints/bearing/moment"])
 def test_reactions_of_a_spinning_body_are_of_second_order_from_the_first_step_on(path):
     """Rotations in space do not commute: against steps of 20 us, the errors of the first steps fall fourfold."""
-    exact, *marches = (March(deck(GYRO.format(step=h))) for h in (2e-5, 2e-3, 1e-3))
-    coarse, fine = (np.abs(march[path][:9] - at_times(exact, exact[path], march.time[:9])).max() for march in marches)
+    exact, *marches = (RecordedRun(deck(GYRO.format(step=h))) for h in (2e-5, 2e-3, 1e-3))
+    coarse, fine = (
+        np.abs(recorded[path][:9] - at_times(exact, exact[path], recorded.time[:9])).max() for recorded in marches
+    )
     assert coarse / fine == pytest.approx(4.0, abs=0.3)
     assert coarse < 1e-3 * np.abs(exact[path]).max()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 from mecano.errors import DeckError
 
@@ -11,14 +11,14 @@ TABLE = "joints/table"
 
 def test_shaker_table_moves_as_driven_and_swings_on_its_spring():
     """A constant acceleration, a free oscillation of 20 rad/s (steps of 0.02 rad: phase error 3e-5), a free turning."""
-    march = March(input_deck("shaker_table"))
-    t, z = march.time, -9.81 / 400.0 * (1.0 - np.cos(20.0 * march.time))
-    np.testing.assert_allclose(march[f"{TABLE}/displacement"][:, 0], 0.5 * t**2, atol=1e-9)
-    np.testing.assert_allclose(march[f"{TABLE}/displacement"][:, 2], z, atol=1e-3 * 0.049)
-    np.testing.assert_allclose(march[f"{TABLE}/force"][:, 0], 3.0, rtol=1e-6)
-    np.testing.assert_allclose(march[f"{TABLE}/force"][:, 2], -1200.0 * z, atol=1e-3 * 59.0)
-    np.testing.assert_allclose(march[f"{TABLE}/angle"], (4.0 * t + np.pi) % (2.0 * np.pi) - np.pi, atol=1e-6)
-    np.testing.assert_allclose(march[f"{TABLE}/moment"], 0.0, atol=1e-6)
+    recorded = RecordedRun(input_deck("shaker_table"))
+    t, z = recorded.time, -9.81 / 400.0 * (1.0 - np.cos(20.0 * recorded.time))
+    np.testing.assert_allclose(recorded[f"{TABLE}/displacement"][:, 0], 0.5 * t**2, atol=1e-9)
+    np.testing.assert_allclose(recorded[f"{TABLE}/displacement"][:, 2], z, atol=1e-3 * 0.049)
+    np.testing.assert_allclose(recorded[f"{TABLE}/force"][:, 0], 3.0, rtol=1e-6)
+    np.testing.assert_allclose(recorded[f"{TABLE}/force"][:, 2], -1200.0 * z, atol=1e-3 * 59.0)
+    np.testing.assert_allclose(recorded[f"{TABLE}/angle"], (4.0 * t + np.pi) % (2.0 * np.pi) - np.pi, atol=1e-6)
+    np.testing.assert_allclose(recorded[f"{TABLE}/moment"], 0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -30,12 +30,12 @@ def test_shaker_table_moves_as_driven_and_swings_on_its_spring():
 )
 def test_it_moves_as_the_joint_with_the_same_free_axes(deck, joint, free):
     """A hinge and a planar joint, written as generic ones: the same motion, force and moment."""
-    own = March(input_deck(deck))
+    own = RecordedRun(input_deck(deck))
     values = {
         "pendulum": "nodes: [ground, pin], axis: [0, 1, 0]",
         "planar_slide": "nodes: [ground, puck], axis: [0, 0, 1], axis_1: [1, 0, 0]",
     }
-    generic = March(input_deck(deck, f"joints.{joint}={{type: generic, {values[deck]}, free: {free}}}"))
+    generic = RecordedRun(input_deck(deck, f"joints.{joint}={{type: generic, {values[deck]}, free: {free}}}"))
     for name in ("rate", "force", "moment"):
         ours, theirs = own[f"joints/{joint}/{name}"], generic[f"joints/{joint}/{name}"]
         theirs = theirs[:, 2] if theirs.ndim > ours.ndim else theirs

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
-from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
 from static_solution import Equilibrium
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.elements import KINDS
@@ -17,19 +17,19 @@ G = 9.81
 
 def test_cam_lifts_its_follower():
     """Position, pressure angle and place on the cam are geometry; m (g + z'') gives the force, to (omega h)^2."""
-    march = March(input_deck("cam"))
-    theta, e, rho = 15.0 * march.time, 0.02, 0.05
+    recorded = RecordedRun(input_deck("cam"))
+    theta, e, rho = 15.0 * recorded.time, 0.02, 0.05
     sine, cosine = e * np.sin(theta), e * np.cos(theta)
     root = np.sqrt(rho**2 - sine**2)
-    np.testing.assert_allclose(march["nodes/roller/position"][:, 2], cosine + root, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(march["joints/profile/position"], -rho * (theta + np.arcsin(sine / rho)), atol=1e-11)
-    np.testing.assert_allclose(march["joints/profile/pressure_angle"], np.arcsin(abs(sine) / rho), rtol=0, atol=1e-8)
+    np.testing.assert_allclose(recorded["nodes/roller/position"][:, 2], cosine + root, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recorded["joints/profile/position"], -rho * (theta + np.arcsin(sine / rho)), atol=1e-11)
+    np.testing.assert_allclose(recorded["joints/profile/pressure_angle"], np.arcsin(abs(sine) / rho), rtol=0, atol=1e-8)
     by_angle = -sine - sine * cosine / root
     second = -cosine - (cosine**2 - sine**2) / root - (sine * cosine) ** 2 / root**3
     lifting = 0.5 * (G + 15.0**2 * second)
-    np.testing.assert_allclose(march["joints/profile/normal_force"], lifting * rho / root, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(march["joints/motor/moment"], by_angle * lifting, rtol=0, atol=2e-5)
-    assert march.prepared.analysis.redundant == ()
+    np.testing.assert_allclose(recorded["joints/profile/normal_force"], lifting * rho / root, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(recorded["joints/motor/moment"], by_angle * lifting, rtol=0, atol=2e-5)
+    assert recorded.prepared.analysis.redundant == ()
 
 
 BEAD = """
@@ -55,11 +55,11 @@ def test_bead_on_a_helix():
     length = np.hypot(r, h)
     along = G * h / length
     for step in (4e-3, 2e-3):
-        march = March(bead([1.0 + r, 0.0, 0.0], helix, 2.0, step))
-        pair.append(at_times(march, march["joints/wire/position"], times))
+        recorded = RecordedRun(bead([1.0 + r, 0.0, 0.0], helix, 2.0, step))
+        pair.append(at_times(recorded, recorded["joints/wire/position"], times))
     check_second_order(*pair, 0.5 * along * times**2, 1e-4)
-    expected = 2.0 * np.hypot(G * r / length, r / length**2 * (along * march.time) ** 2)
-    np.testing.assert_allclose(march["joints/wire/normal_force"], expected, rtol=1e-3)
+    expected = 2.0 * np.hypot(G * r / length, r / length**2 * (along * recorded.time) ** 2)
+    np.testing.assert_allclose(recorded["joints/wire/normal_force"], expected, rtol=1e-3)
 
 
 @pytest.mark.parametrize("amplitude", [0.9, 1.8])
@@ -71,11 +71,11 @@ def test_cycloid_is_a_tautochrone(amplitude):
         return np.array([a * (u + np.sin(u)), 0.0 * u, a * (1.0 - np.cos(u))]).T
 
     points = place(np.linspace(-2.4, 2.4, 41)).round(12).tolist()
-    march = March(bead(place(amplitude), f"points: {points}", 1.0, 2e-3))
-    x = march["nodes/bead/position"][:, 0]
-    passing = np.interp(0.0, -x, march.time)
+    recorded = RecordedRun(bead(place(amplitude), f"points: {points}", 1.0, 2e-3))
+    x = recorded["nodes/bead/position"][:, 0]
+    passing = np.interp(0.0, -x, recorded.time)
     assert passing == pytest.approx(np.pi * np.sqrt(a / G), rel=2e-5)  # the spline is 1e-5 off the curvature
-    energy = 2.0 * G * march["nodes/bead/position"][:, 2] + np.sum(march["nodes/bead/velocity"] ** 2, axis=1)
+    energy = 2.0 * G * recorded["nodes/bead/position"][:, 2] + np.sum(recorded["nodes/bead/velocity"] ** 2, axis=1)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
 
 
@@ -88,11 +88,11 @@ def test_closed_spline_is_no_drift_over_turns():
         {"nodes": ["bead"], "velocity": [0.0, 8.0, 0.0], "angular_velocity": [0.0, 0.0, 0.0], "about": None}
     )
     ring.values["gravity"] = [0.0, 0.0, 0.0]
-    march = March(ring)
-    radius = np.linalg.norm(march["nodes/bead/position"], axis=1)
+    recorded = RecordedRun(ring)
+    radius = np.linalg.norm(recorded["nodes/bead/position"], axis=1)
     assert np.abs(radius - 1.0).max() < 2e-3
-    assert march["joints/wire/position"][-1] > 3.5 * 2 * np.pi
-    np.testing.assert_allclose(march["joints/wire/speed"], 8.0, rtol=2e-4)  # (v h)^2/r^2 is 4e-4
+    assert recorded["joints/wire/position"][-1] > 3.5 * 2 * np.pi
+    np.testing.assert_allclose(recorded["joints/wire/speed"], 8.0, rtol=2e-4)  # (v h)^2/r^2 is 4e-4
 
 
 def test_run_ends_at_the_end_of_the_curve(tmp_path):
@@ -146,7 +146,7 @@ def test_nearest_point_of_a_closed_curve_may_be_on_both_sides_of_its_first_point
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
-def test_end_of_a_curve_is_told_to_a_share_of_its_length(size):
+def test_end_of_a_curve_is_located_to_a_share_of_its_length(size):
     points = [[0, 0, 0], [0.6 * size, 0, 0], [0.6 * size, 0.4 * size, 0]]
     ((output, limit, _),) = KINDS["point_on_curve"].ends(SPLINE | {"points": points})
     assert (output, limit) == ("overrun", pytest.approx(1e-9 * size))
@@ -189,35 +189,35 @@ def under_a_mass(mass, times):
 
 def test_force_runs_over_a_bridge():
     """Fryba's series to 0.1 % of the largest deflection, in the middle and under the force, past seven nodes."""
-    march = March(input_deck("moving_load"))
-    t, middle = march.time, -march["nodes/girder.4/position"][:, 2]
+    recorded = RecordedRun(input_deck("moving_load"))
+    t, middle = recorded.time, -recorded["nodes/girder.4/position"][:, 2]
     expected = under_a_force(SPAN / 2.0, t)
     largest = expected.max()
     assert (largest, t[expected.argmax()]) == pytest.approx((0.0392, 0.595), rel=2e-3)
     np.testing.assert_allclose(middle, expected, rtol=0, atol=1e-3 * largest)
-    under = -march["nodes/load/position"][:, 2]
+    under = -recorded["nodes/load/position"][:, 2]
     np.testing.assert_allclose(under, under_a_force(SPEED * t, t), rtol=0, atol=1e-3 * largest)
-    passed = [h.t for h in march.happenings if h.name == "passes"]
+    passed = [h.t for h in recorded.event_records if h.name == "passes"]
     np.testing.assert_allclose(passed, np.arange(1, 8) / 8.0, rtol=0, atol=1e-5)
-    assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/given"][-1]
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/given"][-1]
 
 
 def test_force_runs_to_and_fro():
     """x = 10 + 6 sin(2 pi t) m from a node of the bridge, past nodes every 2.5 m, in both directions."""
     swinging = "joints.running.value={sine: {amplitude: 6.0, frequency: 1.0}}"
-    march = March(input_deck("moving_load", "nodes.load.position=[10, 0, 0]", swinging, "time.end=0.95"))
+    recorded = RecordedRun(input_deck("moving_load", "nodes.load.position=[10, 0, 0]", swinging, "time.end=0.95"))
     quarter = np.arcsin(np.array([2.5, 5.0]) / 6.0) / (2.0 * np.pi)
     expected = [*quarter, *(0.5 - quarter[::-1]), 0.5, *(0.5 + quarter), *(1.0 - quarter[::-1])]
-    np.testing.assert_allclose([h.t for h in march.happenings if h.t > 1e-3], expected, rtol=0, atol=1e-5)
-    assert np.ptp(march["energy/balance"]) < 3e-4 * np.ptp(march["energy/given"])
+    np.testing.assert_allclose([h.t for h in recorded.event_records if h.t > 1e-3], expected, rtol=0, atol=1e-5)
+    assert np.ptp(recorded["energy/balance"]) < 3e-4 * np.ptp(recorded["energy/given"])
 
 
 def test_mass_runs_over_a_bridge():
     """30 % of the mass of the bridge raise the largest deflection by 8 %; independent modes agree to 0.2 %."""
-    march, mass = March(input_deck("moving_load", "elements.trolley.mass=4710")), 4710.0
+    recorded, mass = RecordedRun(input_deck("moving_load", "elements.trolley.mass=4710")), 4710.0
     times = np.linspace(0.05, 0.95, 37)
     expected = under_a_mass(mass, times)
-    middle = np.interp(times, march.time, -march["nodes/girder.4/position"][:, 2])
+    middle = np.interp(times, recorded.time, -recorded["nodes/girder.4/position"][:, 2])
     np.testing.assert_allclose(middle, expected, rtol=0, atol=2e-3 * expected.max())
     assert expected.max() > 1.05 * under_a_force(SPAN / 2.0, times).max()
 
@@ -258,11 +258,11 @@ def test_ring_slides_down_a_rod_that_swings():
     """No friction: the energy is kept, to the second order, past three nodes, while the tip comes down by 0.17 m."""
     kept = []
     for step in (2e-3, 1e-3):
-        march = March(deck(RAMP.replace("STEP", str(step))))
-        balance = march["energy/balance"]
+        recorded = RecordedRun(deck(RAMP.replace("STEP", str(step))))
+        balance = recorded["energy/balance"]
         kept.append(np.abs(balance - balance[0]).max())
-    assert sum(h.name == "passes" for h in march.happenings) == 3
-    assert march["nodes/tip/position"][:, 2].min() < -1.36
+    assert sum(h.name == "passes" for h in recorded.event_records) == 3
+    assert recorded["nodes/tip/position"][:, 2].min() < -1.36
     assert kept[1] < kept[0] / 3.0 and kept[1] < 1e-5, kept
 
 

@@ -72,12 +72,14 @@ class TestNames:
 class TestRun:
     def test_it_gives_what_the_command_gives(self, folder, capfd):
         with mecano.run("pendulum.yaml", set={"time.end": 0.1}) as own:
-            told = capfd.readouterr()
+            reported = capfd.readouterr()
             CliRunner().invoke(commands, ["run", "pendulum.yaml", "--set", "time.end=0.1", "-o", "b.h5"])
             with mecano.open_results("b.h5") as other:
                 assert own.metadata["overrides"] == other.metadata["overrides"] == ["time.end=0.1"]
                 np.testing.assert_array_equal(own["hinge.angle"].values, other["hinge.angle"].values)
-        assert told.out == "" and "100 steps, 0 rejected" in told.err and "results in pendulum.h5" in told.err
+        assert (
+            reported.out == "" and "100 steps, 0 rejected" in reported.err and "results in pendulum.h5" in reported.err
+        )
 
     def test_no_file_is_replaced_unless_asked(self, folder):
         short = {"time.end": 0.01}

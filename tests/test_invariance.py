@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from instances import KINDS, turned_values
-from marching import March, input_deck
 from scipy.spatial.transform import Rotation
+from time_runs import RecordedRun, input_deck
 
-from mecano.contract import SECTIONS
+from mecano.element_interface import SECTIONS
 
 TURN, SHIFT = Rotation.from_rotvec([0.7, -1.9, 1.1]), np.array([0.6, -0.4, 1.0])
 CASES = {  # deck: end [s] of 100 steps
@@ -55,20 +55,20 @@ def turned_velocity(d, Q):
     return {**d, "velocity": velocity, "angular_velocity": spin, "about": about}
 
 
-def largest_by_unit(march):
+def largest_by_unit(recorded):
     """The largest number of the run for each unit: what a difference is compared with."""
     sizes = {}
-    for c in march.columns.values():
-        sizes[c.unit] = max(sizes.get(c.unit, 0.0), np.abs(march[c.path]).max())
+    for c in recorded.columns.values():
+        sizes[c.unit] = max(sizes.get(c.unit, 0.0), np.abs(recorded[c.path]).max())
     for unit in ("-", "rad"):  # one turn, however little there is of it
         sizes[unit] = max(sizes.get(unit, 0.0), 1.0)
-    sizes["m/s"] = max(sizes["m/s"], sizes["rad/s"] * march.prepared.length)
+    sizes["m/s"] = max(sizes["m/s"], sizes["rad/s"] * recorded.prepared.length)
     return sizes
 
 
-def expected(march, column):
+def expected(recorded, column):
     """An output as it must be in the turned deck, or None for components along axes that a joint chooses."""
-    values = march[column.path]
+    values = recorded[column.path]
     if column.path.endswith("/rotation"):
         return (TURN * Rotation.from_quat(np.roll(values, -1, axis=-1))).as_matrix()
     if column.shape == (3,):
@@ -100,7 +100,7 @@ def test_turned_and_moved(name):
     tight = ("time.newton.force_tolerance=1e-13", "time.newton.constraint_tolerance=1e-14")
     deck = input_deck(name, f"time.step={step}", f"time.end={CASES[name]}", *tight)
     deck.values["time"]["adaptive"] = None
-    here, there = March(deck), March(turned(deck))
+    here, there = RecordedRun(deck), RecordedRun(turned(deck))
     np.testing.assert_allclose(there.time, here.time, rtol=0, atol=1e-9 * CASES[name])
     assert compare(here, there) >= 4 * len(deck.values["nodes"]) + 6
     assert np.ptp(here["energy/kinetic"]) > 0.0  # it moves

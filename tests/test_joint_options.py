@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from scipy.linalg import expm
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.elements import KINDS
 
@@ -18,10 +18,10 @@ def test_bushing_moves_as_a_linear_system_at_large_angles():
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, S), -np.linalg.solve(mass, D)]])
     errors = []
     for step in (2e-3, 1e-3):
-        march = March(input_deck("bushing", f"time.step={step}", "time.end=0.6"))
-        exact = np.array([expm(A * t) @ [0.0, 0.0, 2.0, 20.0] for t in march.time])
+        recorded = RecordedRun(input_deck("bushing", f"time.step={step}", "time.end=0.6"))
+        exact = np.array([expm(A * t) @ [0.0, 0.0, 2.0, 20.0] for t in recorded.time])
         found = np.stack(
-            [march["elements/mount/displacement"][:, 0], march["elements/mount/rotation_vector"][:, 2]], axis=1
+            [recorded["elements/mount/displacement"][:, 0], recorded["elements/mount/rotation_vector"][:, 2]], axis=1
         )
         assert np.abs(exact[:, 1]).max() > 1.5
         errors.append(np.abs(found - exact[:, :2]).max())
@@ -49,7 +49,7 @@ BODY = """
 
 def two_bodies(kind, options, place=(0, 0, 0), more=""):
     """A march of two bodies, on the ground by a hinge and to one another by the joint."""
-    return March(deck(BODY.format(kind=kind, options=options, place=list(place), more=more)))
+    return RecordedRun(deck(BODY.format(kind=kind, options=options, place=list(place), more=more)))
 
 
 HERE, THERE = (0, 0, 0), (0.3, 0.1, -0.2)
@@ -122,7 +122,7 @@ SINGLE = """
 def single(kind, options, gravity=0.0, center=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0), end=0.5, step=1e-3):
     """A march of one body on the ground."""
     vectors = {"center": list(center), "velocity": list(velocity), "spin": list(spin)}
-    return March(deck(SINGLE.format(kind=kind, options=options, gravity=gravity, end=end, step=step, **vectors)))
+    return RecordedRun(deck(SINGLE.format(kind=kind, options=options, gravity=gravity, end=end, step=step, **vectors)))
 
 
 OSCILLATING = [
@@ -139,25 +139,25 @@ def test_a_law_along_a_free_axis_makes_an_oscillator(kind, options, name, inerti
     """v0/w sin(w t), w = 10 rad/s: amplitudes over a whole turn for those that turn."""
     speed = 80.0 if name.startswith("angle") else 0.3
     motion = {"spin": (0, speed, 0)} if name.startswith("angle") else {"velocity": (0, speed, 0)}
-    march = single(kind, options, **motion)
+    recorded = single(kind, options, **motion)
     w = 10.0
     np.testing.assert_allclose(
-        march[f"joints/joint/{name}"], speed / w * np.sin(w * march.time), rtol=0, atol=1e-3 * speed / w
+        recorded[f"joints/joint/{name}"], speed / w * np.sin(w * recorded.time), rtol=0, atol=1e-3 * speed / w
     )
-    law = next(march[path] for path in march.columns if "/law_" in path)
-    np.testing.assert_allclose(law, inertia * w * w * march[f"joints/joint/{name}"], rtol=1e-12, atol=1e-9)
-    assert np.ptp(march["energy/total"]) < 1e-3 * march["energy/total"][0]
+    law = next(recorded[path] for path in recorded.columns if "/law_" in path)
+    np.testing.assert_allclose(law, inertia * w * w * recorded[f"joints/joint/{name}"], rtol=1e-12, atol=1e-9)
+    assert np.ptp(recorded["energy/total"]) < 1e-3 * recorded["energy/total"][0]
 
 
 def test_free_play_and_stops_are_met_at_their_times():
     """A slider flies at 2 m/s through a free play of 0.1 m, is thrown back in half a period, and flies on."""
     law = "{dead_band: {stiffness: 2.0e4, lower: -0.1, upper: 0.1}}"
-    march = single("prismatic", f"axis: [0, 1, 0], sliding_law: {law}", velocity=(0, 2, 0), end=0.22)
-    times = [happening.t for happening in march.happenings]
-    assert [happening.name for happening in march.happenings] == [
+    recorded = single("prismatic", f"axis: [0, 1, 0], sliding_law: {law}", velocity=(0, 2, 0), end=0.22)
+    times = [event.t for event in recorded.event_records]
+    assert [event.name for event in recorded.event_records] == [
         "upper stop closes", "upper stop opens", "lower stop closes", "lower stop opens",
     ]  # fmt: skip
-    assert all(happening.element == "prismatic 'joint'" for happening in march.happenings)
+    assert all(event.element == "prismatic 'joint'" for event in recorded.event_records)
     half = math.pi / 100
     np.testing.assert_allclose(times[:3], [0.05, 0.05 + half, 0.15 + half], rtol=0, atol=5e-5)
     assert times[0] == pytest.approx(0.05, abs=1e-10)
@@ -178,24 +178,24 @@ def test_an_elastic_joint_gives_way_under_a_weight(kind):
     options, axes = STATIC[kind]
     soft = LOADED.format(4000.0, 60.0), LOADED.format(500.0, 2.0)
     laws = ", ".join(f"{axis}: {soft[axis.startswith('about')]}" for axis in axes)
-    march = single(kind, f"{options}, compliance: {{{laws}}}", gravity=-g, center=(0.1, 0, 0), end=3.0, step=5e-3)
+    recorded = single(kind, f"{options}, compliance: {{{laws}}}", gravity=-g, center=(0.1, 0, 0), end=3.0, step=5e-3)
     weight = 2.0 * g
-    assert march.system.n_l == 0
-    assert march["nodes/body/position"][-1, 2] == pytest.approx(-weight / 4000.0, rel=1e-4)
-    assert np.linalg.norm(march["joints/joint/force"][-1]) == pytest.approx(weight, rel=1e-4)
-    tilt = 2.0 * abs(march["nodes/body/rotation"][-1, 2])
-    assert np.linalg.norm(march["joints/joint/moment"][-1]) == pytest.approx(0.1 * weight, rel=1e-3)
+    assert recorded.system.n_l == 0
+    assert recorded["nodes/body/position"][-1, 2] == pytest.approx(-weight / 4000.0, rel=1e-4)
+    assert np.linalg.norm(recorded["joints/joint/force"][-1]) == pytest.approx(weight, rel=1e-4)
+    tilt = 2.0 * abs(recorded["nodes/body/rotation"][-1, 2])
+    assert np.linalg.norm(recorded["joints/joint/moment"][-1]) == pytest.approx(0.1 * weight, rel=1e-3)
     assert tilt == pytest.approx(0.1 * weight / 500.0, rel=1e-3)
 
 
 def test_a_joint_may_be_elastic_along_one_axis_only():
     """The others stay rigid, and free play hangs at its end: lower - m g/k."""
     law = "{dead_band: {stiffness: 4000.0, lower: -0.01, upper: 0.01}, damper: {coefficient: 60.0}}"
-    march = single("fixed", f"compliance: {{along_axis: {law}}}", gravity=-g, end=2.0, step=5e-3)
-    assert march.system.n_l == 5
-    assert march["nodes/body/position"][-1, 2] == pytest.approx(-0.01 - 2.0 * g / 4000.0, rel=1e-4)
-    np.testing.assert_allclose(march["joints/joint/force"][-1], [0, 0, 2.0 * g], rtol=1e-4, atol=1e-9)
-    np.testing.assert_allclose(march["joints/joint/law_force_along_axis"][-1], -2.0 * g, rtol=1e-4)
+    recorded = single("fixed", f"compliance: {{along_axis: {law}}}", gravity=-g, end=2.0, step=5e-3)
+    assert recorded.system.n_l == 5
+    assert recorded["nodes/body/position"][-1, 2] == pytest.approx(-0.01 - 2.0 * g / 4000.0, rel=1e-4)
+    np.testing.assert_allclose(recorded["joints/joint/force"][-1], [0, 0, 2.0 * g], rtol=1e-4, atol=1e-9)
+    np.testing.assert_allclose(recorded["joints/joint/law_force_along_axis"][-1], -2.0 * g, rtol=1e-4)
 
 
 def test_rotor_whirls_in_its_elastic_bearing():
@@ -204,14 +204,14 @@ def test_rotor_whirls_in_its_elastic_bearing():
     radius = m * e * W**2 / math.hypot(k - m * W**2, c * W)
     errors = []
     for step in (1e-3, 5e-4):
-        march = March(input_deck("elastic_bearing", f"time.step={step}", "time.end=1.6"))
-        late = march.time > 1.5
-        found = np.linalg.norm(march["nodes/shaft/position"][late], axis=1)
+        recorded = RecordedRun(input_deck("elastic_bearing", f"time.step={step}", "time.end=1.6"))
+        late = recorded.time > 1.5
+        found = np.linalg.norm(recorded["nodes/shaft/position"][late], axis=1)
         errors.append(np.abs(found / radius - 1).max())
         np.testing.assert_allclose(
-            np.linalg.norm(march["joints/bearing/force"][late], axis=1), radius * math.hypot(k, c * W), rtol=5e-3
+            np.linalg.norm(recorded["joints/bearing/force"][late], axis=1), radius * math.hypot(k, c * W), rtol=5e-3
         )
-        np.testing.assert_allclose(march["joints/motor/moment"][late], c * W * radius**2, rtol=1e-2)
+        np.testing.assert_allclose(recorded["joints/motor/moment"][late], c * W * radius**2, rtol=1e-2)
     assert errors[1] < 1e-3
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
 

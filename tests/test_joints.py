@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Place
+from mecano.element_interface import Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model, Node
@@ -51,7 +51,7 @@ def reactions(nodes, elements, gravity, spin=(0.0, 0.0, 0.0)):
     gradient = np.zeros(system.nnz + 1)
     system.add_constraints(s, 1.0, 0.0, gradient)
     matrix[system.rows, system.cols] += gradient[:-1]
-    right = np.concatenate([-system.residual[: system.n_q], system.levels(s)[:, 2]])
+    right = np.concatenate([-system.residual[: system.n_q], system.constraint_derivatives(s)[:, 2]])
     used = np.abs(matrix).max(axis=1, initial=0.0) > 0.0
     solution = np.zeros(system.n)
     solution[used] = np.linalg.solve(matrix[np.ix_(used, used)], right[used])
@@ -59,7 +59,7 @@ def reactions(nodes, elements, gravity, spin=(0.0, 0.0, 0.0)):
     s.z[system.n_q : system.n] = solution[system.n_q :]
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     np.testing.assert_allclose(system.residual[: system.n_q], 0.0, rtol=0, atol=1e-11)
-    np.testing.assert_allclose(system.levels(s)[:, 2], 0.0, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(system.constraint_derivatives(s)[:, 2], 0.0, rtol=0, atol=1e-11)
     system.observe(s)
     return outputs(system), s, system
 
@@ -191,7 +191,7 @@ def test_rod_of_a_conical_pendulum():
     s.z[system.n_q] = -M * G / math.cos(phi)
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     close(system.residual[: system.n], 0.0)
-    close(system.levels(s), 0.0)
+    close(system.constraint_derivatives(s), 0.0)
     system.observe(s)
     close(outputs(system)["rigid_rod 'joint'"]["tension"], M * G / math.cos(phi))
 
@@ -293,7 +293,7 @@ def test_prescribed_angle_holds_over_many_turns():
     s = system.initial_state()
     for error in (0.0, 0.2, -0.2, 3.0, -3.0):
         s.R[system.numbering.rotation[1]] = Rotation.from_rotvec([0, 0, 50.3 + error]).as_matrix()
-        close(system.levels(s)[0, 0], error)
+        close(system.constraint_derivatives(s)[0, 0], error)
         system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
         system.observe(s)
         close(outputs(system)["prescribed_angle 'motor'"]["angle"], 50.3 + error)

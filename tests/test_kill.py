@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from marching import INPUTS
+from time_runs import INPUTS
 
 import mecano
 from mecano.errors import ResultsError

@@ -232,12 +232,12 @@ def test_kinks_are_the_stiffest_corners():
 def test_what_shows_the_shape_of_a_curve_misses_no_bend(name):
     """The largest second derivative of each sign between -1 and 2, of 3,000 places, is among those told to 0.5 %."""
     law = (CASES[name][:2],)
-    places, told = shape_of_curve(law, -1.0, 2.0)
+    places, reported = shape_of_curve(law, -1.0, 2.0)
     assert np.all(np.diff(places) > 0.0)
     inner = np.linspace(-1.0, 2.0, 3000)
     bend = np.array([curve_at(law, s)[2] for s in inner])
     for sign in (1.0, -1.0):
-        assert np.max(sign * told[:, 2], initial=0.0) >= 0.995 * np.max(sign * bend, initial=0.0)
+        assert np.max(sign * reported[:, 2], initial=0.0) >= 0.995 * np.max(sign * bend, initial=0.0)
 
 
 def test_breakpoints():

@@ -1,10 +1,10 @@
 """Warnings of legal but suspicious decks and models, each with its place; none of decks that are as they should be."""
 
 import pytest
-from marching import INPUTS, deck, input_deck
 from process import flowing
+from time_runs import INPUTS, deck, input_deck
 
-from mecano.analyses.prepare import prepare, remarks, warnings_of
+from mecano.analyses.prepare import prepare, startup_warnings, warnings_of
 from mecano.analyses.summary import summary
 from mecano.deck.read import read_deck
 
@@ -39,7 +39,7 @@ def test_negative_stiffness_and_damping():
     """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
     bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
     given = input_deck("snap_through", *bars)
-    (said,) = remarks(prepare(given))
+    (said,) = startup_warnings(prepare(given))
     assert said.startswith("--set elements.left_bar.law:1:")
     assert (
         "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away" in said
@@ -186,7 +186,7 @@ def test_massless_nodes(more, expected):
 
 def test_a_model_without_mass():
     text = HEAD.replace("weight: {type: point_mass, node: b, mass: 2}", "")
-    assert remarks(prepare(deck(text))) == ["nothing in the model has a mass: is it meant so?"]
+    assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is it meant so?"]
 
 
 DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]

@@ -67,11 +67,11 @@ def hold(path, seconds):
         time.sleep(seconds)
 
 
-def hold_and_tell(path, told):
+def hold_and_tell(path, reported):
     with locked(path):
         begun = time.monotonic()
         time.sleep(0.02)
-        told.write_text(f"{begun} {time.monotonic()}")
+        reported.write_text(f"{begun} {time.monotonic()}")
 
 
 def test_of_those_that_start_at_once_no_two_write_at_the_same_time(path, tmp_path):
@@ -82,11 +82,11 @@ def test_of_those_that_start_at_once_no_two_write_at_the_same_time(path, tmp_pat
         record(path, process=gone.pid)
         children = [forked(hold_and_tell, path, tmp_path / f"{i}.txt") for i in range(4)]
         codes = list(map(ended, children))
-        times = sorted(tuple(map(float, told.read_text().split())) for told in tmp_path.glob("*.txt"))
+        times = sorted(tuple(map(float, reported.read_text().split())) for reported in tmp_path.glob("*.txt"))
         assert len(times) == codes.count(0) >= 1 and set(codes) <= {0, 5}
         assert all(before[1] <= after[0] for before, after in pairwise(times))
-        for told in tmp_path.glob("*.txt"):
-            told.unlink()
+        for reported in tmp_path.glob("*.txt"):
+            reported.unlink()
         assert os.listdir(tmp_path) == []
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, deck
+from time_runs import RecordedRun, deck
 
 from mecano.deck.physics import rotations
 
@@ -35,7 +35,7 @@ def march_of(arm, turn):
     (R,) = rotations(np.array([turn]))
     J = R.T @ INERTIA @ R
     J, center = 0.5 * (J + J.T), R.T @ CENTER
-    return March(deck(MODEL.format(arm=arm, turn=list(turn), inertia=J.tolist(), center=center.tolist())))
+    return RecordedRun(deck(MODEL.format(arm=arm, turn=list(turn), inertia=J.tolist(), center=center.tolist())))
 
 
 @pytest.mark.parametrize("arm", [BODY, LINK], ids=["attached", "rigid_link"])

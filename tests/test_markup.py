@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import pytest
-from marching import deck
+from time_runs import deck
 
 from mecano.analyses.dynamic import run
 from mecano.post.animation import animate

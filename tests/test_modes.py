@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from equilibria import G, arm
-from marching import deck, input_deck
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
+from time_runs import deck, input_deck
 
 from mecano.analyses.modal import about, modes
 from mecano.errors import ResultsError, UsageError

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from equilibria import arm
-from marching import deck
+from time_runs import deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import about, modes

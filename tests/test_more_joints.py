@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
-from marching import March, deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.elements import KINDS
 from mecano.errors import DeckError
@@ -18,29 +18,29 @@ def close(value, expected, size=1.0):
 
 def test_puck_slides_and_turns_on_a_slope():
     """Constant acceleration g sin(30 deg) down the slope, pressed by m g cos(30 deg), over six turns."""
-    march = March(input_deck("planar_slide"))
-    t, slope = march.time, "joints/slope"
-    close(march[f"{slope}/displacement"][:, 0], 0.25 * 9.81 * t**2)
-    close(march[f"{slope}/displacement"][:, 1], t)
-    close(march[f"{slope}/velocity"][:, 0], 0.5 * 9.81 * t)
-    close(march[f"{slope}/angle"], 20.0 * t)
-    close(march[f"{slope}/force"], 2.0 * 9.81 * np.cos(np.pi / 6))
-    close(march[f"{slope}/moment"], 0.0, 2.0)
+    recorded = RecordedRun(input_deck("planar_slide"))
+    t, slope = recorded.time, "joints/slope"
+    close(recorded[f"{slope}/displacement"][:, 0], 0.25 * 9.81 * t**2)
+    close(recorded[f"{slope}/displacement"][:, 1], t)
+    close(recorded[f"{slope}/velocity"][:, 0], 0.5 * 9.81 * t)
+    close(recorded[f"{slope}/angle"], 20.0 * t)
+    close(recorded[f"{slope}/force"], 2.0 * 9.81 * np.cos(np.pi / 6))
+    close(recorded[f"{slope}/moment"], 0.0, 2.0)
 
 
 def test_screw_is_driven_by_its_moment():
     """In the nut 2 N m act on J = 0.01 kg m2 and, by the pitch, on the load of 50 kg: J + m h^2, h = P/(2 pi)."""
-    march = March(input_deck("screw_jack"))
-    t, jack, h = march.time, "joints/jack", 0.02 / (2.0 * np.pi)
+    recorded = RecordedRun(input_deck("screw_jack"))
+    t, jack, h = recorded.time, "joints/jack", 0.02 / (2.0 * np.pi)
     thrust = 50.0 * 9.81
     acceleration = (2.0 - thrust * h) / (0.01 + 50.0 * h**2)
-    close(march[f"{jack}/angle"], 0.5 * acceleration * t**2, 10.0)
-    close(march[f"{jack}/displacement"], 0.5 * h * acceleration * t**2, 0.1)
-    close(march[f"{jack}/rate"], acceleration * t, 10.0)
+    close(recorded[f"{jack}/angle"], 0.5 * acceleration * t**2, 10.0)
+    close(recorded[f"{jack}/displacement"], 0.5 * h * acceleration * t**2, 0.1)
+    close(recorded[f"{jack}/rate"], acceleration * t, 10.0)
     force = thrust + 50.0 * h * acceleration
-    close(march[f"{jack}/force"][:, 2], force)
-    close(march[f"{jack}/moment"][:, 2], -h * force)
-    assert march[f"{jack}/angle"][-1] > 4.0 * np.pi
+    close(recorded[f"{jack}/force"][:, 2], force)
+    close(recorded[f"{jack}/moment"][:, 2], -h * force)
+    assert recorded[f"{jack}/angle"][-1] > 4.0 * np.pi
 
 
 def test_screw_locks_and_rebounds():
@@ -48,29 +48,31 @@ def test_screw_locks_and_rebounds():
     h, inertia = 0.02 / (2.0 * np.pi), 0.01 + 50.0 * (0.02 / (2.0 * np.pi)) ** 2
     second = (2.0 - 50.0 * 9.81 * h) / inertia
     rate = np.sqrt(2.0 * second * 0.02 / h)
-    march = March(input_deck("screw_jack", "joints.jack.latch.displacement=0.02"))
-    (lock,) = march.happenings
+    recorded = RecordedRun(input_deck("screw_jack", "joints.jack.latch.displacement=0.02"))
+    (lock,) = recorded.event_records
     close((lock.impulse, lock.lost), (-inertia * rate / h, 0.5 * inertia * rate**2))
-    close(march["joints/jack/angle"][-1], 2.0 * np.pi, 10.0)
-    march = March(input_deck("screw_jack", "joints.jack.stops={upper: 0.02, restitution: 0.5}", "time.end=0.6"))
-    (met,) = march.happenings
+    close(recorded["joints/jack/angle"][-1], 2.0 * np.pi, 10.0)
+    recorded = RecordedRun(
+        input_deck("screw_jack", "joints.jack.stops={upper: 0.02, restitution: 0.5}", "time.end=0.6")
+    )
+    (met,) = recorded.event_records
     assert met.name == "meets upper stop"
-    back = march.time > met.t + 1e-9
-    close(march["joints/jack/rate"][back], -0.5 * rate + second * (march.time[back] - met.t), rate)
+    back = recorded.time > met.t + 1e-9
+    close(recorded["joints/jack/rate"][back], -0.5 * rate + second * (recorded.time[back] - met.t), rate)
 
 
 def test_gears_share_one_inertia():
     """Rates of an inertia reduced to the driven gear; the teeth and the bearings carry what accelerates the others."""
-    march = March(input_deck("gears"))
-    t, spur, bevel = march.time, "joints/spur", "joints/bevel"
+    recorded = RecordedRun(input_deck("gears"))
+    t, spur, bevel = recorded.time, "joints/spur", "joints/bevel"
     for path, second in ((f"{spur}/angle_a", 75.0), (f"{spur}/angle_b", -37.5), (f"{bevel}/angle_b", -75.0)):
-        close(march[path], 0.5 * second * t**2, 40.0)
-        close(march[path.replace("angle", "rate")], second * t, 75.0)
-    close(march["joints/bearing_c/angle"], -37.5 * t**2, 40.0)
-    close(march[f"{spur}/force"], -18.75)
-    close(march[f"{bevel}/force"], 7.5)
-    close(march["joints/bearing_a/force"][-1], (0.0, 18.75, 3.0 * 9.81), 20.0)  # mu_1 = x, mu_2 = y
-    close(march["joints/bearing_a/moment"][-1], 0.0, 2.0)
+        close(recorded[path], 0.5 * second * t**2, 40.0)
+        close(recorded[path.replace("angle", "rate")], second * t, 75.0)
+    close(recorded["joints/bearing_c/angle"], -37.5 * t**2, 40.0)
+    close(recorded[f"{spur}/force"], -18.75)
+    close(recorded[f"{bevel}/force"], 7.5)
+    close(recorded["joints/bearing_a/force"][-1], (0.0, 18.75, 3.0 * 9.81), 20.0)  # mu_1 = x, mu_2 = y
+    close(recorded["joints/bearing_a/moment"][-1], 0.0, 2.0)
 
 
 CHAIN = """
@@ -91,12 +93,12 @@ CHAIN = """
 
 def test_ratio_of_gears_that_do_not_touch():
     """Inertia J_a + J_b/i^2 = 0.02 kg m2 under 3 N m; the chain takes 3 - 0.01 * 150 N m off a, at 0.1 m."""
-    march = March(deck(CHAIN))
-    t = march.time
-    close(march["joints/chain/angle_a"], 75.0 * t**2, 75.0)
-    close(march["joints/chain/angle_b"], -37.5 * t**2, 37.5)
-    close(march["joints/chain/force"], -15.0)
-    close(march["joints/a/force"], 0.0, 15.0)
+    recorded = RecordedRun(deck(CHAIN))
+    t = recorded.time
+    close(recorded["joints/chain/angle_a"], 75.0 * t**2, 75.0)
+    close(recorded["joints/chain/angle_b"], -37.5 * t**2, 37.5)
+    close(recorded["joints/chain/force"], -15.0)
+    close(recorded["joints/a/force"], 0.0, 15.0)
 
 
 PLANET = """
@@ -124,26 +126,26 @@ def test_planet_on_a_fixed_sun():
     """A planet as large as its sun turns twice as fast as the arm: J + m d^2 + 4 J_p = 0.1 + 0.08 + 0.02 kg m2."""
     times, pair = np.arange(1, 11) / 10, []
     for step in ("4.0e-3", "2.0e-3"):
-        march = March(deck(PLANET.replace("STEP", step)))
-        turned = march["joints/pivot/angle"]
-        np.testing.assert_allclose(march["joints/bearing/angle"], turned, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(march["joints/mesh/angle_a"], -turned, rtol=0, atol=1e-9)
-        pair.append(at_times(march, turned, times))
+        recorded = RecordedRun(deck(PLANET.replace("STEP", step)))
+        turned = recorded["joints/pivot/angle"]
+        np.testing.assert_allclose(recorded["joints/bearing/angle"], turned, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(recorded["joints/mesh/angle_a"], -turned, rtol=0, atol=1e-9)
+        pair.append(at_times(recorded, turned, times))
     check_second_order(*pair, 5.0 * times**2, 2e-6)
     # on the sun, which the planet pushes along: its 20 rad/s2 need J_p 20/0.1 m, of the second order too
-    np.testing.assert_allclose(march["joints/mesh/force"][-1], 1.0, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(recorded["joints/mesh/force"][-1], 1.0, rtol=0, atol=1e-3)
 
 
 def test_pinion_pulls_a_rack():
     """2 N m on J + m r^2 = 0.035 kg m2; the hinge of the pinion feels the teeth."""
-    march = March(input_deck("rack"))
-    t, teeth, second = march.time, "joints/teeth", 2.0 / 0.035
-    close(march[f"{teeth}/angle"], 0.5 * second * t**2, 30.0)
-    close(march[f"{teeth}/rate"], second * t, 60.0)
-    close(march["joints/guide/displacement"], -0.025 * second * t**2)
-    close(march[f"{teeth}/force"], 10.0 * 0.05 * second)
-    close(march["joints/bearing/force"][-1], (-0.5 * second, -9.81, 0.0), 30.0)  # mu_1 = x, mu_2 = -z
-    close(march["joints/guide/moment"][-1], 0.0, 2.0)
+    recorded = RecordedRun(input_deck("rack"))
+    t, teeth, second = recorded.time, "joints/teeth", 2.0 / 0.035
+    close(recorded[f"{teeth}/angle"], 0.5 * second * t**2, 30.0)
+    close(recorded[f"{teeth}/rate"], second * t, 60.0)
+    close(recorded["joints/guide/displacement"], -0.025 * second * t**2)
+    close(recorded[f"{teeth}/force"], 10.0 * 0.05 * second)
+    close(recorded["joints/bearing/force"][-1], (-0.5 * second, -9.81, 0.0), 30.0)  # mu_1 = x, mu_2 = -z
+    close(recorded["joints/guide/moment"][-1], 0.0, 2.0)
 
 
 GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2, "ratio": None}

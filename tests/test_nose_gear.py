@@ -2,25 +2,25 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
 from planar_gear import PlanarGear
+from time_runs import RecordedRun, input_deck
 
 from mecano.analyses.prepare import prepare
 
 
 @pytest.fixture(scope="module")
 def flat():
-    return March(input_deck("nose_gear_rigid"))
+    return RecordedRun(input_deck("nose_gear_rigid"))
 
 
 @pytest.fixture(scope="module")
 def wavy():
-    return March(input_deck("nose_gear_rigid", "parameters.bump_amplitude=0.03"))
+    return RecordedRun(input_deck("nose_gear_rigid", "parameters.bump_amplitude=0.03"))
 
 
-def flights(march):
+def flights(recorded):
     """[(lift-off, touch-down)] of the wheel [s]."""
-    times = [(h.name, h.t) for h in march.happenings if h.name in ("touch_down", "lift_off")]
+    times = [(h.name, h.t) for h in recorded.event_records if h.name in ("touch_down", "lift_off")]
     assert times[0][0] == "touch_down" and len(times) % 2 == 1
     return [(up, down) for (_, up), (_, down) in zip(times[1::2], times[2::2], strict=True)]
 
@@ -58,11 +58,11 @@ def test_redundant_hinges_change_nothing(flat):
         f"joints.{joint}={{type: hinge, nodes: [{nodes}], axis: [0, 1, 0]}}"
         for joint, nodes in (("brace_pin", "brace_mount, brace_head"), ("brace_ball", "leg_brace_lug, brace_foot"))
     )
-    march = March(input_deck("nose_gear_rigid", pin, ball))
-    assert [group.count for group in march.prepared.analysis.redundant] == [3]
+    recorded = RecordedRun(input_deck("nose_gear_rigid", pin, ball))
+    assert [group.count for group in recorded.prepared.analysis.redundant] == [3]
     # rounding may decide over the size of a step: to a tenth of the 20 us that the tolerance of the deck leaves
-    assert np.array(flights(march)) == pytest.approx(np.array(flights(flat)), abs=2e-6)
-    assert march.run.steps == pytest.approx(flat.run.steps, abs=20)
+    assert np.array(flights(recorded)) == pytest.approx(np.array(flights(flat)), abs=2e-6)
+    assert recorded.run.steps == pytest.approx(flat.run.steps, abs=20)
 
 
 def test_it_rebounds_as_in_the_paper(flat):
@@ -76,7 +76,7 @@ def test_tyre_and_absorber_stay_in_their_range(flat):
     assert flat["elements/wheel/deformation"].max() == pytest.approx(0.1064, abs=1e-4)
     assert flat["elements/wheel/radial_force"].max() == pytest.approx(1.968e5, rel=1e-3)
     assert flat["elements/absorber/stroke"].max() == pytest.approx(0.1599, abs=1e-4)
-    stops = {h.name for h in flat.happenings if "stop" in h.name}
+    stops = {h.name for h in flat.event_records if "stop" in h.name}
     assert stops == {"upper stop opens", "upper stop closes"}
 
 
@@ -100,9 +100,9 @@ def test_it_stays_in_its_plane(flat):
 @pytest.mark.parametrize("ground", ["flat", "wavy"])
 def test_energy_is_accounted_for(ground, request):
     """What friction, oil and tyre dissipate (83 kJ) is what the motion loses, to 1e-4."""
-    march = request.getfixturevalue(ground)
-    assert march["energy/dissipated"][-1] > 8e4
-    assert np.ptp(march["energy/balance"]) < 1e-4 * march["energy/dissipated"][-1]
+    recorded = request.getfixturevalue(ground)
+    assert recorded["energy/dissipated"][-1] > 8e4
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/dissipated"][-1]
 
 
 def test_it_takes_few_steps(flat):

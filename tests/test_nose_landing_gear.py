@@ -7,8 +7,8 @@ import re
 
 import numpy as np
 import pytest
-from marching import March, input_deck
 from planar_gear import PlanarGear
+from time_runs import RecordedRun, input_deck
 
 import mecano
 from mecano.analyses.dynamic import run
@@ -154,15 +154,15 @@ def test_stiff_beams_move_as_rigid_bodies():
     """Without drift and flexibility: the planar model in minimal coordinates, integrated at 1e-9."""
     stiff = [f"sections.{name}.E=2.1e16" for name in ("leg", "arm", "brace")]
     settings = ["parameters.drift=0", "time.end=1.6", "time.adaptive.tolerance=1e-3"]
-    march = March(input_deck("nose_landing_gear", *stiff, *settings))
+    recorded = RecordedRun(input_deck("nose_landing_gear", *stiff, *settings))
     planar = planar_gear(input_deck("nose_landing_gear"))
     times, states = planar.run(1.6, -3.05, 60.0)
     w, s = np.array([planar.deformation(y) for y in states]).T
-    happened = [h.t for h in march.happenings if h.name in ("touch_down", "lift_off")]
+    happened = [h.t for h in recorded.event_records if h.name in ("touch_down", "lift_off")]
     assert happened[1:] == pytest.approx(times[1:], abs=5e-5)
-    assert march["elements/wheel/deformation"].max() == pytest.approx(w.max(), rel=1e-5)
-    assert march["elements/absorber/stroke"].max() == pytest.approx(-s.min(), rel=1e-4)
-    assert np.abs(march["nodes/axle/position"][:, 1]).max() < 1e-12
+    assert recorded["elements/wheel/deformation"].max() == pytest.approx(w.max(), rel=1e-5)
+    assert recorded["elements/absorber/stroke"].max() == pytest.approx(-s.min(), rel=1e-4)
+    assert np.abs(recorded["nodes/axle/position"][:, 1]).max() < 1e-12
 
 
 @pytest.mark.parametrize(("force", "expected"), [(lambda s: 3.0 + 0 * s, 1.0), (lambda s: s, 0.5)])
@@ -194,8 +194,10 @@ def test_page_of_the_drop_test(files):
     )
     assert axle_impulse == pytest.approx(ground_impulse + 50.0 * (velocity[-1] - velocity[0]), rel=5e-3)
     assert panels["load on the absorber"].note == "efficiency 0.89"
-    told = re.match(r"spin-up (.*) kN at (.*) s, spring-back (.*) kN", panels["drag on the axle"].note)
-    assert [float(number) for number in told.groups()] == pytest.approx([86.6, 0.0416, 32.6], rel=5e-3)  # by the step
+    reported = re.match(r"spin-up (.*) kN at (.*) s, spring-back (.*) kN", panels["drag on the axle"].note)
+    assert [float(number) for number in reported.groups()] == pytest.approx(
+        [86.6, 0.0416, 32.6], rel=5e-3
+    )  # by the step
 
 
 def test_several_runs_share_the_page(files):

@@ -9,8 +9,8 @@ import subprocess
 import every_kind
 import numpy as np
 import pytest
-from marching import INPUTS
 from process import mecano_process, settings
+from time_runs import INPUTS
 
 from mecano.post.export import export
 from mecano.results.reader import open_results

@@ -473,8 +473,8 @@ def test_no_two_curves_look_the_same(runs, names, whats, labels):
     sheet = Sheet("s", "", (panel,), (), labels)
     for look in (Look(sheet), Look(sheet, panel_by_panel=True)):
         looks = [look.style(curve, panel) for curve in curves]
-        told = [(one["color"], str(one["linestyle"])) for one in looks if one["color"] != style.PALE]
-        assert len(set(told)) == len(told) >= min(len(curves), 6)
+        reported = [(one["color"], str(one["linestyle"])) for one in looks if one["color"] != style.PALE]
+        assert len(set(reported)) == len(reported) >= min(len(curves), 6)
         pale = {curve.subject for curve, one in zip(curves, looks, strict=True) if one["color"] == style.PALE}
         if whats <= len(style.DASHES):
             assert pale == {f"e{i}" for i in range(len(pale))}
@@ -544,7 +544,7 @@ def test_units_suit_the_numbers(unit, largest, factor, shown):
     assert (math.isclose(found, factor, rel_tol=1e-12), text) == (True, shown)
 
 
-def test_a_peak_without_a_unit_is_told_without_a_gap(runs):
+def test_a_peak_without_a_unit_is_reported_without_a_gap(runs):
     (ratio,) = find(runs[0].results, "one_wheel.friction_coefficient")
     panel = Panel("friction", (Curve(time_of(ratio), ratio, 0, "one_wheel"),), peak=(0.5, 1.25))
     (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
@@ -571,7 +571,7 @@ class TestInfo:
         assert f"{data['wall_time']:.2f} s by the clock for the march" in text
         assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
 
-    def test_compiling_is_told_apart(self, tmp_path):
+    def test_compiling_is_separate(self, tmp_path):
         path = every_kind.write(tmp_path / "compiled.h5")
         with h5py.File(path, "a") as file:
             file["run/compile_time"][()] = 12.5

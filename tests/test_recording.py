@@ -6,18 +6,18 @@ import sys
 
 import numpy as np
 import pytest
-from marching import INPUTS, input_deck
+from time_runs import INPUTS, input_deck
 
 import mecano
+from mecano.analyses.checkpoint_writer import CheckpointWriter
 from mecano.analyses.dynamic import run
-from mecano.analyses.keeper import Keeper
 from mecano.analyses.prepare import prepare
 from mecano.elements import KINDS
 from mecano.errors import NonFiniteError
 from mecano.model.sampler import Sampler
 from mecano.model.system import System
 from mecano.process.interrupt import Interruption, Stopped
-from mecano.solve.time.march import March
+from mecano.solve.time.time_integration import TimeIntegrator
 
 DECKS = {  # deck: overrides, interval of saving [s], what peaks between the saved times
     "wheel_drop": (["parameters.wave_amplitude=0.02"], 0.03, "elements/tire/radial_force"),
@@ -133,7 +133,9 @@ def test_saving_within_one_step_looks_at_signals(tmp_path, monkeypatch):
     """A signal that comes while 100,000 times of one step are being saved ends the run after some thousands."""
     interruption = Interruption()
     monkeypatch.setattr(interruption, "_number", signal.SIGTERM)
-    monkeypatch.setattr(Keeper, "__call__", lambda keeper, run: None)  # it came after the last question of the step
+    monkeypatch.setattr(
+        CheckpointWriter, "__call__", lambda keeper, run: None
+    )  # it came after the last question of the step
     deck = input_deck("free_body", "time={end: 10, step: 1}", "output.every=1.01e-5")
     with pytest.raises(Stopped, match="stopped by SIGTERM among the saved times of one step"):
         run(deck, tmp_path / "r.h5", interruption=interruption)
@@ -154,7 +156,7 @@ def test_an_output_that_is_not_finite_ends_the_run_and_stands_in_no_file(tmp_pat
     sampler = Sampler(prepare(deck).system)
     column = next(c.start for c in sampler.columns if c.path == "joints/hinge/angle") - sampler.node_size
     monkeypatch.setattr(System, "observe", spoiled)
-    monkeypatch.setattr(March, "ordinary", lambda march, run, stop: (run, None, True))
+    monkeypatch.setattr(TimeIntegrator, "ordinary", lambda integrator, run, stop: (run, None, True))
     with pytest.raises(NonFiniteError, match="t = .* s: hinge 'hinge': angle is not finite"):
         run(deck, tmp_path / "r.h5")
     with mecano.open_results(tmp_path / "r.h5") as results:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from linkage import FourBar
-from marching import INPUTS, March, deck, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
-from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError, ConvergenceError
 
@@ -63,21 +63,21 @@ BLOCKED = """
 """
 
 
-def test_redundant_constraints_that_contradict_one_another_are_told():
+def test_redundant_constraints_that_contradict_one_another_are_reported():
     """A motor on what is held, which gives way by 1e-11 only: from the start on, or from 5 ms on."""
-    March(deck(BLOCKED.format(0.0)))
+    RecordedRun(deck(BLOCKED.format(0.0)))
     motor = "to prescribed_angle 'turn': moment that holds the angle"
     with pytest.raises(AssemblyError, match=f"contradict one another: the others leave a rate of -1 rad/s {motor}"):
-        March(deck(BLOCKED.format("{linear: {slope: 1}}")))
+        RecordedRun(deck(BLOCKED.format("{linear: {slope: 1}}")))
     with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}") as error:
-        March(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
+        RecordedRun(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
     assert "what to try: leave one of these constraints out" in str(error.value)
 
 
 def test_the_bolt_is_named_beside_the_motor_that_it_contradicts():
     """`fixed` shares the unknowns of its nodes: no multiplier of its own stands in the equations."""
     with pytest.raises(AssemblyError, match="contradict") as error:
-        March(deck(BLOCKED.format("{linear: {slope: 1}}")))
+        RecordedRun(deck(BLOCKED.format("{linear: {slope: 1}}")))
     assert "the others are: fixed 'hold': moment" in str(error.value)
 
 
@@ -99,8 +99,8 @@ BOLTED_LATER = """
 
 def test_a_redundancy_that_begins_in_a_run_names_the_bolt():
     """Two stops close at once on two bodies that are bolted together: without the bolt each would hold its own."""
-    march = March(deck(BOLTED_LATER))
-    (text,) = [text for text in march.march.remarks if text.startswith("since t = 0.1 s")]
+    recorded = RecordedRun(deck(BOLTED_LATER))
+    (text,) = [text for text in recorded.integrator.warnings if text.startswith("since t = 0.1 s")]
     assert all(name in text for name in ("prismatic 'guide'", "prismatic 'wall'", "fixed 'bolt': force x"))
 
 
@@ -122,12 +122,12 @@ BESIDE = """
 
 def test_all_constraints_that_contradict_one_another_are_named():
     with pytest.raises(AssemblyError, match="contradict") as error:
-        March(deck(BESIDE))
+        RecordedRun(deck(BESIDE))
     assert all(f"prescribed_angle '{name}'" in str(error.value) for name in ("slow", "fast"))
     assert "beside" not in str(error.value) and "axle" not in str(error.value)
 
 
-def test_a_motor_that_drives_on_a_stop_ends_the_march_with_both_names():
+def test_a_motor_that_drives_on_a_stop_ends_the_run_with_both_names():
     """The march ends at the stop, as one that cannot go on, not as a deck that cannot be assembled."""
     text = """
     mecano: 1
@@ -140,14 +140,14 @@ def test_a_motor_that_drives_on_a_stop_ends_the_march_with_both_names():
     time: {end: 0.6, step: 1.0e-3}
     """
     with pytest.raises(ConvergenceError, match="at t = 0.2 s constraints contradict one another") as error:
-        March(deck(text))
+        RecordedRun(deck(text))
     assert "prescribed_position 'drive'" in str(error.value) and "prismatic 'guide': force of the stop" in str(
         error.value
     )
     assert "what to try: leave one of these constraints out" in str(error.value)
 
 
-def test_a_moment_on_what_has_no_inertia_is_told():
+def test_a_moment_on_what_has_no_inertia_is_reported():
     """The rotation of a point mass: nothing resists the moment."""
     text = """
     mecano: 1
@@ -158,16 +158,16 @@ def test_a_moment_on_what_has_no_inertia_is_told():
     time: {end: 0.1, step: 0.01}
     """
     with pytest.raises(ConvergenceError, match="node a: rotation about material y; on it act moment 'turn'") as error:
-        March(deck(text))
+        RecordedRun(deck(text))
     assert "what to try: a mass, an inertia or a stiffness for what is named and has none" in str(error.value)
     assert "node b" not in str(error.value) and "displacement" not in str(error.value)
 
 
-def test_summary_and_remarks_say_so():
+def test_summary_and_warnings_say_so():
     text = summary(input_deck("four_bar"))
     assert "mobility         1" in text and "redundant        3 constraint(s)" in text
     assert "hinge 'hinge_d'" in text
-    said = remarks(prepare(input_deck("four_bar")))
+    said = startup_warnings(prepare(input_deck("four_bar")))
     assert len(said) == 1 and said[0].startswith("3 redundant constraint(s) among: ") and "not unique" in said[0]
 
 
@@ -175,13 +175,13 @@ def test_summary_and_remarks_say_so():
 def test_isostatic_version_has_no_redundancy(joints):
     prepared = prepare(four_bar(*joints))
     assert (prepared.analysis.mobility, prepared.analysis.redundant) == (1, ())
-    assert prepared.compliance is None and remarks(prepared) == []
+    assert prepared.compliance is None and startup_warnings(prepared) == []
 
 
 @pytest.mark.parametrize("joints", ISOSTATIC.values(), ids=ISOSTATIC)
 def test_motion_is_that_of_the_isostatic_version(joints):
     """Every position to 1e-9 m at every step, angles and the force in the plane on the crank likewise."""
-    redundant, isostatic = March(four_bar()), March(four_bar(*joints))
+    redundant, isostatic = RecordedRun(four_bar()), RecordedRun(four_bar(*joints))
     for path in redundant.columns:
         if path.endswith("/position"):
             np.testing.assert_allclose(isostatic[path], redundant[path], rtol=0, atol=1e-9, err_msg=path)
@@ -193,24 +193,24 @@ def test_motion_is_that_of_the_isostatic_version(joints):
 
 def test_motion_is_planar_and_closes():
     """Coupler and rocker angles are those of the closed form at every step."""
-    march, linkage = March(four_bar()), FourBar()
-    theta = march["joints/hinge_a/angle"]
+    recorded, linkage = RecordedRun(four_bar()), FourBar()
+    theta = recorded["joints/hinge_a/angle"]
     coupler, rocker = linkage.angles(theta) - linkage.angles(0.0)[:, None]
-    np.testing.assert_allclose(theta + march["joints/hinge_b/angle"], coupler, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(march["joints/hinge_d/angle"], rocker, rtol=0, atol=1e-9)
-    assert max(np.abs(march[f"nodes/{name}/position"][:, 1]).max() for name in ("crank_end", "rocker_end")) < 1e-12
+    np.testing.assert_allclose(theta + recorded["joints/hinge_b/angle"], coupler, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(recorded["joints/hinge_d/angle"], rocker, rtol=0, atol=1e-9)
+    assert max(np.abs(recorded[f"nodes/{name}/position"][:, 1]).max() for name in ("crank_end", "rocker_end")) < 1e-12
 
 
 def leaning(g_y, steps=1000, step=1e-3):
     """The march of the linkage with gravity across its plane."""
     across = four_bar(end=steps * step, step=step)
     across.values["gravity"][1] = g_y
-    return March(across)
+    return RecordedRun(across)
 
 
-def loads_along_the_hinges(march):
+def loads_along_the_hinges(recorded):
     """Forces (n, 2) of crank and rocker on the ground, along y."""
-    return np.stack([march[f"joints/hinge_{name}/force"][:, 2] for name in "ad"], axis=1)
+    return np.stack([recorded[f"joints/hinge_{name}/force"][:, 2] for name in "ad"], axis=1)
 
 
 WEIGHT = 2.0 * (0.3 + 0.9 + 0.7) * 3.0  # of the bars, across the plane [N]
@@ -239,5 +239,5 @@ def test_isostatic_joints_carry_what_they_can():
     """With a ball and a pin sleeve at b and c the rocker carries itself alone across the plane."""
     linkage = four_bar(*ISOSTATIC["cylindrical and spherical"], end=0.1)
     linkage.values["gravity"][1] = -3.0
-    loads = loads_along_the_hinges(March(linkage))
+    loads = loads_along_the_hinges(RecordedRun(linkage))
     np.testing.assert_allclose(loads, np.tile([-(0.6 + 1.8) * 3.0, -1.4 * 3.0], (len(loads), 1)), rtol=1e-8)

@@ -5,9 +5,9 @@ any of its joints out makes what is left isostatic.
 """
 
 import pytest
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 
-from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError
 
@@ -85,7 +85,7 @@ def test_all_joints_that_take_part_are_named(name):
     said = summary(prepared.deck)
     assert f"redundant        {count} constraint(s)" in said
     assert all(f" '{joint}': " in said.partition("redundant  ")[2] for joint in expected.split())
-    assert any("redundant constraint(s) among" in text for text in remarks(prepared))
+    assert any("redundant constraint(s) among" in text for text in startup_warnings(prepared))
 
 
 GOOD = {
@@ -109,7 +109,7 @@ GOOD = {
 @pytest.mark.parametrize("name", GOOD)
 def test_no_false_alarm(name):
     prepared = prepare(deck(HEAD + GOOD[name]))
-    assert prepared.redundant == () and not any("redundant" in text for text in remarks(prepared))
+    assert prepared.redundant == () and not any("redundant" in text for text in startup_warnings(prepared))
 
 
 INPUTS_WITHOUT = ("pendulum", "double_pendulum", "hanging_chain", "slider_crank", "gears", "free_body")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from convergence import at_times, check_second_order, pair
 from linkage import FourBar
-from marching import INPUTS, March, deck, input_deck
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 M, MINIMAL, LINKS = "Mechanisms", "minimal coordinates, integrated at tight tolerance", "closed form of the linkage"
 HALVES, SECONDS = np.linspace(0.5, 5.0, 10), np.arange(1.0, 11.0)
@@ -26,10 +26,10 @@ def test_pendulum(verify):
     verify.second_order(M, "pendulum: angle at ten times [rad]", coarse, fine, theta, 2e-6, "elliptic functions")
 
 
-def period(march):
+def period(recorded):
     """Time between the first and the third passage through the vertical."""
-    angle = march["joints/hinge/angle"] - np.pi / 2
-    curve = CubicHermiteSpline(march.time, angle, march["joints/hinge/rate"])
+    angle = recorded["joints/hinge/angle"] - np.pi / 2
+    curve = CubicHermiteSpline(recorded.time, angle, recorded["joints/hinge/rate"])
     first, _, third = curve.roots(extrapolate=False)[:3]
     return third - first
 
@@ -38,9 +38,9 @@ def test_period_and_greatest_pin_force_of_the_pendulum(verify):
     """A01: 2.367841947576237 s. The bar of the deck pulls with 5/2 m g where it hangs straight down."""
     periods, forces = [], []
     for h in (0.01, 0.005):
-        march = March(input_deck("pendulum", f"time.step={h}", "time.end=3.2"))
-        periods.append(period(march))
-        angle, force = march["joints/hinge/angle"], np.linalg.norm(march["joints/hinge/force"], axis=-1)
+        recorded = RecordedRun(input_deck("pendulum", f"time.step={h}", "time.end=3.2"))
+        periods.append(period(recorded))
+        angle, force = recorded["joints/hinge/angle"], np.linalg.norm(recorded["joints/hinge/force"], axis=-1)
         near = np.argsort(np.abs(angle - np.pi / 2))[:5]
         forces.append(np.polynomial.polynomial.polyfit(angle[near] - np.pi / 2, force[near], 2)[0])
     verify.second_order(M, "pendulum: period [s]", *periods, 2.367841947576237, 1e-8, "elliptic integral")
@@ -78,13 +78,13 @@ def test_n_four_bar_passes_singular_positions(verify):
     cranks = [f"joints/hinge_a{i}" for i in range(3)]
     h, found = 2e-3, {"angle": [], "rate": []}
     for step in (h, h / 2):
-        march = March(input_deck("n_four_bar", f"time.step={step}"))
+        recorded = RecordedRun(input_deck("n_four_bar", f"time.step={step}"))
         for what in found:
-            every = np.stack([march[f"{crank}/{what}"] for crank in cranks], axis=1)
-            found[what].append(at_times(march, every, SECONDS))
-        start = march["energy/balance"][0]
+            every = np.stack([recorded[f"{crank}/{what}"] for crank in cranks], axis=1)
+            found[what].append(at_times(recorded, every, SECONDS))
+        start = recorded["energy/balance"][0]
         assert start == pytest.approx(35.835, rel=1e-12)
-        apart = np.ptp(np.stack([march[f"{crank}/angle"] for crank in cranks]), axis=0)
+        apart = np.ptp(np.stack([recorded[f"{crank}/angle"] for crank in cranks]), axis=0)
         assert apart.max() < 1e-9  # no change of form: all cranks stay parallel
     theta, rate = (np.tile(values, (3, 1)).T for values in (theta, rate))
     verify.second_order(M, "N-four-bar: crank angles over 10 s [rad]", *found["angle"], theta, 5e-6, MINIMAL)
@@ -98,11 +98,11 @@ def test_heavy_top(verify):
     at_start = [0.0, -319.525988166, -317.26246153846233]
     positions, forces = [], []
     for h in (2.5e-4, 1.25e-4):
-        march = March(input_deck("heavy_top", f"time.step={h}"))
-        positions.append(march["elements/top/center_of_mass"][-1])
-        forces.append(march["joints/ball/force"][-1])
-        np.testing.assert_allclose(march["joints/ball/force"][0], at_start, rtol=0, atol=1e-8)
-        assert march["energy/total"][0] == pytest.approx(5435.696790865547, rel=1e-12)
+        recorded = RecordedRun(input_deck("heavy_top", f"time.step={h}"))
+        positions.append(recorded["elements/top/center_of_mass"][-1])
+        forces.append(recorded["joints/ball/force"][-1])
+        np.testing.assert_allclose(recorded["joints/ball/force"][0], at_start, rtol=0, atol=1e-8)
+        assert recorded["energy/total"][0] == pytest.approx(5435.696790865547, rel=1e-12)
     verify.second_order(M, "heavy top: centre of mass at 2 s [m]", *positions, x, 1e-4, MINIMAL)
     verify.second_order(M, "heavy top: force of the pivot at 2 s [N]", *forces, force, 0.1, MINIMAL)
 
@@ -123,10 +123,10 @@ FREE_BODY = [
 ]  # w every 2.5 s, material axes
 
 
-def material_spin(march):
+def material_spin(recorded):
     """Angular velocity of the free body in its own axes."""
-    turn = Rotation.from_quat(np.roll(march["nodes/body/rotation"], -1, axis=1))
-    return turn.inv().apply(march["nodes/body/angular_velocity"])
+    turn = Rotation.from_quat(np.roll(recorded["nodes/body/rotation"], -1, axis=1))
+    return turn.inv().apply(recorded["nodes/body/angular_velocity"])
 
 
 def test_free_body_flips_twice():
@@ -138,9 +138,9 @@ def test_time_between_the_flips():
     """A flip is where the middle component goes through zero; its rate there is w1 w3 (I3 - I1)/I2."""
     intervals = []
     for h in (0.05, 0.025):
-        march = March(input_deck("free_body", f"time.step={h}"))
-        w = material_spin(march)
-        first, second = CubicHermiteSpline(march.time, w[:, 1], w[:, 2] * w[:, 0]).roots(extrapolate=False)
+        recorded = RecordedRun(input_deck("free_body", f"time.step={h}"))
+        w = material_spin(recorded)
+        first, second = CubicHermiteSpline(recorded.time, w[:, 1], w[:, 2] * w[:, 0]).roots(extrapolate=False)
         intervals.append(second - first)
     check_second_order(*intervals, 16.597498504458635, 1e-7)
 
@@ -162,10 +162,10 @@ def test_cardan_joint(verify):
     """Angles are exact (constraints on positions), the ratio of the rates is of second order."""
     ratios = []
     for h in (1 / 480, 1 / 960):
-        march = March(input_deck("cardan", f"time.step={h}"))
-        angle = at_times(march, march["joints/bearing_2/angle"], np.arange(1, 13) / 12)
+        recorded = RecordedRun(input_deck("cardan", f"time.step={h}"))
+        angle = at_times(recorded, recorded["joints/bearing_2/angle"], np.arange(1, 13) / 12)
         verify(M, f"cardan joint: output angle, step {h:.2g} s [rad]", angle, CARDAN_ANGLE, LINKS, absolute=2e-10)
-        ratios.append(at_times(march, march["joints/bearing_2/rate"], np.arange(1, 13) / 12) / (2 * np.pi))
+        ratios.append(at_times(recorded, recorded["joints/bearing_2/rate"], np.arange(1, 13) / 12) / (2 * np.pi))
     verify.second_order(M, "cardan joint: ratio of the rates [-]", *ratios, CARDAN_RATIO, 1e-9, LINKS)
 
 
@@ -185,11 +185,11 @@ def test_driven_four_bar(verify):
     text = (INPUTS / "four_bar.yaml").read_text()
     motor = "{type: prescribed_angle, nodes: [ground, crank], axis: [0, -1, 0], value: {linear: {slope: $turn}}}"
     text = text.replace("joints:\n", f"parameters: {{turn: {2 * np.pi}}}\njoints:\n  motor: {motor}\n")
-    march = March(deck(text.replace("time: {end: 3.0", "time: {end: 1.0")))
+    recorded = RecordedRun(deck(text.replace("time: {end: 3.0", "time: {end: 1.0")))
     eighths = np.arange(1, 9) / 8
-    crank = at_times(march, march["joints/hinge_a/angle"], eighths)
-    coupler = crank + at_times(march, march["joints/hinge_b/angle"], eighths) + FOUR_BAR_COUPLER[-1]
-    rocker = at_times(march, march["joints/hinge_d/angle"], eighths) + FOUR_BAR_ROCKER[-1]
+    crank = at_times(recorded, recorded["joints/hinge_a/angle"], eighths)
+    coupler = crank + at_times(recorded, recorded["joints/hinge_b/angle"], eighths) + FOUR_BAR_COUPLER[-1]
+    rocker = at_times(recorded, recorded["joints/hinge_d/angle"], eighths) + FOUR_BAR_ROCKER[-1]
     np.testing.assert_allclose(crank, 2 * np.pi * eighths, rtol=0, atol=2e-10)
     verify(M, "driven four-bar: angle of the coupler [rad]", coupler, FOUR_BAR_COUPLER, LINKS, absolute=1e-9)
     verify(M, "driven four-bar: angle of the rocker [rad]", rocker, FOUR_BAR_ROCKER, LINKS, absolute=1e-9)

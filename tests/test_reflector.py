@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 INPUTS = Path(__file__).parent.parent / "inputs"
 
@@ -20,12 +20,12 @@ def writer():
 
 @pytest.fixture(scope="module")
 def deployment():
-    return March(input_deck("reflector"))
+    return RecordedRun(input_deck("reflector"))
 
 
 def locks(deployment):
     """Time of locking of each hinge [s]."""
-    return {h.element.split("'")[1]: h.t for h in deployment.happenings if h.name == "locks"}
+    return {h.element.split("'")[1]: h.t for h in deployment.event_records if h.name == "locks"}
 
 
 def test_the_deck_is_what_its_writer_writes():
@@ -76,7 +76,7 @@ def test_curved_shape_is_reached(deployment):
 def test_energy_is_balanced_and_then_never_grows(deployment):
     """What members swing with after the shocks, the integrator damps."""
     balance, times = deployment["energy/balance"], deployment.time
-    first = min(h.t for h in deployment.happenings if h.impulse != 0.0)
+    first = min(h.t for h in deployment.event_records if h.impulse != 0.0)
     kinetic = deployment["energy/kinetic"].max()
     before = balance[(times > 0.1) & (times < first - 0.05)]
     assert np.ptp(before) < 0.01 * kinetic

@@ -99,24 +99,24 @@ def test_what_users_write_is_text(page):
 
 
 def test_the_model_is_counted(report):
-    told = dict(rows(report, "Model"))
-    assert told["elements"] == "1: 1 spring_damper" and told["nodes"] == "2" and told["loads"] == "none"
+    reported = dict(rows(report, "Model"))
+    assert reported["elements"] == "1: 1 spring_damper" and reported["nodes"] == "2" and reported["loads"] == "none"
 
 
-def test_the_solver_history_is_told_with_its_times(report):
+def test_the_solver_history_is_reported_with_its_times(report):
     """As every_kind.write fills the columns: 1 + i mod 3 iterations in step i, i mod 2 rejections, steps of 0.05 s."""
-    told = {row[0]: row[1:] for row in rows(report, "Solution")}
-    assert told["Newton iterations"] == ("1", "0.15", "2", "3", "0.1")
-    assert told["rejected trials of a step"] == ("0", "0.1", "0.5", "1", "0.05")
-    assert told["size of the step [s]"] == ("0.05", "0.05", "0.05", "0.05", "0.05")
+    reported = {row[0]: row[1:] for row in rows(report, "Solution")}
+    assert reported["Newton iterations"] == ("1", "0.15", "2", "3", "0.1")
+    assert reported["rejected trials of a step"] == ("0", "0.1", "0.5", "1", "0.05")
+    assert reported["size of the step [s]"] == ("0.05", "0.05", "0.05", "0.05", "0.05")
 
 
 def test_energies_and_their_closure(report, path):
     [run] = open_runs([path])
     values = run.results["energy/kinetic"].values
-    told = {row[0]: row[1:] for row in rows(report, "Energy")}
+    reported = {row[0]: row[1:] for row in rows(report, "Energy")}
     expected = (values[0], values[-1], values[-1] - values[0], values.max() - values.min())
-    assert told["kinetic"] == tuple(f"{x:.5g}" for x in expected)
+    assert reported["kinetic"] == tuple(f"{x:.5g}" for x in expected)
     [section] = [section for section in report.sections if section.heading == "Energy"]
     assert "of the largest change of an energy" in section.parts[1].text
 
@@ -155,7 +155,7 @@ def test_the_deck_is_there_as_written_and_as_understood(report, path):
     assert "one_spring_damper:" in understood and json.dumps(every_kind.WAVE) in understood
 
 
-def test_what_cannot_be_reported_is_told(path, tmp_path):
+def test_what_cannot_be_reported_is_refused(path, tmp_path):
     with pytest.raises(UsageError, match="ends with .html"):
         write_report(path, tmp_path / "page.pdf")
     with pytest.raises(ResultsError, match="cannot make the folder /proc/pages"):

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import results_samples as samples
 
-from mecano.compiled import store
 from mecano.errors import ResultsError, UnknownNameError
-from mecano.results import blank
+from mecano.jit import store
+from mecano.results import empty_file
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import Source, lives
@@ -68,7 +68,7 @@ def test_metadata(finished):
     assert 0 < metadata["wall_time"] < 60 and metadata["processor_time"] > 0
 
 
-def test_the_clock_of_the_march_leaves_compiling_out(tmp_path, monkeypatch):
+def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):
     """3 s before, 500 s while it runs; a file in which the latter are not told apart is an older one."""
     monkeypatch.setattr(store, "_times", [3.0])
     with samples.create(tmp_path / "r.h5") as writer:
@@ -356,19 +356,19 @@ def test_runs_of_one_layout_begin_with_a_copy(tmp_path, monkeypatch):
     kept = tmp_path / "kept"
     kept.mkdir()
     monkeypatch.setattr(store, "folder", lambda: kept)
-    monkeypatch.setattr(blank, "MOST_KEPT", 2)
+    monkeypatch.setattr(empty_file, "MOST_KEPT", 2)
     layouts = [Layout([Series(f"elements/e{i}/force", "N", "force", (3,))]) for i in range(4)]
-    first = blank.blank(layouts[0])
-    assert [path.read_bytes() for path in kept.iterdir()] != [first] and blank.blank(layouts[0]) == first
+    first = empty_file.blank(layouts[0])
+    assert [path.read_bytes() for path in kept.iterdir()] != [first] and empty_file.blank(layouts[0]) == first
     (path,) = kept.iterdir()
     path.write_bytes(path.read_bytes()[:-9])
-    anew = blank.blank(layouts[0])
-    assert blank.blank(layouts[0]) == anew and _contents(anew) == _contents(first)
+    anew = empty_file.blank(layouts[0])
+    assert empty_file.blank(layouts[0]) == anew and _contents(anew) == _contents(first)
     for layout in layouts[1:]:
-        assert _contents(blank.blank(layout)) != _contents(first)
+        assert _contents(empty_file.blank(layout)) != _contents(first)
     assert len(list(kept.iterdir())) == 2
     monkeypatch.setattr(store, "folder", lambda: tmp_path / "not there")
-    assert _contents(blank.blank(layouts[0])) == _contents(first)
+    assert _contents(empty_file.blank(layouts[0])) == _contents(first)
 
 
 def test_many_series_have_no_views_but_are_read(tmp_path):

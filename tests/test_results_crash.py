@@ -19,9 +19,9 @@ import pytest
 import results_samples as samples
 
 from mecano.errors import ResultsError
-from mecano.results import disk, seal, table
+from mecano.results import checksums, disk, table
+from mecano.results.checksums import BLOCK
 from mecano.results.reader import open_results
-from mecano.results.seal import BLOCK
 from mecano.results.verify import verify
 
 HERE = Path(__file__).parent
@@ -189,7 +189,7 @@ def test_a_disk_that_has_no_room_for_the_sums_of_a_closed_file(tmp_path, monkeyp
     write = os.pwrite
 
     def pwrite(descriptor, data, offset):
-        if seal.MARK in bytes(data):
+        if checksums.MARK in bytes(data):
             raise OSError(errno.ENOSPC, "No space left on device")
         return write(descriptor, data, offset)
 
@@ -230,13 +230,13 @@ def test_a_kill_loses_no_acknowledged_step(tmp_path):
     assert nursery.wait(120) == 0
     flushed = []
     for number in range(30):
-        told = (tmp_path / f"{number}.txt").read_text()
+        reported = (tmp_path / f"{number}.txt").read_text()
         with open_results(tmp_path / f"{number}.h5") as results:
             count = samples.check(results)
             assert results.status == "killed" and results.reason == ""
             if count:
                 samples.check_extremes(results, count)
-        flushed.append(int(told or 0))
+        flushed.append(int(reported or 0))
         assert count >= flushed[-1]
     assert np.median(flushed) > 50
 
@@ -308,16 +308,16 @@ FILL = """
 
 def check_full(process, path, reason):
     """The process said why and ended in order; the file holds what it acknowledged."""
-    out, told = process.communicate(timeout=60)
-    assert process.returncode == 5 and reason in told and told.count("\n") == 1
+    out, reported = process.communicate(timeout=60)
+    assert process.returncode == 5 and reason in reported and reported.count("\n") == 1
     assert os.listdir(path.parent) in ([path.name], [])
     if not path.exists():
-        assert out == "" and "cannot write" in told
+        assert out == "" and "cannot write" in reported
         return 0
     with open_results(path) as results:
         count = samples.check(results)
         assert count == int(out.split()[-1] if out else 0)
-        assert f"{count} saved times" in told
+        assert f"{count} saved times" in reported
         assert (results.status, results.reason) == ("failed", f"writing failed: {reason}")
     return count
 

@@ -17,7 +17,6 @@ from dataclasses import replace
 
 import h5py
 import pytest
-from marching import INPUTS, deck, input_deck
 from process import COMMAND, flowing, mecano_process
 from surviving import (
     FOUR_FEET,
@@ -31,9 +30,10 @@ from surviving import (
     listening_resume,
     long_deck,
 )
+from time_runs import INPUTS, deck, input_deck
 
 import mecano
-from mecano.analyses import keeper
+from mecano.analyses import checkpoint_writer
 from mecano.analyses.dynamic import resume, run
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.post.info import info
@@ -72,7 +72,7 @@ class TestTheSameBits:
             assert found["time"].tobytes() == expected["time"][:count].tobytes() and "as it was" in verify(path)
         assert stops >= 5 and found["events"] == expected["events"][: len(found["events"])]
         check_same(contents(path), expected)
-        assert len(mecano.open_results(path).remarks) >= stops
+        assert len(mecano.open_results(path).warnings) >= stops
 
     def test_stopped_within_steps(self, whole, tmp_path):
         """Between two trials or two factorizations: the step is left, and tried again from its beginning."""
@@ -103,7 +103,7 @@ class TestTheSameBits:
         run(deck(FOUR_FEET), tmp_path / "r.h5")
         assert sorted(os.listdir(tmp_path)) == [f".r.h5.{os.getppid()}.part", "r.h5"]
 
-    def test_redundant_contacts_are_told_of_once(self, tmp_path):
+    def test_redundant_contacts_are_reported_of_once(self, tmp_path):
         """What the march has found out is kept: here that four feet are one too many."""
         run(deck(FOUR_FEET), tmp_path / "whole.h5")
         while stopped(deck(FOUR_FEET), tmp_path / "r.h5", 70):
@@ -127,7 +127,7 @@ def test_latches_stand_where_they_were_when_it_cannot_go_on(tmp_path, monkeypatc
     def fail(*_):
         raise ConvergenceError("no way on")
 
-    monkeypatch.setattr("mecano.solve.time.march.March.to", fail)
+    monkeypatch.setattr("mecano.solve.time.time_integration.TimeIntegrator.to", fail)
     with pytest.raises(ConvergenceError, match="latches never closed") as failed:
         resume(deck, path)
     at = float(str(failed.value).partition("hinge 'hinge' at ")[2].partition(" of")[0])
@@ -189,7 +189,7 @@ class TestTheCheckpoint:
         resume(deck, path)
         check_same(contents(path), contents(tmp_path / "whole.h5"))
 
-    def test_whoever_meets_it_is_told_that_it_can_be_gone_on_with(self, left):
+    def test_whoever_meets_it_is_reported_that_it_can_be_gone_on_with(self, left):
         deck, path = left
         with pytest.raises(ResultsError, match="exists already; .*, or --resume to go on with it$"):
             run(deck, path)
@@ -204,13 +204,13 @@ class TestTheCheckpoint:
 
     def test_rows_that_changed_are_not_gone_on_with(self, left):
         deck, path = left
-        told = []
+        reported = []
         with h5py.File(path, "r+") as file:
             file["storage/solver"][17, 1] *= 1.0 + 1e-15
         before = path.read_bytes()
         with pytest.raises(ResultsError, match="before its checkpoint has changed"):
-            resume(deck, path, announce=told.append)
-        assert not told and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
+            resume(deck, path, announce=reported.append)
+        assert not reported and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
 
     def test_a_limit_that_leaves_no_time_for_a_step_is_refused(self, left):
         """Exit code 75 would let a batch system try the same for ever."""
@@ -230,23 +230,23 @@ class TestTheCheckpoint:
         assert stop.value.exit_code == 75 and path.read_bytes() == before and os.listdir(path.parent) == ["r.h5"]
 
     def test_a_file_without_one_begins_again(self, tmp_path):
-        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        deck, path, reported = decks()["bouncing_ball"], tmp_path / "r.h5", []
         assert stopped(deck, path, 150)
         with h5py.File(path, "r+") as file:
             del file["checkpoints/0"]
-        resume(deck, path, announce=told.append)
-        assert told == [f"there is no checkpoint in {path} yet: the run begins at its start"]
+        resume(deck, path, announce=reported.append)
+        assert reported == [f"there is no checkpoint in {path} yet: the run begins at its start"]
         assert contents(path)["status"] == "complete"
 
     def test_a_complete_file_stays_as_it_is(self, tmp_path):
-        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        deck, path, reported = decks()["bouncing_ball"], tmp_path / "r.h5", []
         run(deck, path)
         before = path.read_bytes()
-        assert resume(deck, path, announce=told.append) is None
-        assert path.read_bytes() == before and "is complete" in told[0]
+        assert resume(deck, path, announce=reported.append) is None
+        assert path.read_bytes() == before and "is complete" in reported[0]
 
     def test_a_complete_file_that_has_changed_is_refused(self, tmp_path):
-        deck, path, told = decks()["bouncing_ball"], tmp_path / "r.h5", []
+        deck, path, reported = decks()["bouncing_ball"], tmp_path / "r.h5", []
         run(deck, path)
         with h5py.File(path) as file:
             place = file["storage/output"].id.get_chunk_info(0).byte_offset
@@ -254,8 +254,8 @@ class TestTheCheckpoint:
         data[place] ^= 1
         path.write_bytes(data)
         with pytest.raises(ResultsError, match="is damaged"):
-            resume(deck, path, announce=told.append)
-        assert path.read_bytes() == data and not told
+            resume(deck, path, announce=reported.append)
+        assert path.read_bytes() == data and not reported
 
     def test_another_deck_is_refused_with_what_differs(self, left):
         _, path = left
@@ -266,15 +266,15 @@ class TestTheCheckpoint:
         assert "time.end: 4.0, and the deck 5.0" in str(refused.value) and "time.step: 0.01" in str(refused.value)
         assert "title" in str(refused.value) and path.read_bytes() == before
 
-    def test_another_machine_is_told(self, left):
+    def test_another_machine_is_reported(self, left):
         deck, path = left
         with h5py.File(path, "r+") as file:
             file["run"].attrs["processor"] = "Abacus"
             file["run"].attrs["threads"] = 7
-        told = []
-        resume(deck, path, announce=told.append)
-        assert "number of threads (7, now" in told[0] and "processor (Abacus, now" in told[0]
-        assert told[0] in mecano.open_results(path).remarks
+        reported = []
+        resume(deck, path, announce=reported.append)
+        assert "number of threads (7, now" in reported[0] and "processor (Abacus, now" in reported[0]
+        assert reported[0] in mecano.open_results(path).warnings
 
     def test_one_that_is_being_written_is_left_alone(self, tmp_path):
         """By the process of that number, unless that began only after the run."""
@@ -296,9 +296,9 @@ class TestTheCheckpoint:
 
     def test_one_that_does_not_fit_is_refused(self, left, monkeypatch):
         deck, path = left
-        load = keeper.from_plain
-        bent = lambda plain: replace(load(plain), motion=replace(load(plain).motion, modes=load(plain).motion.z))  # noqa: E731
-        monkeypatch.setattr("mecano.analyses.keeper.from_plain", bent)
+        load = checkpoint_writer.from_plain
+        bent = lambda plain: replace(load(plain), motion=replace(load(plain).motion, phases=load(plain).motion.z))  # noqa: E731
+        monkeypatch.setattr("mecano.analyses.checkpoint_writer.from_plain", bent)
         with pytest.raises(ResultsError, match="does not fit the deck"):
             resume(deck, path)
 
@@ -338,8 +338,8 @@ class TestTheCommand:
                 time.sleep(0.01)
             time.sleep(0.2)
             process.send_signal(number)
-            told = process.communicate()[1].decode()
-            assert process.returncode == code and "mecano run deck.yaml -q --resume" in flowing(told)
+            reported = process.communicate()[1].decode()
+            assert process.returncode == code and "mecano run deck.yaml -q --resume" in flowing(reported)
             with mecano.open_results(path) as results:
                 assert results.status == "stopped" and number.name in results.reason
                 reached.append(results["hinge.angle"].values)
@@ -349,26 +349,26 @@ class TestTheCommand:
 
     def test_a_limit_of_time(self, folder):
         begun = time.monotonic()
-        code, _, told = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "3", cwd=folder)
-        assert code == 75 and "end of its wall-clock time" in told and "--resume" in told
+        code, _, reported = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "3", cwd=folder)
+        assert code == 75 and "end of its wall-clock time" in reported and "--resume" in reported
         assert time.monotonic() - begun < 4.5  # with the time in which Python starts
         with mecano.open_results(folder / "deck.h5") as results:
             assert results.status == "stopped" and results.checkpoint is not None
 
-    def test_a_limit_that_ends_before_the_march(self, folder):
-        code, _, told = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "00:00:01", cwd=folder)
-        assert code == 75 and "mecano: stopped by the end of its wall-clock time" in flowing(told)
-        code, _, told = mecano_process("run", "deck.yaml", "--max-walltime", "soon", cwd=folder)
-        assert code == 2 and "'soon' is no wall-clock time" in told
+    def test_a_limit_that_ends_before_the_run(self, folder):
+        code, _, reported = mecano_process("run", "deck.yaml", "-q", "--max-walltime", "00:00:01", cwd=folder)
+        assert code == 75 and "mecano: stopped by the end of its wall-clock time" in flowing(reported)
+        code, _, reported = mecano_process("run", "deck.yaml", "--max-walltime", "soon", cwd=folder)
+        assert code == 2 and "'soon' is no wall-clock time" in reported
 
     def test_statics_begin_again_unless_complete(self, folder):
         arguments = ("run", INPUTS / "snap_through.yaml", "-o", "s.h5", "--resume")
         assert mecano_process(*arguments, cwd=folder)[0] == 0
         before = (folder / "s.h5").read_bytes()
-        code, _, told = mecano_process(*arguments, cwd=folder)
-        assert code == 0 and "is complete" in told and (folder / "s.h5").read_bytes() == before
-        code, _, told = mecano_process(*arguments, "--set", "title=Another", cwd=folder)
-        assert code == 2 and "title" in told
+        code, _, reported = mecano_process(*arguments, cwd=folder)
+        assert code == 0 and "is complete" in reported and (folder / "s.h5").read_bytes() == before
+        code, _, reported = mecano_process(*arguments, "--set", "title=Another", cwd=folder)
+        assert code == 2 and "title" in reported
 
     def test_a_disk_that_is_read_only(self, folder):
         mount = ["mount", "-t", "tmpfs", "-o", "ro", "tmpfs", str(folder)]
@@ -376,14 +376,14 @@ class TestTheCommand:
         if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
             pytest.skip("a tmpfs cannot be mounted here")
         try:
-            code, _, told = mecano_process("run", "../deck.yaml", "-q", "--resume", cwd=folder)
-            assert code == 5 and told == "mecano: cannot write deck.h5: Read-only file system\n"
+            code, _, reported = mecano_process("run", "../deck.yaml", "-q", "--resume", cwd=folder)
+            assert code == 5 and reported == "mecano: cannot write deck.h5: Read-only file system\n"
         finally:
             subprocess.run(["umount", str(folder)], check=True)
 
     def test_wishes_that_contradict(self, folder):
-        code, _, told = mecano_process("run", "deck.yaml", "--resume", "--force", cwd=folder)
-        assert code == 2 and "--force replaces it" in told
+        code, _, reported = mecano_process("run", "deck.yaml", "--resume", "--force", cwd=folder)
+        assert code == 2 and "--force replaces it" in reported
 
     def test_verify(self, folder):
         mecano_process("run", "deck.yaml", "-q", "--set", "time.end=0.1", cwd=folder)
@@ -393,8 +393,8 @@ class TestTheCommand:
         data = bytearray((folder / "deck.h5").read_bytes())
         data[place + 3] ^= 16
         (folder / "deck.h5").write_bytes(data)
-        code, _, told = mecano_process("verify", "deck.h5", cwd=folder)
-        assert code == 5 and "extremes/maximum" in told
+        code, _, reported = mecano_process("verify", "deck.h5", cwd=folder)
+        assert code == 5 and "extremes/maximum" in reported
 
 
 def test_times_in_words():
@@ -419,7 +419,7 @@ class TestInterruption:
         for number, handler in before.items():
             signal.signal(number, handler)
 
-    def test_before_the_march_it_ends_at_once(self, listening):
+    def test_before_the_run_it_ends_at_once(self, listening):
         with pytest.raises(Stopped) as error:
             signal.raise_signal(signal.SIGUSR1)
         assert error.value.exit_code == 75
@@ -470,7 +470,7 @@ class TestInterruption:
         finally:
             signal.signal(signal.SIGHUP, before)
 
-    def test_in_the_march_it_waits_but_not_for_a_second_ctrl_c(self, listening):
+    def test_in_the_run_it_waits_but_not_for_a_second_ctrl_c(self, listening):
         with listening.postponed():
             assert not listening.wanted(0.0)
             signal.raise_signal(signal.SIGTERM)
@@ -531,7 +531,7 @@ class TestVerify:
         path, deck = tmp_path / "r.h5", decks()["bouncing_ball"]
 
         def run_and_die():
-            keeper.SHARE = 0
+            checkpoint_writer.SHARE = 0
             run(deck, path, interval=0.0, observers=(lambda accepted: accepted.run.steps < 200 or os._exit(9),))
 
         assert ended(forked(run_and_die)) == 9

@@ -7,9 +7,9 @@ multipliers, to 1e-9), a3_a4 (Chaplygin's sleigh, closed form; braking), a6 (the
 import numpy as np
 import pytest
 from convergence import at_times, check_second_order
-from marching import March, deck, input_deck
 from scipy.optimize import brentq
 from small_motions import eigenvalues
+from time_runs import RecordedRun, deck, input_deck
 
 TIMES = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
 CENTRE = [
@@ -50,25 +50,25 @@ def test_a_disc_released_leaning_converges_to_the_reference(verify):
         ("nodes/centre/position", CENTRE, 1e-6),
         ("elements/rim/contact_force", REACTION, 2e-6),
     )
-    marches = [March(input_deck("rolling_disc", f"time.step={h}")) for h in (2e-3, 1e-3)]
+    marches = [RecordedRun(input_deck("rolling_disc", f"time.step={h}")) for h in (2e-3, 1e-3)]
     for path, reference, left in quantities:
-        coarse, fine = (at_times(march, march[path], TIMES) for march in marches)
+        coarse, fine = (at_times(recorded, recorded[path], TIMES) for recorded in marches)
         what = f"disc released leaning: {path.split('/')[-1].replace('_', ' ')} over 4 s [m, N]"
         verify.second_order("Rolling", what, coarse, fine, reference, left, "minimal coordinates, tight tolerance")
-    contact = [at_times(march, march["elements/rim/contact_point"][:, :2], TIMES) for march in marches]
+    contact = [at_times(recorded, recorded["elements/rim/contact_point"][:, :2], TIMES) for recorded in marches]
     check_second_order(*contact, CONTACT, 1e-6)
-    leaks = [np.ptp(march["energy/total"]) for march in marches]
+    leaks = [np.ptp(recorded["energy/total"]) for recorded in marches]
     assert leaks[0] / leaks[1] == pytest.approx(4.0, abs=0.1) and leaks[1] < 2e-6
 
 
 def test_reactions_are_of_second_order_from_the_first_step_on():
     """Errors of the first eight steps fall fourfold with the step, each against its own; a fine run as reference."""
-    fine = March(input_deck("rolling_disc", "time.step=1.25e-4", "time.end=0.032"))
+    fine = RecordedRun(input_deck("rolling_disc", "time.step=1.25e-4", "time.end=0.032"))
     errors = []
     for h in (4e-3, 2e-3):
-        march = March(input_deck("rolling_disc", f"time.step={h}", "time.end=0.032"))
+        recorded = RecordedRun(input_deck("rolling_disc", f"time.step={h}", "time.end=0.032"))
         times = np.arange(1, 9) * h
-        reaction = [at_times(m, m["elements/rim/contact_force"], times) for m in (march, fine)]
+        reaction = [at_times(m, m["elements/rim/contact_force"], times) for m in (recorded, fine)]
         errors.append(np.linalg.norm(reaction[0] - reaction[1], axis=1))
     assert errors[0].max() / errors[1].max() == pytest.approx(4.0, abs=0.1)
 
@@ -78,12 +78,12 @@ def test_reactions_stay_of_second_order_with_steps_that_change():
     errors = []
     for tolerance in (1e-3, 1e-5):
         step = f"time={{end: 4.0, step: 1e-3, adaptive: {{tolerance: {tolerance}}}}}"
-        march = March(input_deck("rolling_disc", step))
-        i = np.searchsorted(march.time, 4.0 - 1e-9)
+        recorded = RecordedRun(input_deck("rolling_disc", step))
+        i = np.searchsorted(recorded.time, 4.0 - 1e-9)
         errors.append(
             [
-                np.abs(march["nodes/centre/position"][i] - CENTRE[-1]).max(),
-                np.abs(march["elements/rim/contact_force"][i] - REACTION[-1]).max(),
+                np.abs(recorded["nodes/centre/position"][i] - CENTRE[-1]).max(),
+                np.abs(recorded["elements/rim/contact_force"][i] - REACTION[-1]).max(),
             ]
         )
     (x0, f0), (x1, f1) = errors
@@ -129,9 +129,9 @@ def test_the_wheel_of_the_paper_has_no_critical_speed(verify):
 
 
 def test_the_paper_disc_wobbles_in_time():
-    march = March(input_deck("paper_disc"))
-    rate = march["nodes/centre/angular_velocity"][:, 2]
-    crossings = march.time[1:][np.diff(np.sign(rate)) != 0]
+    recorded = RecordedRun(input_deck("paper_disc"))
+    rate = recorded["nodes/centre/angular_velocity"][:, 2]
+    crossings = recorded.time[1:][np.diff(np.sign(rate)) != 0]
     period = 2 * np.diff(crossings).mean()
     assert period == pytest.approx(2 * np.pi / 9.607400548731578, rel=2e-3)
 
@@ -141,7 +141,7 @@ def steady(theta_deg, psidot, w3):
     theta = np.radians(theta_deg)
     c, s, r = np.cos(theta), np.sin(theta), 0.3225
     lean, w2 = np.pi / 2 - theta, psidot * s
-    return March(
+    return RecordedRun(
         deck(f"""
         mecano: 1
         gravity: [0, 0, -9.81]
@@ -168,13 +168,15 @@ def test_steady_circles(verify):
         (80.0, 1.0, -3.5468057807248496, 1.143844864283764, 0.11659988422872211),
         (30.0, 8.0, -3.2358468575511594, 8.348484892481991, 0.8510178279798156),
     ):
-        march = steady(theta, psidot, w3)
-        rim = {name: march[f"elements/rim/{name}"] for name in ("normal_force", "lateral_force", "friction_needed")}
+        recorded = steady(theta, psidot, w3)
+        rim = {name: recorded[f"elements/rim/{name}"] for name in ("normal_force", "lateral_force", "friction_needed")}
         np.testing.assert_allclose(rim["normal_force"], 9.81, rtol=1e-4)
         found, what = np.abs(rim["lateral_force"]), f"disc in a steady circle at {theta:g} deg: friction [N]"
         verify("Rolling", what, found, friction, "steady motion, closed form", relative=1e-4)
         np.testing.assert_allclose(rim["friction_needed"], needed, rtol=1e-4)
-        np.testing.assert_allclose(march["nodes/centre/position"][:, 2], 0.3225 * np.sin(np.radians(theta)), rtol=1e-5)
+        np.testing.assert_allclose(
+            recorded["nodes/centre/position"][:, 2], 0.3225 * np.sin(np.radians(theta)), rtol=1e-5
+        )
 
 
 SLEIGH_TIMES = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0]
@@ -203,7 +205,7 @@ def sleigh_force(t):
 
 
 def test_chaplygins_sleigh(verify):
-    marches = [March(input_deck("sleigh", f"time.step={h}")) for h in (4e-3, 2e-3)]
+    marches = [RecordedRun(input_deck("sleigh", f"time.step={h}")) for h in (4e-3, 2e-3)]
     at = [[at_times(m, m[path], SLEIGH_TIMES) for m in marches] for path in (
         "nodes/edge/position", "joints/turning/angle", "elements/knife/lateral_force",
     )]  # fmt: skip
@@ -227,17 +229,17 @@ def test_eigenvalues_of_the_benchmark_bicycle():
 
 
 def test_the_bicycle_rights_itself():
-    march = March(input_deck("bicycle"))
-    lean = march["nodes/frame/angular_velocity"][:, 0]
-    assert np.abs(lean[march.time > 4.0]).max() < 0.1 * np.abs(lean).max()
-    assert np.ptp(march["energy/total"]) < 1e-6 * march["energy/total"][0]
+    recorded = RecordedRun(input_deck("bicycle"))
+    lean = recorded["nodes/frame/angular_velocity"][:, 0]
+    assert np.abs(lean[recorded.time > 4.0]).max() < 0.1 * np.abs(lean).max()
+    assert np.ptp(recorded["energy/total"]) < 1e-6 * recorded["energy/total"][0]
 
 
 def test_an_axle_goes_across_the_slope_on_a_cycloid():
     """Lateral constraints of both wheels repeat one another; each takes half of the force, of second order."""
     g, times = 0.981 * 30.0 / (30.0 + 2 * 0.1 / 0.0625), np.arange(1, 9) * 0.5
     path = np.stack([g / 4 * (1 - np.cos(2 * times)), g / 2 * (times - np.sin(2 * times) / 2)], axis=1)
-    marches = [March(input_deck("axle_on_slope", f"time.step={h}")) for h in (1e-2, 5e-3)]
+    marches = [RecordedRun(input_deck("axle_on_slope", f"time.step={h}")) for h in (1e-2, 5e-3)]
     assert [group.count for group in marches[0].prepared.analysis.redundant] == [1]
     coarse, fine = (at_times(m, m["nodes/axle/position"][:, :2], times) for m in marches)
     check_second_order(coarse, fine, path, 3e-7)
@@ -249,8 +251,8 @@ def test_an_axle_goes_across_the_slope_on_a_cycloid():
 
 
 def test_a_trailing_wheel_follows_the_curve_parallel_to_the_bump():
-    march = March(input_deck("trailing_wheel_bump"))
-    hub = march["nodes/hub/position"]
+    recorded = RecordedRun(input_deck("trailing_wheel_bump"))
+    hub = recorded["nodes/hub/position"]
 
     def curve(s):
         inside = 1.0 < s < 2.0
@@ -262,9 +264,9 @@ def test_a_trailing_wheel_follows_the_curve_parallel_to_the_bump():
     for i in range(0, len(hub), 40):
         s = brentq(lambda s, i=i: curve(s)[0] - hub[i, 0], hub[i, 0] - 0.3, hub[i, 0] + 0.3, xtol=1e-14)
         assert hub[i, 2] == pytest.approx(curve(s)[1], abs=1e-10)
-    speed = np.linalg.norm(march["nodes/hub/velocity"], axis=1)
-    np.testing.assert_allclose(march["elements/wheel/spin_rate"], speed / 0.3, rtol=2e-5)
-    passed = [(h.t, h.name) for h in march.happenings if h.element == "rigid_wheel 'wheel'"]
+    speed = np.linalg.norm(recorded["nodes/hub/velocity"], axis=1)
+    np.testing.assert_allclose(recorded["elements/wheel/spin_rate"], speed / 0.3, rtol=2e-5)
+    passed = [(h.t, h.name) for h in recorded.event_records if h.element == "rigid_wheel 'wheel'"]
     np.testing.assert_allclose([t for t, _ in passed], [0.28, 0.48], atol=1e-8)  # (1, 2 m + 0.4 m)/5 m/s
     assert {name for _, name in passed} == {"bend"}
 
@@ -298,25 +300,25 @@ BUMP = """
     ],
 )
 def test_each_wheel_tells_each_bend_once(speed, step, apart):
-    march = March(deck(BUMP.format(speed=speed, step=step, apart=apart, spin=speed / 0.3, end=2.0 / speed)))
-    assert sorted(h.element for h in march.happenings) == ["rigid_wheel 'rim_1'", "rigid_wheel 'rim_2'"]
-    np.testing.assert_allclose([h.t for h in march.happenings], 1.0 / speed, atol=1e-7 + apart / speed)
+    recorded = RecordedRun(deck(BUMP.format(speed=speed, step=step, apart=apart, spin=speed / 0.3, end=2.0 / speed)))
+    assert sorted(h.element for h in recorded.event_records) == ["rigid_wheel 'rim_1'", "rigid_wheel 'rim_2'"]
+    np.testing.assert_allclose([h.t for h in recorded.event_records], 1.0 / speed, atol=1e-7 + apart / speed)
 
 
 def test_braking_without_slip():
     """a = T r/(m r^2 + I), and the force of the ground (a3_a4, braking_no_slip)."""
-    march = March(input_deck("braked_wheel"))
-    braked = march.time > 0.75
-    np.testing.assert_allclose(march["loads/brake/torque"][braked], 3000.0, rtol=1e-12)
-    np.testing.assert_allclose(march["elements/wheel/longitudinal_force"][braked], -9274.631856716338, rtol=1e-8)
-    v = march["nodes/leg/velocity"][braked, 0]
-    np.testing.assert_allclose(np.diff(v) / np.diff(march.time[braked]), -1.4401602261982, rtol=1e-7)
-    assert np.ptp(march["energy/balance"]) < 1e-6 * march["energy/kinetic"][0]
+    recorded = RecordedRun(input_deck("braked_wheel"))
+    braked = recorded.time > 0.75
+    np.testing.assert_allclose(recorded["loads/brake/torque"][braked], 3000.0, rtol=1e-12)
+    np.testing.assert_allclose(recorded["elements/wheel/longitudinal_force"][braked], -9274.631856716338, rtol=1e-8)
+    v = recorded["nodes/leg/velocity"][braked, 0]
+    np.testing.assert_allclose(np.diff(v) / np.diff(recorded.time[braked]), -1.4401602261982, rtol=1e-7)
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * recorded["energy/kinetic"][0]
 
 
 def test_a_unilateral_wheel_leaves_a_crest_and_lands():
     """A disc at 4 m/s on a bump whose crest is too narrow: it flies a parabola."""
-    march = March(
+    recorded = RecordedRun(
         deck("""
         mecano: 1
         gravity: [0, 0, -9.81]
@@ -335,21 +337,21 @@ def test_a_unilateral_wheel_leaves_a_crest_and_lands():
         time: {end: 1.0, step: 1.0e-3}
         """)
     )
-    names = [happening.name for happening in march.happenings]
+    names = [event.name for event in recorded.event_records]
     assert names[:3] == ["bend", "lift_off", "touch_down"]
-    up, down = (happening.t for happening in march.happenings[1:3])
-    flight = (march.time > up + 1e-9) & (march.time < down - 1e-9)
-    v = march["nodes/centre/velocity"][flight]
-    np.testing.assert_allclose(np.diff(v[:, 2]) / np.diff(march.time[flight]), -9.81, rtol=1e-6)
+    up, down = (event.t for event in recorded.event_records[1:3])
+    flight = (recorded.time > up + 1e-9) & (recorded.time < down - 1e-9)
+    v = recorded["nodes/centre/velocity"][flight]
+    np.testing.assert_allclose(np.diff(v[:, 2]) / np.diff(recorded.time[flight]), -9.81, rtol=1e-6)
     assert np.ptp(v[:, 0]) < 1e-9 and flight.sum() > 20
-    assert not march["elements/rim/normal_force"][flight].any()
-    on = march["elements/rim/normal_force"][~flight]
+    assert not recorded["elements/rim/normal_force"][flight].any()
+    on = recorded["elements/rim/normal_force"][~flight]
     assert on.min() > -1e-3
-    assert march["energy/total"][-1] < march["energy/total"][0]  # the shock takes energy
+    assert recorded["energy/total"][-1] < recorded["energy/total"][0]  # the shock takes energy
 
 
 def test_what_cannot_be_is_refused():
-    from mecano.elements.wheels.paper_wheel import PAPER_WHEEL
+    from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
     from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 
     flat = {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "profile": None}
@@ -368,7 +370,7 @@ def test_what_cannot_be_is_refused():
 
 def test_a_level_axle_needs_a_moment():
     """A towed wheel whose mass hangs at the side: without ``axle: level`` it would fall."""
-    march = March(
+    recorded = RecordedRun(
         deck("""
         mecano: 1
         gravity: [0, 0, -9.81]
@@ -385,7 +387,7 @@ def test_a_level_axle_needs_a_moment():
         """)
     )
     # turns at 0.5 rad/s on a circle of 2 m, upright
-    x = march["nodes/centre/position"]
+    x = recorded["nodes/centre/position"]
     np.testing.assert_allclose(np.hypot(x[:, 0], x[:, 1] - 2.0), 2.0, rtol=1e-5)
     np.testing.assert_allclose(x[:, 2], 0.3, rtol=1e-12)
-    np.testing.assert_allclose(march["elements/rim/lateral_force"], 10.0 * 1.0 * 0.5, rtol=3e-5)
+    np.testing.assert_allclose(recorded["elements/rim/lateral_force"], 10.0 * 1.0 * 0.5, rtol=3e-5)

@@ -1,7 +1,7 @@
 """What can move where flexible members are held stiff, against linkages whose motions are known."""
 
 import pytest
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 
 from mecano.analyses.prepare import prepare
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms

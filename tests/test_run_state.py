@@ -4,12 +4,12 @@ import h5py
 import numpy as np
 import pytest
 import surviving
-from marching import deck, in_python, input_deck
+from time_runs import deck, in_python, input_deck
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.results.state import load_state, save_state
-from mecano.solve.time.march import March
 from mecano.solve.time.run_state import from_plain, to_plain
+from mecano.solve.time.time_integration import TimeIntegrator
 
 DECK = """
     mecano: 1
@@ -32,14 +32,14 @@ DECK = """
 def test_a_run_goes_on_from_its_saved_state_with_the_same_bits(control, tmp_path):
     checked = deck(DECK % control)
     prepared = prepare(checked)
-    march = march_of(prepared)
-    middle = march.to(0.5, march.begin(prepared.state, 0.005))
-    end = march.to(1.0, middle)
+    integrator = integrator_of(prepared)
+    middle = integrator.to(0.5, integrator.begin(prepared.state, 0.005))
+    end = integrator.to(1.0, middle)
     with h5py.File(tmp_path / "state.h5", "w") as file:
         save_state(file, "middle", to_plain(middle))
         loaded = from_plain(load_state(file["middle"]))
     again = prepare(checked)
-    other = march_of(again).to(1.0, loaded)
+    other = integrator_of(again).to(1.0, loaded)
     assert other.steps == end.steps > 100
     assert np.array_equal(other.motion.z, end.motion.z) and np.array_equal(other.motion.R, end.motion.R)
     assert other.dissipated == end.dissipated and other.h == end.h
@@ -47,25 +47,25 @@ def test_a_run_goes_on_from_its_saved_state_with_the_same_bits(control, tmp_path
 
 def test_rejected_steps_leave_nothing_behind():
     prepared = prepare(deck(DECK % "rho_inf: 0.9"))
-    march = march_of(prepared)
-    plain = march.to(1.0, march.begin(prepared.state, 0.005))
-    march = march_of(prepare(deck(DECK % "rho_inf: 0.9")))
-    step, calls = march.method.step, []
+    integrator = integrator_of(prepared)
+    plain = integrator.to(1.0, integrator.begin(prepared.state, 0.005))
+    integrator = integrator_of(prepare(deck(DECK % "rho_inf: 0.9")))
+    step, calls = integrator.method.step, []
 
     def every_third_twice(s, history, h):
         calls.append(h)
         if len(calls) % 3 == 0:
-            step(s, march.method.restart(s, history, 0.3 * h), 0.3 * h)
+            step(s, integrator.method.restart(s, history, 0.3 * h), 0.3 * h)
         return step(s, history, h)
 
-    march.method.step = every_third_twice
-    in_python(march)
-    disturbed = march.to(1.0, march.begin(prepared.state, 0.005))
+    integrator.method.step = every_third_twice
+    in_python(integrator)
+    disturbed = integrator.to(1.0, integrator.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
 
 
-class EveryThird(March):
+class EveryThird(TimeIntegrator):
     """A march that rejects every third trial that it would accept, and tries the same size again."""
 
     accepted = 0
@@ -80,15 +80,15 @@ class EveryThird(March):
 def test_every_third_trial_rejected_changes_no_bit(name):
     """With adaptive steps and fixed ones, across events, shocks and corners of laws of time."""
     checked, ends = surviving.decks()[name], []
-    for kind in (March, EveryThird):
+    for kind in (TimeIntegrator, EveryThird):
         prepared, happened = prepare(checked), []
-        tell = lambda accepted, happened=happened: happened.extend(accepted.happenings)  # noqa: E731
-        usual = march_of(prepared)
-        march = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
+        tell = lambda accepted, happened=happened: happened.extend(accepted.event_records)  # noqa: E731
+        usual = integrator_of(prepared)
+        integrator = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
         if kind is EveryThird:
-            in_python(march)
-        start = march.begin(prepared.state, checked.values["time"]["step"])
-        ends.append((march.to(checked.values["time"]["end"], start), happened))
+            in_python(integrator)
+        start = integrator.begin(prepared.state, checked.values["time"]["step"])
+        ends.append((integrator.to(checked.values["time"]["end"], start), happened))
     (plain, events), (disturbed, same) = ends
     assert disturbed.rejected > plain.rejected + plain.steps // 4 and events == same
     for one in (plain, disturbed):
@@ -110,11 +110,11 @@ def check_equal(one, other, path=""):
 def marched(checked, run=None, times=(), end=None):
     """March a deck from its start, or from ``run``, to each of ``times`` and on to the end: (run at each, events)."""
     prepared, happened = prepare(checked), []
-    march = march_of(prepared, (lambda accepted: happened.extend(accepted.happenings),))
-    run = run or march.begin(prepared.state, checked.values["time"]["step"])
+    integrator = integrator_of(prepared, (lambda accepted: happened.extend(accepted.event_records),))
+    run = run or integrator.begin(prepared.state, checked.values["time"]["step"])
     runs = []
     for t in (*times, end or checked.values["time"]["end"]):
-        run = march.to(t, run)
+        run = integrator.to(t, run)
         runs.append(run)
     return runs, happened
 

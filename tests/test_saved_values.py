@@ -5,7 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from marching import input_deck
+from time_runs import input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.recorder import Recorder

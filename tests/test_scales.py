@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 from mecano.model.numbering import MASSLESS, SCALAR, TRANSLATION
 from mecano.solve.diagnostics.scales import TINY, norms
@@ -24,20 +24,20 @@ SCALES = [
 def plain(request):
     """(name of a deck, its end, the march with k and penalty chosen automatically)."""
     name, end = request.param, DECKS[request.param]
-    return name, end, March(input_deck(name, f"time.end={end}", "time.adaptive=null", *TIGHT))
+    return name, end, RecordedRun(input_deck(name, f"time.end={end}", "time.adaptive=null", *TIGHT))
 
 
 @pytest.mark.parametrize("scale", SCALES)
 def test_motion_and_reactions_do_not_depend_on_them(plain, scale):
     name, end, wanted = plain
-    march = March(input_deck(name, f"time.end={end}", f"time.scale={{{scale}}}", "time.adaptive=null", *TIGHT))
+    recorded = RecordedRun(input_deck(name, f"time.end={end}", f"time.scale={{{scale}}}", "time.adaptive=null", *TIGHT))
     given = dict(part.split(": ") for part in scale.split(", "))
     if "k" in given:
-        assert march.march.method.k == float(given["k"])
+        assert recorded.integrator.method.k == float(given["k"])
     if "penalty" in given:
-        assert march.march.method.penalty == float(given["penalty"])
-    assert len(march.time) == len(wanted.time) > 50
-    np.testing.assert_allclose(march.time, wanted.time, rtol=0, atol=1e-9)
+        assert recorded.integrator.method.penalty == float(given["penalty"])
+    assert len(recorded.time) == len(wanted.time) > 50
+    np.testing.assert_allclose(recorded.time, wanted.time, rtol=0, atol=1e-9)
     sizes = {}
     for c in wanted.columns.values():
         sizes[c.unit] = max(sizes.get(c.unit, TINY), np.abs(wanted[c.path]).max())
@@ -46,7 +46,7 @@ def test_motion_and_reactions_do_not_depend_on_them(plain, scale):
         if redundant and c.unit in ("N", "N m"):
             continue  # not unique
         close = 1e-6 if c.unit in ("N", "N m", "W", "J") else 1e-9
-        np.testing.assert_allclose(march[path], wanted[path], rtol=0, atol=close * sizes[c.unit], err_msg=path)
+        np.testing.assert_allclose(recorded[path], wanted[path], rtol=0, atol=close * sizes[c.unit], err_msg=path)
 
 
 @pytest.mark.parametrize(("kind", "allowed"), [(TRANSLATION, 352.0), (SCALAR, 352.0), (MASSLESS, 1.0)])

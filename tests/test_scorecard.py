@@ -184,15 +184,15 @@ def test_rejected_steps_that_leave_something_are_seen(tmp_path, monkeypatch):
         "elements: {m: {type: point_mass, node: a, mass: 1}}\ntime: {end: 0.1, step: 1e-2}\n"
     )
     assert hard.rejected(tmp_path) == ""
-    from mecano.solve.time.march import March
+    from mecano.solve.time.time_integration import TimeIntegrator
 
-    step = March._step
+    step = TimeIntegrator._step
 
-    def forgetful(march, run, h):
+    def forgetful(integrator, run, h):
         run.motion.z[0] += 1e-3 * (h < 5e-3)  # of the trial that is thrown away
-        return step(march, run, h)
+        return step(integrator, run, h)
 
-    monkeypatch.setattr(March, "_step", forgetful)
+    monkeypatch.setattr(TimeIntegrator, "_step", forgetful)
     assert "rejected steps move the end" in hard.rejected(tmp_path)
 
 

@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 
 import pytest
-from marching import deck
 from test_more_joints import PLANET
+from time_runs import deck
 
 from mecano.analyses.prepare import prepare
 from mecano.errors import UnknownNameError

@@ -8,9 +8,9 @@ import json
 
 import numpy as np
 import pytest
-from marching import deck
+from time_runs import deck
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 
 SEEDS = range(6)
 BODIES = 4
@@ -34,8 +34,8 @@ def mechanism(seed, grounded):
             "type": kind, "nodes": [f"c{i}", f"b{i + 1}"], "axis": rng.normal(size=3).tolist(), "latch": ends,
             "stops": {"lower": -1.0, "upper": 1.0, "restitution": rng.uniform()},
         }  # fmt: skip
-    for i, catch in enumerate(("shock", "hold")):
-        rope = {"type": "cable", "nodes": [f"d{i}", f"d{i + 2}"], "axial_stiffness": 100.0, "at_full_length": catch}
+    for i, candidate in enumerate(("shock", "hold")):
+        rope = {"type": "cable", "nodes": [f"d{i}", f"d{i + 2}"], "axial_stiffness": 100.0, "at_full_length": candidate}
         far = np.linalg.norm(np.subtract(nodes[f"d{i}"]["position"], nodes[f"d{i + 2}"]["position"]))
         elements[f"rope{i}"] = {**rope, "natural_length": 2.0 * far}
         elements[f"winder{i}"] = {**rope, "natural_length": 3.0 * far, "payout_tension": 1.0}
@@ -61,28 +61,30 @@ class Struck:
     def __init__(self, seed, grounded, share=0.5):
         rng = np.random.default_rng(100 + seed)
         prepared = prepare(mechanism(seed, grounded))
-        march = march_of(prepared)
-        self.system, self.shocks, method = prepared.system, march.shocks, march.method
+        integrator = integrator_of(prepared)
+        self.system, self.shocks, method = prepared.system, integrator.shocks, integrator.method
         n_q = self.system.n_q
         s = prepared.state.copy()
         s.memory = self.system.commit(s)
-        s.modes = s.modes.copy()
+        s.phases = s.phases.copy()
         for b in self.system.batches:
             if b.kind.name == "wound_cable":  # slack, taut or paying out
-                s.modes[b.modes] = rng.integers(0, 3, len(b.p))
-        s.modes[self.system.followers[:, 0]] = s.modes[self.system.followers[:, 1]]
-        contacts = [c for c in self.shocks.catches if c.opened == c.before and c.through == c.after]
-        closed = list({c.mode: c for c in contacts if rng.uniform() < 0.2}.values())
-        s = self.shocks.moded(s, closed, "after")
+                s.phases[b.phases] = rng.integers(0, 3, len(b.p))
+        s.phases[self.system.followers[:, 0]] = s.phases[self.system.followers[:, 1]]
+        contacts = [c for c in self.shocks.impact_candidates if c.opened == c.before and c.through == c.after]
+        closed = list({c.phase: c for c in contacts if rng.uniform() < 0.2}.values())
+        s = self.shocks.in_phase(s, closed, "after")
         s.v[:n_q] = rng.normal(size=n_q)
         self.before, _ = method.start(s, 1e-3)
         hit = np.zeros(len(self.system.event_values(s)), bool)
-        for mode in {c.mode for c in self.shocks.catches}:
-            ready = [c for c in self.shocks.catches if c.mode == mode and c.before == self.before.modes[mode]]
+        for phase in {c.phase for c in self.shocks.impact_candidates}:
+            ready = [
+                c for c in self.shocks.impact_candidates if c.phase == phase and c.before == self.before.phases[phase]
+            ]
             ready = [c for c in ready if seed % 2 or c.restitution > 0.0]  # in half of them all may rebound
             if ready and rng.uniform() < share:
                 hit[rng.choice(ready).event] = True
-        self.shock = self.shocks.strike(self.before, hit)
+        self.shock = self.shocks.solve_impact(self.before, hit)
         self.after = self.shock.state
 
     def kinetic(self, s):
@@ -111,7 +113,7 @@ class Struck:
         s.v[:], s.a[:], s.z[n_q:n] = 0.0, 0.0, 0.0
         found = []
         for dv, impulses in ((0.0, 0.0), (self.after.v - self.before.v, self.shock.impulses)):
-            s.modes = self.shock_modes()
+            s.phases = self.shock_phases()
             s.a[:], s.z[n_q:n] = dv, impulses
             self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
             found.append(self.system.residual.copy())
@@ -119,13 +121,13 @@ class Struck:
         r[n_q:n] = 0.0
         return r
 
-    def shock_modes(self):
+    def shock_phases(self):
         """Modes in which everything that had an impulse holds."""
-        pushed = [c for c in self.shocks.catches if self.shock.impulses[c.lead] != 0.0]
-        here = [c for c in pushed if c.before == self.before.modes[c.mode] or c.after == self.before.modes[c.mode]]
-        named = {(h.element, h.name) for h in self.shock.happenings}
-        met = [c for c in here if (c.element, c.names[0]) in named or c.after == self.before.modes[c.mode]]
-        return self.shocks.moded(self.before, met, "through").modes
+        pushed = [c for c in self.shocks.impact_candidates if self.shock.impulses[c.lead] != 0.0]
+        here = [c for c in pushed if c.before == self.before.phases[c.phase] or c.after == self.before.phases[c.phase]]
+        named = {(h.element, h.name) for h in self.shock.event_records}
+        met = [c for c in here if (c.element, c.names[0]) in named or c.after == self.before.phases[c.phase]]
+        return self.shocks.in_phase(self.before, met, "through").phases
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +155,7 @@ def test_momentum_is_conserved_but_for_the_impulses_of_the_ground(case, struck):
             for p, dofs, rows in zip(b.p, b.dofs, b.multipliers, strict=True):
                 push = p["normal"] * one.shock.impulses[rows[0]]
                 given += np.concatenate([push, np.cross(one.before.z[dofs[:3]], push)])
-    assert one.shock.happenings
+    assert one.shock.event_records
     assert (not case[1]) <= (not given.any())
     np.testing.assert_allclose(after - before, given, atol=1e-12 * size, rtol=0.0)
 
@@ -164,7 +166,7 @@ def test_energy_lost_is_what_is_missing_and_never_negative(case, struck):
     before, after = one.kinetic(one.before), one.kinetic(one.after)
     assert one.shock.given == pytest.approx(0.0, abs=1e-12 * before)
     assert before - after == pytest.approx(one.shock.lost, abs=1e-12 * before)
-    assert sum(h.lost for h in one.shock.happenings) == pytest.approx(one.shock.lost, abs=1e-12 * before)
+    assert sum(h.lost for h in one.shock.event_records) == pytest.approx(one.shock.lost, abs=1e-12 * before)
     assert one.shock.lost >= -1e-12 * before
 
 
@@ -172,21 +174,26 @@ def test_energy_lost_is_what_is_missing_and_never_negative(case, struck):
 def test_constraints_hold_and_contacts_neither_pull_nor_enter(case, struck):
     one = struck[case]
     size = np.abs(one.before.v).max()
-    assert np.abs(one.system.levels(one.after)[:, 1]).max() <= 1e-11 * size  # what holds after the shock
-    contacts = [c for c in one.shocks.catches if c.restitution >= 0.0]
+    assert (
+        np.abs(one.system.constraint_derivatives(one.after)[:, 1]).max() <= 1e-11 * size
+    )  # what holds after the shock
+    contacts = [c for c in one.shocks.impact_candidates if c.restitution >= 0.0]
     assert min(one.shock.impulses[c.lead] for c in contacts) >= 0.0
     for c in contacts:
-        if (c.element, c.names[0]) in {(h.element, h.name) for h in one.shock.happenings}:
-            rates = [one.system.levels(one.shocks.moded(s, [c], "through"))[c.lead, 1] for s in (one.before, one.after)]
+        if (c.element, c.names[0]) in {(h.element, h.name) for h in one.shock.event_records}:
+            rates = [
+                one.system.constraint_derivatives(one.shocks.in_phase(s, [c], "through"))[c.lead, 1]
+                for s in (one.before, one.after)
+            ]
             assert rates[0] <= 1e-11 * size and rates[1] >= -1e-11 * size
 
 
 def test_the_samples_reach_what_they_are_for(struck):
     """Several at once, of every kind, some that rebound, some that stay, some contacts that were closed and opened."""
-    happenings = [one.shock.happenings for one in struck.values()]
-    names = {h.name for of in happenings for h in of}
+    event_records = [one.shock.event_records for one in struck.values()]
+    names = {h.name for of in event_records for h in of}
     assert {"locks", "meets lower stop", "meets upper stop", "is pulled straight", "touches"} <= names
     assert any(name.startswith("leaves") or name in ("lifts off", "goes slack") for name in names)
-    assert max(map(len, happenings)) >= 4
-    met = [h for of in happenings for h in of if h.unit]
+    assert max(map(len, event_records)) >= 4
+    met = [h for of in event_records for h in of if h.unit]
     assert {h.before == h.after for h in met} == {True, False}

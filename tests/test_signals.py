@@ -81,7 +81,7 @@ def ended_soon(number, before):
     return os.waitstatus_to_exitcode(status)
 
 
-def told(process, wanted):
+def reported(process, wanted):
     """Send a signal to a process: its exit code, and what it said."""
     process.returncode = answered(process.pid, wanted)
     return process.returncode, process.stderr.read().decode()
@@ -127,7 +127,7 @@ def test_while_the_process_begins(folder, started, wanted):
     for _ in range(3):
         process = started("run", "deck.yaml", "--resume", "-q")
         time.sleep(rng.uniform(0.0, 1.0))
-        code, said = told(process, wanted)
+        code, said = reported(process, wanted)
         assert code in (-wanted, EXIT_CODES[wanted]), said
         assert "Traceback" not in said
         if (folder / "deck.h5").exists():
@@ -139,7 +139,7 @@ def test_while_it_compiles(folder, started):
     process = started("run", "deck.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
     assert b"compiling" in process.stderr.readline()
     wait_until(lambda: list((folder / "cache").rglob("*.o")))
-    code, said = told(process, signal.SIGUSR1)
+    code, said = reported(process, signal.SIGUSR1)
     assert code == 75 and "stopped by SIGUSR1" in said
 
 
@@ -156,7 +156,7 @@ def test_a_limit_of_processor_time(folder, started):
     inode = os.stat("deck.h5").st_ino
     wait_until(lambda: os.stat("deck.h5").st_ino != inode)
     time.sleep(0.2)
-    assert told(process, signal.SIGTERM)[0] == 143
+    assert reported(process, signal.SIGTERM)[0] == 143
     with mecano.open_results("deck.h5") as results:
         angle = results["hinge.angle"].values
     assert len(angle) > len(reached) > 1 and angle[: len(reached)].tobytes() == reached.tobytes()
@@ -182,7 +182,7 @@ def test_nohup(folder, started):
     wait_until((folder / "deck.h5").exists)
     os.kill(process.pid, signal.SIGHUP)
     time.sleep(0.5)
-    assert process.poll() is None and told(process, signal.SIGTERM)[0] == 143
+    assert process.poll() is None and reported(process, signal.SIGTERM)[0] == 143
 
 
 def children(number):

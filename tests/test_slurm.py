@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 import slurm
-from marching import INPUTS
 from process import COMMAND, mecano_process
+from time_runs import INPUTS
 
 import mecano
 from mecano.results.study_file import read_study
@@ -90,7 +90,7 @@ def ended(number, seconds=900.0):
 
 def restarts(number):
     """How often a job was put back into the queue."""
-    return int(re.search(r"Restarts=(\d+)", slurm.told("scontrol", "show", "job", number))[1])
+    return int(re.search(r"Restarts=(\d+)", slurm.reported("scontrol", "show", "job", number))[1])
 
 
 def test_the_page_has_three_scripts():
@@ -103,7 +103,7 @@ def test_a_long_run_goes_back_into_the_queue_until_it_is_complete(folder):
     assert restarts(number) >= 1
     with mecano.open_results("long.h5") as results:
         assert results.status == "complete" and results.time[-1] == 30.0
-        assert any(text.startswith("resumed at") for text in results.remarks)
+        assert any(text.startswith("resumed at") for text in results.warnings)
 
 
 def test_an_array_and_pictures_of_it(folder):
@@ -122,6 +122,6 @@ def test_a_study_with_a_failing_case_and_one_that_needs_more_time(folder):
     assert table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
     assert table["case/exit_code"].tolist() == [0.0, 2.0, 0.0, 0.0]
     with mecano.open_results("study_runs/0004.h5") as results:
-        assert any(text.startswith("resumed at") for text in results.remarks)
+        assert any(text.startswith("resumed at") for text in results.warnings)
     states = slurm.states()
     assert sorted(states.values()).count("FAILED") == 1

@@ -7,7 +7,7 @@ import pytest
 from instances import Instance
 from scipy.spatial.transform import Rotation
 
-from mecano.contract import Context, Place
+from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 
@@ -104,15 +104,15 @@ def test_a_spring_of_no_length_is_refused_and_survives_a_trial():
 
 
 @pytest.mark.parametrize(
-    ("extension", "mode", "left"),
+    ("extension", "phase", "left"),
     [(-0.5, "below", None), (0.0, "between", None), (0.4, "above", None), (-0.29, "below", "between")],
 )
-def test_events_of_the_stops(extension, mode, left):
+def test_events_of_the_stops(extension, phase, left):
     """Only the event that leaves a wrong mode has a positive value: repeated changes end in the right one."""
     kind = KINDS["spring_damper"]
     spring = One(kind, {"law": STOP, "natural_length": 2.0}, at([0, 0, 0], [2, 0, 0]))
     g = spring.events(np.array([0, 0, 0, 2.0 + extension, 0, 0]), NONE)
-    after = [event.after for event, value in zip(kind.events, g, strict=True) if event.before == mode and value > 0]
+    after = [event.after for event, value in zip(kind.events, g, strict=True) if event.before == phase and value > 0]
     assert after == ([left] if left else [])
     seen = {event.name: value for event, value in zip(kind.events, g, strict=True)}
     assert seen["lower stop closes"] == pytest.approx(-0.3 - extension, abs=1e-15)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from equilibria import Path
-from marching import deck
+from time_runs import deck
 
 from mecano.analyses.equilibria import equilibrium, loaded
 from mecano.analyses.modal import modes
-from mecano.analyses.prepare import march_of, prepare
-from mecano.analyses.static import Still
+from mecano.analyses.prepare import integrator_of, prepare
+from mecano.analyses.static import StaticSample
 from mecano.errors import DeckError
 from mecano.model.sampler import Sampler
 
@@ -45,7 +45,7 @@ def reactions(path, name):
     system, s, sampler = path.system, path.points[-1].state, Sampler(path.system)
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
     system.observe(s)
-    row, places = sampler.take(Still(s)), {c.path: c.start for c in sampler.columns}
+    row, places = sampler.take(StaticSample(s)), {c.path: c.start for c in sampler.columns}
     return row[
         [places[f"elements/{name}/{force}"] for force in ("normal_force", "longitudinal_force", "lateral_force")]
     ]
@@ -71,10 +71,10 @@ def test_wheel_held_by_a_brake(method):
 
 
 @pytest.mark.parametrize("start", ["static", "{static: {method: steps}}"])
-def test_march_of_a_braked_wheel_starts_at_rest(start):
+def test_run_of_a_braked_wheel_starts_at_rest(start):
     prepared = prepare(deck(wheel(f"initial: {start}\n        time: {{end: 0.1, step: 0.01}}", BRAKE)))
     equilibrium(prepared)
-    run = march_of(prepared).begin(prepared.state, 0.01)
+    run = integrator_of(prepared).begin(prepared.state, 0.01)
     assert np.abs(run.motion.a).max() < 1e-11 * INTO
     np.testing.assert_allclose(run.motion.z[prepared.system.n_q :][:1], MASS * INTO, rtol=1e-9)
 
@@ -98,7 +98,7 @@ def test_wheel_that_begins_above_the_ground(method):
     text = text.replace("grounds:", upright)
     path = Path(text)
     assert path.positions("hub")[-1, 2] == pytest.approx(RADIUS, abs=1e-12)
-    assert [h.name for point in path.points for h in point.happenings] == ["touch_down"]
+    assert [h.name for point in path.points for h in point.event_records] == ["touch_down"]
     np.testing.assert_allclose(reactions(path, "wheel"), (MASS * INTO, 0.0, 0.0), atol=1e-6)
 
 
@@ -216,7 +216,7 @@ def test_tangent_with_constraints_on_velocities():
     rng, n_q = np.random.default_rng(5), system.n_q
     start = prepared.state
     start.z[n_q : system.n] = rng.normal(size=system.n_l)
-    step = statics.step(statics.begin(start), start.modes)
+    step = statics.step(statics.begin(start), start.phases)
 
     def residual(z, tangent=False):
         s = statics.begin(start)

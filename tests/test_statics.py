@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 from equilibria import G, Path, arm, chain, truss, truss_force
-from marching import March, deck, input_deck
 from scipy.optimize import brentq, fsolve, minimize_scalar
 from scipy.special import ellipe, ellipk
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.equilibria import equilibrium
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.analyses.static import run
 from mecano.deck.read import deck_of_bytes
 from mecano.errors import ConvergenceError, DeckError
@@ -39,7 +39,7 @@ def test_load_factor_is_the_share_of_dead_and_follower_loads():
     np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=1e-12)
 
 
-def test_what_the_start_lacks_of_an_equilibrium_is_let_go():
+def test_what_the_start_lacks_of_an_equilibrium_is_released():
     """A preloaded spring without loads: it ends where the spring is slack, the angle is followed over half a turn."""
     text = arm("static: {}", gravity=0.0).replace("axis: [0, 1, 0], law", "axis: [0, 1, 0], natural_angle: 4.0, law")
     path = Path(text)
@@ -59,7 +59,7 @@ def test_arc_length_passes_limit_points():
     np.testing.assert_array_equal(path.unstable, falls)
 
 
-def test_arc_length_ends_where_it_is_told():
+def test_arc_length_ends_where_it_is_reported():
     static = "{method: arc_length, until: {node: top, direction: [0, 0, -1], displacement: 0.25}}"
     path = Path(truss(static))
     assert path.positions("top")[-1, 2] == pytest.approx(0.05, abs=1e-9)
@@ -79,8 +79,10 @@ def test_arc_length_that_does_not_reach_its_end(tmp_path):
     assert text.startswith(
         "the path did not reach its end (load factor 1 or -0.5, falling); it stopped at load factor "
     )
-    told = re.search(r"stopped at load factor (\S+), (\S+) along it, after a step of (\S+): 3 steps were made", text)
-    assert [float(told[i]) for i in (1, 2, 3)] == pytest.approx(
+    reported = re.search(
+        r"stopped at load factor (\S+), (\S+) along it, after a step of (\S+): 3 steps were made", text
+    )
+    assert [float(reported[i]) for i in (1, 2, 3)] == pytest.approx(
         [factors[-1], places[-1], places[-1] - places[-2]], rel=1e-2
     )
     assert "static.maximum_steps" in text and caught.value.exit_code == 3
@@ -132,22 +134,22 @@ def test_chain_hangs_in_its_catenary():
     assert path.points[-1].stability.stable
 
 
-def test_buckling_is_told():
+def test_buckling_is_reported():
     """An inverted pendulum on a spring buckles at mu = k/(m g c); the straight position stays an equilibrium."""
     path = Path(arm("static: {steps: 4}", centre="[0, 0, 0.5]"))
     critical = 6.0 / (2.0 * G * 0.5)
     np.testing.assert_array_equal(path.unstable, path.factors > critical)
-    assert f"near {critical:.6g}, the equilibrium becomes unstable: node 'pin' turns about" in path.result.remarks[0]
-    assert path.result.remarks[1].startswith("the equilibrium at load factor 1 is unstable")
+    assert f"near {critical:.6g}, the equilibrium becomes unstable: node 'pin' turns about" in path.result.warnings[0]
+    assert path.result.warnings[1].startswith("the equilibrium at load factor 1 is unstable")
     arc = Path(arm("static: {method: arc_length, steps: 4}", centre="[0, 0, 0.5]"))
-    told = re.search(r"between load factor .*, near (.*), the equilibrium becomes unstable", arc.result.remarks[0])
-    assert float(told[1]) == pytest.approx(critical, rel=1e-5)  # the least stiffness is linear in the load factor
+    reported = re.search(r"between load factor .*, near (.*), the equilibrium becomes unstable", arc.result.warnings[0])
+    assert float(reported[1]) == pytest.approx(critical, rel=1e-5)  # the least stiffness is linear in the load factor
 
 
 def test_mechanism_with_nothing_to_drive_it_is_neutral():
     path = Path(arm("static: {}", gravity=0.0, stiffness=0.0))
     assert path.points[-1].stability.neutral == 1 and not path.points[-1].stability.unstable
-    assert "neutral" in path.result.remarks[0] and "node 'pin' turns about [0, 1, 0]" in path.result.remarks[0]
+    assert "neutral" in path.result.warnings[0] and "node 'pin' turns about [0, 1, 0]" in path.result.warnings[0]
 
 
 @pytest.mark.parametrize("method,why", [("steps", "the tangent is singular"), ("relaxation", "it still moves")])
@@ -193,8 +195,8 @@ def test_wheel_settles_on_the_ground():
     """From the air: the tyre is pressed in by m g/k; the lean of a wheel that only stands is unstable."""
     path = Path(standing_wheel("steps"))
     assert path.positions("hub")[-1, 2] == pytest.approx(0.3 - 20.0 * G / 2e5, abs=1e-9)
-    assert [h.name for point in path.points for h in point.happenings] == ["touch_down"]
-    assert path.unstable[-1] == 1 and "node 'hub' turns about [1, 0, 0]" in path.result.remarks[-1]
+    assert [h.name for point in path.points for h in point.event_records] == ["touch_down"]
+    assert path.unstable[-1] == 1 and "node 'hub' turns about [1, 0, 0]" in path.result.warnings[-1]
 
 
 def test_relaxation_does_not_end_at_an_unstable_equilibrium(tmp_path):
@@ -234,7 +236,7 @@ def test_relaxation_leaves_the_straight_column(load):
         """)
     x, y = elastica(load / 1.0e3)
     np.testing.assert_allclose(path.positions("tip")[-1], (x, y, 0.0), atol=2e-4)
-    assert path.points[-1].stability.stable and "was met and left on the way" in path.result.remarks[0]
+    assert path.points[-1].stability.stable and "was met and left on the way" in path.result.warnings[0]
 
 
 def test_relaxation_leaves_a_column_in_balance():
@@ -298,20 +300,20 @@ STARTS = ("static", "{static: true}", "{static: {method: steps}}", "{static: {me
 
 
 @pytest.mark.parametrize("start", STARTS)
-def test_march_from_equilibrium_starts_without_acceleration(start):
+def test_run_from_equilibrium_starts_without_acceleration(start):
     process = f"initial: {start}\n        time: {{end: 0.1, step: 0.01}}"
     prepared = prepare(deck(arm(process)))
     assert not equilibrium(prepared)
-    run = march_of(prepared).begin(prepared.state, 0.01)
+    run = integrator_of(prepared).begin(prepared.state, 0.01)
     assert np.abs(run.motion.a).max() < 1e-13 * G
     assert np.abs(run.motion.v).max() == 0.0
 
 
-def test_march_of_a_chain_from_equilibrium_stays_there():
+def test_run_of_a_chain_from_equilibrium_stays_there():
     process = "initial: static\ntime: {end: 0.5, step: 0.01}"
-    march = March(deck(chain(process)), start=equilibrium)
+    recorded = RecordedRun(deck(chain(process)), start=equilibrium)
     for i in range(1, 8):
-        position = march[f"nodes/p{i}/position"]
+        position = recorded[f"nodes/p{i}/position"]
         assert np.abs(position - position[0]).max() < 1e-13
 
 
@@ -322,7 +324,7 @@ def test_velocities_come_on_top_of_the_equilibrium():
     )
     prepared = prepare(deck(arm(process)))
     equilibrium(prepared)
-    run = march_of(prepared).begin(prepared.state, 0.01)
+    run = integrator_of(prepared).begin(prepared.state, 0.01)
     spin = run.motion.v[prepared.system.numbering.r[0] :][:3]
     np.testing.assert_allclose(spin, (0, 2, 0), atol=1e-12)
     assert np.abs(run.motion.a[prepared.system.numbering.r[0] :][:3]).max() < 1e-12

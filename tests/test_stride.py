@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import surviving
-from marching import deck, input_deck
 from surviving import check_same, contents
+from time_runs import deck, input_deck
 
 from mecano.analyses.dynamic import run
-from mecano.solve.time.march import March
+from mecano.solve.time.time_integration import TimeIntegrator
 
 TWO_BARS = """
     mecano: 1
@@ -36,7 +36,7 @@ def test_many_steps_in_one_call_are_those_of_python(name, tmp_path, monkeypatch)
     checked = decks()[name]
     fast, steps = run(checked, tmp_path / "fast.h5"), []
     run(checked, tmp_path / "observed.h5", observers=(lambda accepted: steps.append(accepted.h),))
-    monkeypatch.setattr(March, "ordinary", lambda march, run, stop: (run, None, True))
+    monkeypatch.setattr(TimeIntegrator, "ordinary", lambda integrator, run, stop: (run, None, True))
     slow = run(checked, tmp_path / "slow.h5")
     assert (fast.steps, fast.rejected, fast.iterations) == (slow.steps, slow.rejected, slow.iterations)
     assert len([h for h in steps if h]) == fast.steps

@@ -9,9 +9,9 @@ cornering stiffness 2c (sigma + a)^2.
 
 import numpy as np
 import pytest
-from marching import March, input_deck
 from scipy.optimize import brentq, fsolve
 from small_motions import eigenvalues
+from time_runs import RecordedRun, input_deck
 
 from mecano.elements.wheels.lateral_law import FORMS
 from mecano.elements.wheels.string_law import prepare_string
@@ -140,11 +140,11 @@ def test_critical_speeds_of_a_string():
 def test_leading_edge_after_a_step_of_yaw():
     """b1_shimmy: the leading edge of the string stands at psi0 [(sigma + a) - sigma exp(-x/sigma)] after the way x."""
     slip = "tire_laws.rubber.slip_regularization=1e-3"
-    march = March(input_deck("step_steer", lateral("string"), slip, "elements.tire.type=adhesive_wheel"))
-    y, psi, bow = (march[f"elements/tire/{name}"] for name in ("y", "psi", "bow"))
+    recorded = RecordedRun(input_deck("step_steer", lateral("string"), slip, "elements.tire.type=adhesive_wheel"))
+    y, psi, bow = (recorded[f"elements/tire/{name}"] for name in ("y", "psi", "bow"))
     c_3 = (A * y - A * (A + SIGMA) * psi - (A + 3 * SIGMA) * bow) / (5 * SIGMA)
     edge = A * 0.02 - y + (A * psi - c_3) + bow + c_3  # to the left; v(a) is the sum of the coefficients
-    expected = 0.02 * ((SIGMA + A) - SIGMA * np.exp(-10.0 * march.time / SIGMA))
+    expected = 0.02 * ((SIGMA + A) - SIGMA * np.exp(-10.0 * recorded.time / SIGMA))
     np.testing.assert_allclose(edge, expected, atol=3e-3 * expected[-1])
 
 
@@ -153,14 +153,14 @@ def test_the_patch_starts_displaced(kind):
     """F = K y relaxes over 1/(C K) = 0.3 m from the y of the deck, here at 10 m/s without a slip angle."""
     rolling = "{nodes: all, velocity: [10, 0, 0]}, {nodes: [hub], angular_velocity: [0, 33.3333333, 0]}"
     constants = "lateral_stiffness: 2.0e5, yaw_coefficient: 1.66667e-5, yaw_time: 1e-4"
-    march = March(input_deck(
+    recorded = RecordedRun(input_deck(
         "step_steer", "elements.tire.axis=[0, 1, 0]", "joints.bearing.axis=[0, 1, 0]",
         f"initial.velocities=[{rolling}]", f"tire_laws.rubber.lateral={{moreland: {{{constants}}}}}",
         "elements.tire.initial={y: 2.0e-3, psi: 6.66667e-3}", "tire_laws.rubber.slip_regularization=1e-3",
         f"elements.tire.type={kind}",
     ))  # fmt: skip
-    assert march["elements/tire/y"][0] == 2.0e-3 and march["elements/tire/psi"][0] == pytest.approx(6.66667e-3)
+    assert recorded["elements/tire/y"][0] == 2.0e-3 and recorded["elements/tire/psi"][0] == pytest.approx(6.66667e-3)
     C1 = 1e-4  # psi + C1 psi' = y/0.3, y' = -V psi
     rate = np.roots([C1, 1.0, 10.0 / 0.3]).max()
-    y = march["elements/tire/y"]
-    np.testing.assert_allclose(y, 2.0e-3 * np.exp(rate * march.time), atol=2e-5)
+    y = recorded["elements/tire/y"]
+    np.testing.assert_allclose(y, 2.0e-3 * np.exp(rate * recorded.time), atol=2e-5)

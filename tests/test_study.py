@@ -13,16 +13,16 @@ from textwrap import dedent
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from marching import INPUTS
 from process import COMMAND, mecano_process, settings
+from time_runs import INPUTS
 
 from mecano.analyses.warmup import all_kinds, warmup
 from mecano.cli import commands
-from mecano.compiled import store
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
+from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask
@@ -121,8 +121,8 @@ class TestCases:
 def test_errors_of_a_study_have_places(folder, text, place, message):
     with pytest.raises(DeckError) as info:
         study(folder, text)
-    told = deck_error_text(info.value)
-    assert re.match(rf"study.yaml:{place}.*", told) and message in told, told
+    reported = deck_error_text(info.value)
+    assert re.match(rf"study.yaml:{place}.*", reported) and message in reported, reported
 
 
 @pytest.mark.parametrize(
@@ -196,19 +196,19 @@ class TestDecks:
         ],
         ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds"],
     )  # fmt: skip
-    def test_a_value_that_no_deck_can_have_is_told_where_it_stands(self, folder, text, place, message):
+    def test_a_value_that_no_deck_can_have_is_reported_where_it_stands(self, folder, text, place, message):
         (folder / "rows.csv").write_text("time.end, elements.ball.mass\n1, -3\n")
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, text))
-        told = deck_error_text(error.value)
-        assert told.startswith(f"{place}: ") and message in told and "--set" not in told, told
+        reported = deck_error_text(error.value)
+        assert reported.startswith(f"{place}: ") and message in reported and "--set" not in reported, reported
 
     def test_a_deck_that_is_wrong_with_a_value_says_of_which_case(self, folder):
         (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: $speed"))
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
-        told = deck_error_text(error.value)
-        assert re.match("deck.yaml:7:.*got -1.* in case 1 of the study \\(parameters.speed = -1\\)", told), told
+        reported = deck_error_text(error.value)
+        assert re.match("deck.yaml:7:.*got -1.* in case 1 of the study \\(parameters.speed = -1\\)", reported), reported
 
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
@@ -225,8 +225,8 @@ class TestDecks:
     def test_outputs_that_the_model_has_not(self, folder, output, message):
         with pytest.raises(DeckError) as info:
             try_deck(study(folder, f"grid: {{time.end: [1]}}\noutputs: {{a: {{{output}}}}}"))
-        told = deck_error_text(info.value)
-        assert told.startswith("study.yaml:4:") and f"output 'a': {message}" in told
+        reported = deck_error_text(info.value)
+        assert reported.startswith("study.yaml:4:") and f"output 'a': {message}" in reported
 
 
 class TestFolder:
@@ -396,8 +396,8 @@ def test_the_study_of_the_page(folder):
 
 def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     assert {kind.name for kind in all_kinds()} > set(KINDS)
-    told = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
-    assert told[0] == "running the beginning of deck.yaml" and str(store.folder()) in told[-1]
+    reported = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
+    assert reported[0] == "running the beginning of deck.yaml" and str(store.folder()) in reported[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
 
 

@@ -66,7 +66,9 @@ def test_the_example_can_be_read_and_has_every_field(tmp_path):
 
 
 def test_the_commands():
-    told = CliRunner().invoke(commands, ["explain", "study"], catch_exceptions=False).output
-    assert told.rstrip() == explain_study() and all(line in told for line in field_lines((*FIELDS, *SPAN_FIELDS)))
+    reported = CliRunner().invoke(commands, ["explain", "study"], catch_exceptions=False).output
+    assert reported.rstrip() == explain_study() and all(
+        line in reported for line in field_lines((*FIELDS, *SPAN_FIELDS))
+    )
     written = CliRunner().invoke(commands, ["schema", "--study"], catch_exceptions=False).output
     assert json.loads(written) == study_schema()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from instances import expand, samples
-from marching import March, deck, input_deck
 from scipy.spatial.transform import Rotation
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import modes
@@ -212,14 +212,14 @@ def _with(small, motion, folder):
 
 def test_spin_up():
     """inputs/superelement_arm.yaml: 0.57526 m of lag is that of 32 beams (tests/benchmarks/superelements.py)."""
-    march = March(input_deck("superelement_arm"))
-    x, t = march["nodes/tip/position"], march.time
+    recorded = RecordedRun(input_deck("superelement_arm"))
+    x, t = recorded["nodes/tip/position"], recorded.time
     angle = 0.2 * t**2 + 2.279726631 * (np.cos(2 * np.pi * 0.0666666667 * t) - 1.0)
     lag = np.sin(angle) * x[:, 0] - np.cos(angle) * x[:, 1]
     assert lag.max() == pytest.approx(0.57526, rel=0.01)
     stretch = np.linalg.norm(x[-1]) - 10.0
     assert stretch == pytest.approx(1.2 * 36.0 * 1e3 / (3 * 2.8e7), rel=0.01)  # rho A w^2 L^3/(3 EA)
-    assert not any(info.error > 1e9 for info in march.infos)
+    assert not any(info.error > 1e9 for info in recorded.infos)
 
 
 def test_inner_nodes_are_recovered(tmp_path):

@@ -11,7 +11,7 @@ import csv
 import h5py
 import numpy as np
 import pytest
-from marching import INPUTS, deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses.modal import about
 from mecano.analyses.sweep import Axis, sweep, sweep_into
@@ -122,7 +122,7 @@ def test_cornering_tyre():
     assert np.abs(base.state.a).max() < 1e-6
 
 
-def test_a_march_from_steady_running_stays_there(tmp_path):
+def test_a_run_from_steady_running_stays_there(tmp_path):
     from mecano.analyses.dynamic import run
     from mecano.results.reader import open_results
 
@@ -165,9 +165,9 @@ def test_how_well_a_critical_value_is_known(speeds):
     (locus,) = sweep(INPUTS / "bicycle.yaml", (), [f"speed={speeds}"]).loci
     for c, exact in zip(locus.critical[::-1], (6.024262015388837, 4.292382536341), strict=False):
         assert abs(c.place - exact) < max(c.error, 5e-12) and c.error < 1e-9
-        told = known(c.place, c.error)
-        unit = 10.0 ** -len(told.partition(".")[2])
-        assert abs(float(told) - exact) < 0.5 * unit + c.error and 2.0 * c.error < unit < 1e-8
+        reported = known(c.place, c.error)
+        unit = 10.0 ** -len(reported.partition(".")[2])
+        assert abs(float(reported) - exact) < 0.5 * unit + c.error and 2.0 * c.error < unit < 1e-8
 
 
 def test_digits_that_hold():
@@ -231,10 +231,10 @@ def test_shimmy_at_all_speeds(case, verify):
 def test_map_files_and_pictures(tmp_path):
     """The border in speed and damping: where the roots of b1 become imaginary."""
     path = tmp_path / "map.h5"
-    told = []
+    reported = []
     text, total = sweep_into(path, INPUTS / "caster_shimmy.yaml", (), ["speed=20:60:20", "damping=16,24"], columns=True,
-                             progress=lambda *done: told.append(done))  # fmt: skip
-    assert total == 6 == len(told) and told[-1][:2] == (6, 6) and "damping 24, speed 60" in told[-1][2]
+                             progress=lambda *done: reported.append(done))  # fmt: skip
+    assert total == 6 == len(reported) and reported[-1][:2] == (6, 6) and "damping 24, speed 60" in reported[-1][2]
     file = read_sweep(path)
     assert file.names == ("speed", "damping") and not file.modes
     for i, damping in enumerate((16.0, 24.0)):
@@ -307,8 +307,8 @@ def test_growth_counts_where_it_means_more_than_zero_before_it_ends():
     """Three branches: about zero throughout; slow at first, then fast; a pair that parts into real eigenvalues."""
     values = np.array([[-0.1, 0.1, 0.05, -0.1, -0.1], [-0.1, 0.1, 2.0, 2.0, -3.0], [0.1 + 9j, -0.1 + 9j, -1, 2, 3]])
     spectra = [Spectrum(column, np.eye(3), 1.0) for column in values.T]
-    told = [growing(np.full(5, b), spectra) for b in range(3)]
-    np.testing.assert_array_equal(told, [5 * [False], [0, 1, 1, 1, 0], [1, 0, 0, 1, 1]])
+    reported = [growing(np.full(5, b), spectra) for b in range(3)]
+    np.testing.assert_array_equal(reported, [5 * [False], [0, 1, 1, 1, 0], [1, 0, 0, 1, 1]])
     np.testing.assert_array_equal(growing(np.array([-1, 1, 1, -1, 1]), spectra), [0, 1, 1, 0, 0])
 
 
@@ -351,8 +351,8 @@ def test_states_that_are_not_found_are_left_out(tmp_path):
     tow = "joints.tow.value={linear: {slope: 20}}"
     found = sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,20,30"])
     np.testing.assert_array_equal(found.loci[0].count, [-1, 1, -1])
-    [told] = [text for text in found.remarks if "no straight steady running" in text]
-    assert told.endswith("(in 2 of the states)")
+    [reported] = [text for text in found.warnings if "no straight steady running" in text]
+    assert reported.endswith("(in 2 of the states)")
     with pytest.raises(ConvergenceError, match="it would not fulfil"):
         sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from marching import March
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from time_runs import RecordedRun
 from towed_wheel import (
     ANGLE,
     CORNERING,
@@ -36,7 +36,7 @@ def test_rates_of_the_patch_are_unique(law):
     own = [y, names.index("flexible_wheel 'tire': psi")]
     for _ in range(200):
         s = system.initial_state(0.0)
-        s.modes[:] = 1
+        s.phases[:] = 1
         s.z[hub + 2] = 0.452 - rng.uniform(0.01, 0.1)
         s.z[own] = rng.uniform(-0.08, 0.08), rng.uniform(-0.2, 0.2)
         s.v[hub : hub + 3] = rng.uniform(0.0, 70.0), rng.uniform(-7.0, 7.0), rng.uniform(-2.0, 2.0)
@@ -95,10 +95,10 @@ def planar(end):
 
 def test_a_landing_at_a_slip_angle_against_an_independent_integration():
     """Spin-up with friction that falls, sliding at 6 degrees, then rolling at the limit of adhesion."""
-    march = March(towed(RELAXATION, end=0.2, tolerance=1e-5))
+    recorded = RecordedRun(towed(RELAXATION, end=0.2, tolerance=1e-5))
     t, y, spin = planar(0.2)
     found_y, found_spin = (
-        np.interp(t, march.time, march[f"elements/tire/{what}"].ravel()) for what in ("y", "spin_rate")
+        np.interp(t, recorded.time, recorded[f"elements/tire/{what}"].ravel()) for what in ("y", "spin_rate")
     )
     assert np.abs(y).max() > 0.03 and spin.max() > 150.0  # it has slid to the side, and has been spun up
     assert np.abs(found_y - y).max() < 1e-3 * np.abs(y).max()
@@ -109,13 +109,13 @@ def test_a_landing_at_a_slip_angle_against_an_independent_integration():
 @pytest.mark.parametrize("lean", [0.0, 4.0])
 def test_every_law_lands_at_a_slip_angle(law, lean):
     """Down and up again: its force is within friction, and the budget closes to 1e-4 of what friction takes."""
-    march = March(towed(LAWS[law], lean=lean, end=0.2, tolerance=1e-4, led="down and up"))
-    assert [h.name for h in march.happenings] == ["touch_down", "lift_off"]
-    deformed, N = march["elements/tire/y"].ravel(), march["elements/tire/normal_force"].ravel()
-    side, ahead = (march[f"elements/tire/{way}_force"].ravel() for way in ("lateral", "longitudinal"))
+    recorded = RecordedRun(towed(LAWS[law], lean=lean, end=0.2, tolerance=1e-4, led="down and up"))
+    assert [h.name for h in recorded.event_records] == ["touch_down", "lift_off"]
+    deformed, N = recorded["elements/tire/y"].ravel(), recorded["elements/tire/normal_force"].ravel()
+    side, ahead = (recorded[f"elements/tire/{way}_force"].ravel() for way in ("lateral", "longitudinal"))
     assert np.all(np.hypot(side, ahead) <= 0.8 * N + 1e-6 * N.max())
     assert np.abs(deformed).max() < 0.2
-    balance, lost = march["energy/balance"].ravel(), march["energy/dissipated"].ravel()
+    balance, lost = recorded["energy/balance"].ravel(), recorded["energy/dissipated"].ravel()
     assert np.ptp(balance) < 1e-4 * np.ptp(lost)
 
 
@@ -129,7 +129,7 @@ def test_the_twist_of_a_rolling_patch_needs_damping(share, lasts):
     y, C_K = angle * SIGMA, 1.0 / SIGMA
     needed = SPEED * C_K * SPIN_INERTIA * y * y / (r * r * kap)
     law = MORELAND % (0.0, share * needed, kap)
-    march = March(towed(law, end=0.14, angle=angle, spin=SPEED / r))
-    spin, t = march["elements/tire/spin_rate"].ravel(), march.time
+    recorded = RecordedRun(towed(law, end=0.14, angle=angle, spin=SPEED / r))
+    spin, t = recorded["elements/tire/spin_rate"].ravel(), recorded.time
     early, late = (np.ptp(spin[(t > a) & (t < a + 0.02)]) for a in (0.08, 0.12))
     assert late > 0.9 * early > 1.0 if lasts else late < 0.5 * early  # a limit cycle of stick and slip, or a decay

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, STRING, towed
 
+from mecano.analyses.diagnostics import explained
 from mecano.analyses.dynamic import run
-from mecano.analyses.outcome import explained
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import ConvergenceError
 

@@ -5,7 +5,7 @@ import pytest
 from instances import Instance
 from scipy.optimize import minimize_scalar
 
-from mecano.contract import Context, Place
+from mecano.element_interface import Context, Place
 from mecano.elements.wheels.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable
@@ -60,16 +60,16 @@ class Wheel:
             record[name][0] = value
         self.record, self.p, self.laws = record, record[0], table.array()
 
-    def force(self, x, R, v, mode=CONTACT):
+    def force(self, x, R, v, phase=CONTACT):
         """f (6,), K, C, M (6, 6)."""
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        return Instance(WHEEL, self.record, (0,), mode, NONE, self.laws, np.zeros((3, 0)), NONE).force(0.0, state)
+        return Instance(WHEEL, self.record, (0,), phase, NONE, self.laws, np.zeros((3, 0)), NONE).force(0.0, state)
 
-    def observe(self, x, R, v, mode=CONTACT):
+    def observe(self, x, R, v, phase=CONTACT):
         """Outputs by name, energies (4,)."""
         y, e = np.zeros(N_OUTPUTS), np.zeros(4)
         state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        WHEEL.observe(self.p, Place(0.0, mode, 1.0, 1.0, self.laws, NONE, *state), np.zeros(6), y, e)
+        WHEEL.observe(self.p, Place(0.0, phase, 1.0, 1.0, self.laws, NONE, *state), np.zeros(6), y, e)
         return {name: y[i : i + 3] if shape else y[i] for name, (i, shape) in OFFSET.items()}, e
 
     def deformation(self, x, R):
@@ -98,14 +98,14 @@ def random_state(rng, name, speed=3.0, **options):
     return wheel, x, R, np.r_[speed, speed, speed, 1.0, 1.0, 1.0] * rng.normal(size=6)
 
 
-def difference_tangents(wheel, x, R, v, mode, h=1e-6):
+def difference_tangents(wheel, x, R, v, phase, h=1e-6):
     """K and C (6, 6) by central differences, rotations varied in the material frame."""
     K, C = np.zeros((6, 6)), np.zeros((6, 6))
     for j, step in enumerate(h * np.eye(6)):
-        ahead = wheel.force(x + step[:3], R @ turn(step[3:]), v, mode)[0]
-        back = wheel.force(x - step[:3], R @ turn(-step[3:]), v, mode)[0]
+        ahead = wheel.force(x + step[:3], R @ turn(step[3:]), v, phase)[0]
+        back = wheel.force(x - step[:3], R @ turn(-step[3:]), v, phase)[0]
         K[:, j] = (ahead - back) / (2 * h)
-        C[:, j] = (wheel.force(x, R, v + step, mode)[0] - wheel.force(x, R, v - step, mode)[0]) / (2 * h)
+        C[:, j] = (wheel.force(x, R, v + step, phase)[0] - wheel.force(x, R, v - step, phase)[0]) / (2 * h)
     return K, C
 
 
@@ -363,10 +363,10 @@ def test_check_names_what_cannot_be():
 def test_samples_show_every_mode():
     rng = np.random.default_rng(9)
     samples = WHEEL.sample(rng)
-    assert {mode for _, _, mode in samples} == set(WHEEL.modes)
-    for values, _, mode in samples:
+    assert {phase for _, _, phase in samples} == set(WHEEL.phases)
+    for values, _, phase in samples:
         x, R = rng.normal(size=3), turn(0.3 * rng.normal(size=3))
         wheel = Wheel(values)
-        f, K, C, _ = wheel.force(x, R, rng.normal(size=6), WHEEL.modes.index(mode))
-        assert f.any() == K.any() == C.any() == (mode == "contact")
+        f, K, C, _ = wheel.force(x, R, rng.normal(size=6), WHEEL.phases.index(phase))
+        assert f.any() == K.any() == C.any() == (phase == "contact")
         assert WHEEL.check(values, [(x, R)]) == []

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from marching import March, input_deck
+from time_runs import RecordedRun, input_deck
 
 EXAMPLES = (
     "axle_on_slope",
@@ -26,11 +26,11 @@ ROLLING = ("bicycle", "paper_disc", "rolling_disc", "sleigh")  # nothing drives,
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_budget_closes(name):
     """To a millionth of the energy at the start, over all accepted steps."""
-    march = March(input_deck(name))
-    total = march["energy/total"].ravel()
-    balance = march["energy/balance"].ravel()
+    recorded = RecordedRun(input_deck(name))
+    total = recorded["energy/total"].ravel()
+    balance = recorded["energy/balance"].ravel()
     assert np.abs(balance - balance[0]).max() < 1e-6 * total[0]
-    dissipated = np.diff(march["energy/dissipated"].ravel())
+    dissipated = np.diff(recorded["energy/dissipated"].ravel())
     assert dissipated.min() > -1e-12 * total[0]
     if name in ROLLING:
         assert np.ptp(total) < 1e-6 * total[0]

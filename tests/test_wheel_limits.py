@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from marching import deck, input_deck
+from time_runs import deck, input_deck
 
 import mecano
 from mecano.analyses.dynamic import run
-from mecano.analyses.prepare import prepare, remarks
+from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.constraints.ground import rim_above
 from mecano.deck.read import deck_of_bytes
 from mecano.elements import KINDS
@@ -131,10 +131,10 @@ def test_a_wheel_starts_on_the_ground_or_in_the_air(kind, height, start):
     """Within a thousandth of its radius it stands, and what that moves is told; further up it is in the air."""
     prepared = prepare(upright(kind, height))
     assert prepared.state.z[2] == pytest.approx(start, abs=1e-12)
-    told = [text for text in remarks(prepared) if "moved the initial positions" in text]
+    reported = [text for text in startup_warnings(prepared) if "moved the initial positions" in text]
     moved = f"the assembly moved the initial positions by up to {abs(height - start):.3g} m"
-    assert told == [moved] * (height != start)
-    in_air = "air" in {b.kind.modes[prepared.state.modes[b.first_mode]] for b in prepared.system.batches}
+    assert reported == [moved] * (height != start)
+    in_air = "air" in {b.kind.phases[prepared.state.phases[b.first_phase]] for b in prepared.system.batches}
     assert in_air == (start > 0.3)
 
 
@@ -231,11 +231,11 @@ def test_a_hollow_counts_where_and_how_the_wheel_crosses_it():
 
 def test_a_wheel_is_checked_once():
     """Also one on waves, which are looked at for hollows behind the check of what the wheel says of itself."""
-    told, wheel = [], KINDS["rigid_wheel"]
-    counting = replace(wheel, check=lambda d, nodes: told.append(d) or wheel.check(d, nodes))
+    reported, wheel = [], KINDS["rigid_wheel"]
+    counting = replace(wheel, check=lambda d, nodes: reported.append(d) or wheel.check(d, nodes))
     text = on("{sine: {amplitude: 0.02, frequency: 2.0}}").text
     deck_of_bytes(text.encode(), "test.yaml", kinds={**KINDS, "rigid_wheel": counting})
-    assert len(told) == 1
+    assert len(reported) == 1
 
 
 def test_of_a_random_road_the_way_of_the_run_counts():
@@ -257,7 +257,7 @@ def test_what_needs_a_plane_says_so_of_a_narrow_hollow(kind):
     assert len(error.value.problems) == 1
 
 
-def test_who_writes_a_wheel_for_a_law_is_told_its_type():
+def test_who_writes_a_wheel_for_a_law_is_reported_its_type():
     text = WHEEL.format(kind="flexible_wheel", height=0.2625, radial="{linear: {slope: 1.0e5}}", profile="null")
     with pytest.raises(DeckError) as error:
         deck(text.replace("friction: 0.9", "friction: adhesive"))

@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 import pytest
-from marching import March, deck, input_deck
 from scipy.integrate import quad
 from scipy.interpolate import BarycentricInterpolator
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.maths.so3 import log
 
@@ -45,20 +45,20 @@ TOW = "tow: {type: prescribed_position, node: fork, direction: [1, 0, 0], value:
 
 def towed(eps, tow=TOW, spin=0.0, end=0.033, step=1e-5, control="adaptive: {tolerance: 1.0e-5}"):
     """The march of a wheel pressed down by 60 kN, its hub at 60 m/s."""
-    return March(deck(TOWED.format(eps=eps, tow=tow, spin=spin, end=end, step=step, control=control)))
+    return RecordedRun(deck(TOWED.format(eps=eps, tow=tow, spin=spin, end=end, step=step, control=control)))
 
 
-def at_slip(march, eps, values):
+def at_slip(recorded, eps, values):
     """``values`` when the slip velocity falls to ``eps`` [m/s]: the parabola through the last three steps before.
 
     Beyond, friction is regularized and the slip no longer a smooth function of time.
     """
-    slip = march["elements/tire/longitudinal_slip"]
+    slip = recorded["elements/tire/longitudinal_slip"]
     last = slice(int(np.argmax(slip < eps)) - 3, int(np.argmax(slip < eps)))
     return float(BarycentricInterpolator(slip[last] - eps, values[last])(0.0))
 
 
-def coulomb_limit(marches, values=lambda march: march.time):
+def coulomb_limit(marches, values=lambda integrator: integrator.time):
     """Extrapolation to eps = 0 of what is linear in eps at the end of the slip, from eps = 0.1 and 0.01."""
     coarse, fine = (at_slip(marches[eps], eps, values(marches[eps])) for eps in (0.1, 0.01))
     return fine + (fine - coarse) / 9.0
@@ -68,12 +68,12 @@ def test_spin_up_of_a_towed_wheel():
     """t = I V/(mu N r^2); the wheel takes half of the work of the tow, friction the other half, whatever eps is."""
     marches = {eps: towed(eps) for eps in (0.1, 0.01)}
     assert coulomb_limit(marches) == pytest.approx(0.03204935600825271, rel=1e-10)
-    for march in marches.values():
-        assert march["elements/tire/normal_force"] == pytest.approx(60000.0, rel=1e-9)
-        assert march["elements/tire/spin_rate"][-1] == pytest.approx(186.04651162790697, rel=1e-7)
-        assert march["energy/dissipated"][-1] == pytest.approx(34613.30448891293, rel=1e-7)
-        assert march["energy/given"][-1] == pytest.approx(2 * 34613.30448891293, rel=1e-6)
-    angle = coulomb_limit(marches, lambda march: march["joints/bearing/angle"])
+    for recorded in marches.values():
+        assert recorded["elements/tire/normal_force"] == pytest.approx(60000.0, rel=1e-9)
+        assert recorded["elements/tire/spin_rate"][-1] == pytest.approx(186.04651162790697, rel=1e-7)
+        assert recorded["energy/dissipated"][-1] == pytest.approx(34613.30448891293, rel=1e-7)
+        assert recorded["energy/given"][-1] == pytest.approx(2 * 34613.30448891293, rel=1e-6)
+    angle = coulomb_limit(marches, lambda recorded: recorded["joints/bearing/angle"])
     assert angle == pytest.approx(2.98133544262816, rel=1e-6)  # quadratic in eps beyond the extrapolation
 
 
@@ -81,22 +81,22 @@ def test_spin_up_under_a_free_mass():
     """6440 kg that are slowed down by the wheel they spin up."""
     marches = {eps: towed(eps, tow="") for eps in (0.1, 0.01)}
     assert coulomb_limit(marches) == pytest.approx(0.03195394265879875, rel=1e-10)
-    for march in marches.values():
-        assert march["nodes/fork/velocity"][-1, 0] == pytest.approx(59.82137547582038, rel=1e-9)
-        assert march["elements/tire/spin_rate"][-1] == pytest.approx(185.49263713432677, rel=1e-7)
-        assert march["energy/dissipated"][-1] == pytest.approx(34510.25807150263, rel=1e-7)
+    for recorded in marches.values():
+        assert recorded["nodes/fork/velocity"][-1, 0] == pytest.approx(59.82137547582038, rel=1e-9)
+        assert recorded["elements/tire/spin_rate"][-1] == pytest.approx(185.49263713432677, rel=1e-7)
+        assert recorded["energy/dissipated"][-1] == pytest.approx(34510.25807150263, rel=1e-7)
 
 
 def test_spin_up_on_a_tyre_that_gives_way():
     """inputs/wheel_spin_up.yaml: arm and contact velocity use the current radius r0 - w."""
     control = "time.adaptive.tolerance=1e-6"
     marches = {
-        eps: March(input_deck("wheel_spin_up", control, f"tire_laws.linear.slip_regularization={eps}"))
+        eps: RecordedRun(input_deck("wheel_spin_up", control, f"tire_laws.linear.slip_regularization={eps}"))
         for eps in (0.1, 0.01)
     }
 
     def at_stick(path):
-        return coulomb_limit(marches, lambda march: march[path])
+        return coulomb_limit(marches, lambda recorded: recorded[path])
 
     assert coulomb_limit(marches) == pytest.approx(0.04774233856997895, abs=1e-7)
     assert at_stick("elements/tire/spin_rate") == pytest.approx(233.14975469860212, rel=1e-6)
@@ -111,8 +111,8 @@ def test_slip_dies_out_under_regularized_friction():
     """Slip 2 eps/(1 + exp(2 b t/eps)) after it has come down to eps = 0.1 m/s, b = mu N r^2/I; errors of order 2."""
     unit, errors = 1.3353898336771964e-05, []
     for n in (8, 16):
-        march = towed(0.1, spin=(60.0 - 0.1) / 0.3225, end=8 * unit, step=unit / n, control="rho_inf: 0.8")
-        slip = march["elements/tire/longitudinal_slip"]
+        recorded = towed(0.1, spin=(60.0 - 0.1) / 0.3225, end=8 * unit, step=unit / n, control="rho_inf: 0.8")
+        slip = recorded["elements/tire/longitudinal_slip"]
         assert len(slip) == 8 * n + 1
         errors.append(max(abs(slip[n * i] - wanted) for i, wanted in SLIP_AFTER.items()))
     assert errors[1] < 1e-5
@@ -163,26 +163,26 @@ class Bounces:
 def test_bounces_of_a_sliding_wheel():
     """Times, heights, loss of speed and spin of three bounces in closed form."""
     exact = Bounces()
-    march = March(input_deck("wheel_drop", "time.adaptive.tolerance=1e-6"))
-    assert [h.name for h in march.happenings] == ["touch_down", "lift_off"] * 3
+    recorded = RecordedRun(input_deck("wheel_drop", "time.adaptive.tolerance=1e-6"))
+    assert [h.name for h in recorded.event_records] == ["touch_down", "lift_off"] * 3
     for n in range(3):
-        down, up = march.happenings[2 * n : 2 * n + 2]
+        down, up = recorded.event_records[2 * n : 2 * n + 2]
         # the first fall is a parabola, which the method solves exactly
         assert down.t == pytest.approx(exact.touch_down(n), abs=1e-9 if n == 0 else 1e-7)
         assert up.t == pytest.approx(exact.touch_down(n) + exact.contact, abs=1e-7)
     loss = 3 * exact.mu * exact.impulse(exact.contact) / exact.m
-    assert march["nodes/hub/velocity"][-1, 0] == pytest.approx(exact.speed - loss, abs=1e-6)
-    assert march["elements/tire/spin_rate"][-1] == pytest.approx(3 * exact.spin(exact.contact), abs=1e-5)
+    assert recorded["nodes/hub/velocity"][-1, 0] == pytest.approx(exact.speed - loss, abs=1e-6)
+    assert recorded["elements/tire/spin_rate"][-1] == pytest.approx(3 * exact.spin(exact.contact), abs=1e-5)
     w = exact.g / exact.p**2 + math.hypot(exact.g / exact.p**2, exact.v / exact.p)
-    assert march["elements/tire/deformation"].max() == pytest.approx(w, rel=1e-5)
-    assert march["nodes/hub/position"][-1, 2] == pytest.approx(
+    assert recorded["elements/tire/deformation"].max() == pytest.approx(w, rel=1e-5)
+    assert recorded["nodes/hub/position"][-1, 2] == pytest.approx(
         0.4 - 0.5 * exact.g * (1.0 - 3 * exact.period) ** 2, abs=1e-6
     )
 
 
-def pose(march):
+def pose(recorded):
     """x, z and angle of the wheel at the end; it has turned by less than half a turn."""
-    x, R = march.run.motion.z[:3], march.run.motion.R[-1]
+    x, R = recorded.run.motion.z[:3], recorded.run.motion.R[-1]
     return np.array([x[0], x[2], log(tuple(map(tuple, R)))[1]])
 
 
@@ -192,9 +192,9 @@ def test_error_follows_the_tolerance():
     wanted, errors = np.array(exact.after_one(end)), []
     tolerances = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7]
     for tolerance in tolerances:
-        march = March(input_deck("wheel_drop", f"time.end={end}", f"time.adaptive.tolerance={tolerance}"))
-        assert len(march.happenings) == 2
-        errors.append(np.abs(pose(march) - wanted).max())
+        recorded = RecordedRun(input_deck("wheel_drop", f"time.end={end}", f"time.adaptive.tolerance={tolerance}"))
+        assert len(recorded.event_records) == 2
+        errors.append(np.abs(pose(recorded) - wanted).max())
     assert all(fine < coarse for coarse, fine in zip(errors, errors[1:], strict=False))
     assert all(error < 10 * tolerance for error, tolerance in zip(errors, tolerances, strict=True))
     assert errors[-1] > 1e-3 * tolerances[-1]  # a march far more accurate than asked would be a waste
@@ -212,18 +212,18 @@ def test_second_order_and_energy_across_events(waves):
     """Fall, touch-down, contact with damping and falling friction, lift-off, flight, at h, h/2, h/4 against h/16."""
     ends, leaks = [], []
     for n in (300, 600, 1200, 4800):
-        march = March(
+        recorded = RecordedRun(
             input_deck(
                 "wheel_drop", *SMOOTH, f"parameters.wave_amplitude={waves}", f"time={{end: 0.3, step: {0.3 / n}}}"
             )
         )
-        assert [h.name for h in march.happenings] == ["touch_down", "lift_off"]
-        velocity = march["nodes/hub/velocity"][-1, [0, 2]]
-        ends.append(np.r_[pose(march), 0.1 * velocity, 0.1 * march["elements/tire/spin_rate"][-1]])
-        leaks.append(np.ptp(march["energy/balance"]))
+        assert [h.name for h in recorded.event_records] == ["touch_down", "lift_off"]
+        velocity = recorded["nodes/hub/velocity"][-1, [0, 2]]
+        ends.append(np.r_[pose(recorded), 0.1 * velocity, 0.1 * recorded["elements/tire/spin_rate"][-1]])
+        leaks.append(np.ptp(recorded["energy/balance"]))
     errors = [np.linalg.norm(end - ends[-1]) for end in ends[:3]]
     for coarse, fine in ((0, 1), (1, 2)):
         exact_order = 4.0 if coarse == 0 else 4.0 * (1 - 1 / 64) / (1 - 1 / 16)
         assert errors[coarse] / errors[fine] == pytest.approx(exact_order, abs=0.5)
         assert leaks[coarse] / leaks[fine] == pytest.approx(4.0, abs=0.5)
-    assert leaks[2] < 1e-3 * march["energy/dissipated"][-1]
+    assert leaks[2] < 1e-3 * recorded["energy/dissipated"][-1]

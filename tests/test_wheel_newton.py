@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from marching import deck, in_python, input_deck
 from test_flexible_wheel import DROP, LATERAL
+from time_runs import deck, in_python, input_deck
 
-from mecano.analyses.prepare import march_of, prepare
-from mecano.analyses.start import bring_to_start
+from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.solve.linear.newton import FIRST, ITERATIONS, TOO_MANY, WORST
 from mecano.solve.time import generalized_alpha
 from mecano.solve.time.step import attempt
@@ -20,11 +20,11 @@ def residuals(checked, monkeypatch):
     """Residuals (over their tolerance) of each attempt of a run, with a new tangent for every correction."""
     prepared = prepare(checked)
     bring_to_start(prepared)
-    march, attempts = march_of(prepared), []
+    integrator, attempts = integrator_of(prepared), []
 
     def corrected(record):
         """Iterate once at a time: each begins with a new tangent."""
-        most, report = int(record["most"][0]), march.method.workspace.report
+        most, report = int(record["most"][0]), integrator.method.workspace.report
         record["has"], record["most"], found = False, 1, []
         while True:
             attempt(record)
@@ -37,8 +37,8 @@ def residuals(checked, monkeypatch):
 
     monkeypatch.setattr(generalized_alpha, "attempt", corrected)
     times = checked.values["time"]
-    in_python(march)
-    march.to(times["end"], march.begin(prepared.state, times["step"]))
+    in_python(integrator)
+    integrator.to(times["end"], integrator.begin(prepared.state, times["step"]))
     return attempts
 
 

@@ -1,7 +1,7 @@
 """A wheel that is led down onto the road at a slip angle, spins up and goes on rolling; its laws of the patch."""
 
 import numpy as np
-from marching import deck
+from time_runs import deck
 
 SPEED, ANGLE, SINK, DOWN = 60.0, np.radians(6.0), 2.0, 0.04  # m/s, rad, m/s, s
 RADIUS, SPIN_INERTIA, CORNERING, SIGMA, DAMPING = 0.45, 4.2, 250e3, 0.35, 0.1

@@ -18,10 +18,10 @@ PROPERTY = "verified"
 
 
 class Verify:
-    """Checks of one test; ``told`` are pairs (PROPERTY, record), which pytest keeps with the report of the test."""
+    """Checks of one test; ``reported`` are pairs (PROPERTY, record), which pytest keeps with the report of the test."""
 
-    def __init__(self, told):
-        self.told = told
+    def __init__(self, reported):
+        self.reported = reported
 
     def __call__(self, subject, what, found, reference, source, *, relative=None, absolute=None, remark=""):
         """``found`` is within the tolerance of ``reference``, numbers or arrays (n, ...); exactly one tolerance."""
@@ -35,7 +35,7 @@ class Verify:
             "error": float(errors.flat[worst]), "tolerance": absolute if relative is None else relative,
             "measure": "absolute" if relative is None else "relative",
         }  # fmt: skip
-        self.told.append((PROPERTY, record))
+        self.reported.append((PROPERTY, record))
         assert record["error"] <= record["tolerance"], record
 
     def second_order(self, subject, what, coarse, fine, reference, extrapolated, source):

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from linkage import FourBar
-from marching import March, input_deck
 from scipy.integrate import quad, solve_ivp
 from test_wheel_motion import Bounces
+from time_runs import RecordedRun, input_deck
 
 
 def heavy_top(times):
@@ -23,21 +23,21 @@ def heavy_top(times):
     return found.y[[1, 4, 7]].T
 
 
-def some(march):
+def some(recorded):
     """About 2000 of the accepted steps, the last one among them."""
-    return np.linspace(0, len(march.time) - 1, min(len(march.time), 2000)).astype(int)
+    return np.linspace(0, len(recorded.time) - 1, min(len(recorded.time), 2000)).astype(int)
 
 
-def four_bar_error(march):
+def four_bar_error(recorded):
     """Of the crank angle, which turns most [rad]; largest over the run."""
-    at = some(march)
-    return np.abs(march["joints/hinge_a/angle"][at] - FourBar().motion(march.time[at])[:, 0]).max()
+    at = some(recorded)
+    return np.abs(recorded["joints/hinge_a/angle"][at] - FourBar().motion(recorded.time[at])[:, 0]).max()
 
 
-def heavy_top_error(march):
+def heavy_top_error(recorded):
     """Of the centre of mass over the length scale of 1 m; largest over the run."""
-    at = some(march)
-    return np.linalg.norm(march["elements/top/center_of_mass"][at] - heavy_top(march.time[at]), axis=1).max()
+    at = some(recorded)
+    return np.linalg.norm(recorded["elements/top/center_of_mass"][at] - heavy_top(recorded.time[at]), axis=1).max()
 
 
 def wheel_at(bounces, n, t):
@@ -56,12 +56,12 @@ def wheel_at(bounces, n, t):
     return np.array([x, bounces.r0 + bounces.v * flight - 0.5 * bounces.g * flight**2, angle])
 
 
-def wheel_error(march):
+def wheel_error(recorded):
     """Of position (over the length scale of 1 m) and angle [rad] at the end, after three bounces."""
-    x, z, angle = wheel_at(Bounces(), 3, march.time[-1])
-    w, _, y, _ = march["nodes/hub/rotation"][-1]
+    x, z, angle = wheel_at(Bounces(), 3, recorded.time[-1])
+    w, _, y, _ = recorded["nodes/hub/rotation"][-1]
     turn = np.angle(complex(w, y) ** 2 * np.exp(-1j * angle))
-    position = march["nodes/hub/position"][-1]
+    position = recorded["nodes/hub/position"][-1]
     return max(abs(position[0] - x), abs(position[2] - z), abs(turn))
 
 
@@ -86,14 +86,14 @@ def adaptive(name, tolerance):
     """(march, error) of a deck with error control."""
     case = CASES[name]
     control = f"time={{end: {case.end}, step: {case.step}, adaptive: {{tolerance: {tolerance}}}}}"
-    march = March(input_deck(name, control))
-    return march, case.error(march)
+    recorded = RecordedRun(input_deck(name, control))
+    return recorded, case.error(recorded)
 
 
 def fixed(name, h):
     """(march, error) of a deck with steps of one size."""
-    march = March(input_deck(name, f"time={{end: {CASES[name].end}, step: {h}}}"))
-    return march, CASES[name].error(march)
+    recorded = RecordedRun(input_deck(name, f"time={{end: {CASES[name].end}, step: {h}}}"))
+    return recorded, CASES[name].error(recorded)
 
 
 def main():
@@ -103,16 +103,16 @@ def main():
         print("| tolerance | step | accepted | rejected | error | error/tolerance |")
         print("|---|---|---|---|---|---|")
         for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
-            march, error = adaptive(name, tolerance)
-            run, h = march.run, np.diff(march.time)
+            recorded, error = adaptive(name, tolerance)
+            run, h = recorded.run, np.diff(recorded.time)
             share = 100 * run.rejected / (run.steps + run.rejected)
             print(
                 f"| {tolerance:.0e} | {h.min():.1e} to {h.max():.1e} s | {run.steps} | {run.rejected} ({share:.1f} %) "
                 f"| {error:.2e} | {error / tolerance:.2f} |"
             )
         for h in case.fixed:
-            march, error = fixed(name, h)
-            print(f"| fixed | {h:.2e} s | {march.run.steps} | 0 | {error:.2e} | |")
+            recorded, error = fixed(name, h)
+            print(f"| fixed | {h:.2e} s | {recorded.run.steps} | 0 | {error:.2e} | |")
         print()
 
 

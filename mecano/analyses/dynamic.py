@@ -3,11 +3,11 @@
 from contextlib import closing, contextmanager
 from functools import partial
 
-from mecano.analyses.keeper import INTERVAL, Keeper, restore
-from mecano.analyses.outcome import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
-from mecano.analyses.prepare import chosen, march_of, model_facts, prepare, remarks
+from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
+from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
+from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
-from mecano.analyses.start import bring_to_start
 from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
 from mecano.model.sampler import Sampler
 from mecano.process.interrupt import Interruption, abandonable
@@ -51,17 +51,17 @@ def _from_the_start(deck, path, force, observers, reporters, announce, interrupt
     """``begun`` while no other process writes the file."""
     prepared = prepare(deck)
     found = abandonable(bring_to_start, prepared)
-    march, sampler = march_of(prepared), Sampler(prepared.system)
-    start = abandonable(march.begin, prepared.state, deck.values["time"]["step"])
-    notes = [*remarks(prepared, start), *found]
-    source = _source(deck, chosen(prepared, march, start), model_facts(prepared), notes)
+    integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
+    start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
+    notes = [*startup_warnings(prepared, start), *found]
+    source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
     interruption = interruption or Interruption()
     with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
             announce(text)
-        recorder = Recorder(prepared, writer, sampler, march)
+        recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.first(start)
-        yield Ongoing(deck, start, march, recorder, observers, reporters, announce, notes, interruption, interval)
+        yield Ongoing(deck, start, integrator, recorder, observers, reporters, announce, notes, interruption, interval)
 
 
 def _refuse_existing(path, force):
@@ -103,11 +103,11 @@ def _resume(deck, path, *around):
     if not exists(path):
         with _from_the_start(deck, path, False, *around) as ongoing:
             return ongoing.to_the_end()
-    from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+    from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, for which only this should wait
     from mecano.results.verify import verify
 
     with undisturbed():
-        left = Remains(path, deck)
+        left = InterruptedRun(path, deck)
     with closing(left):
         if left.checkpoint is not None and not left.complete:
             return _go_on(deck, left, observers, reporters, announce, interruption or Interruption(), interval)
@@ -123,19 +123,19 @@ def _resume(deck, path, *around):
 def _go_on(deck, left, observers, reporters, announce, interruption, interval):
     """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
     prepared = prepare(deck)
-    march, sampler = march_of(prepared), Sampler(prepared.system)
-    start, recorded = restore(left.checkpoint["run"], march)
+    integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
+    start, recorded = restore(left.checkpoint["run"], integrator)
     layout = layout_of(sampler)
     left.check_layout(layout)
     note = left.note(start.motion.t)
-    source = _source(deck, left.automatic, left.model, [*left.remarks, note])
+    source = _source(deck, left.automatic, left.model, [*left.warnings, note])
     begin = partial(left.copy_to, interruption=interruption)
     with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
         announce(note)
-        recorder = Recorder(prepared, writer, sampler, march)
+        recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.from_plain(recorded)
         return Ongoing(
-            deck, start, march, recorder, observers, reporters, announce, left.remarks, interruption, interval
+            deck, start, integrator, recorder, observers, reporters, announce, left.warnings, interruption, interval
         ).to_the_end()
 
 
@@ -147,7 +147,7 @@ def layout_of(sampler):
 def _source(deck, automatic, model, notes):
     return Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic=automatic, model=model, remarks=notes,
+        automatic=automatic, model=model, warnings=notes,
     )  # fmt: skip
 
 
@@ -157,22 +157,28 @@ class Ongoing:
     A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
     """
 
-    def __init__(self, deck, start, march, recorder, observers, reporters, announce, notes, interruption, interval):
-        self.deck, self.state, self.march, self.recorder = deck, start, march, recorder
+    def __init__(
+        self, deck, start, integrator, recorder, observers, reporters, announce, notes, interruption, interval
+    ):
+        self.deck, self.state, self.integrator, self.recorder = deck, start, integrator, recorder
         self._announce, self._notes = announce, notes
-        self._keeper = march.pause = Keeper(march, recorder, interruption, interval)
-        recorder.look = self._keeper.look
-        march.method.patience = min(march.method.patience, interval)
-        march.recorder, march.observers, march.reporters = recorder, tuple(observers), (recorder.report, *reporters)
+        self._checkpoint_writer = integrator.pause = CheckpointWriter(integrator, recorder, interruption, interval)
+        recorder.poll = self._checkpoint_writer.poll
+        integrator.method.patience = min(integrator.method.patience, interval)
+        integrator.recorder, integrator.observers, integrator.reporters = (
+            recorder,
+            tuple(observers),
+            (recorder.report, *reporters),
+        )
 
     def advance(self, t):
         """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
             with recorder.emptied():
-                self.state = self.march.to(t, self.state)
+                self.state = self.integrator.to(t, self.state)
         except (ConvergenceError, NonFiniteError) as error:
-            known = [*self._notes, *self.march.remarks, *exceeded(deck, sampler, recorder.writer.extremes)]
+            known = [*self._notes, *self.integrator.warnings, *exceeded(deck, sampler, recorder.writer.extremes)]
             latches = open_latches(deck, recorder.row, sampler)
             raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
 
@@ -183,9 +189,9 @@ class Ongoing:
         return self.state
 
     def _complete(self):
-        deck, march, writer, sampler = self.deck, self.march, self.recorder.writer, self.recorder.sampler
+        deck, integrator, writer, sampler = self.deck, self.integrator, self.recorder.writer, self.recorder.sampler
         values = deck.values["time"]
-        warnings = [*march.remarks, *cut_short(values, march.cuts, self.state)]
+        warnings = [*integrator.warnings, *cut_short(values, integrator.cuts, self.state)]
         warnings += exceeded(deck, sampler, writer.extremes)
         warnings += open_latches(deck, self.recorder.row, sampler)
         warnings += unbalanced(values, sampler, writer.extremes)
@@ -200,5 +206,5 @@ class Ongoing:
         if t >= self.deck.values["time"]["end"]:
             self._complete()
             return
-        self._keeper.keep(self.state)
+        self._checkpoint_writer.keep(self.state)
         self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")

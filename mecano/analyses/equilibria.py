@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.analyses.prepare import AUTOMATIC, given
-from mecano.model.sampler import Sampler, Still
-from mecano.model.watched import ended, watched
+from mecano.model.output_limits import ended, watched_outputs
+from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.events import NoEvents, Watch
+from mecano.solve.events.events import EventMonitor, NoEvents
 from mecano.solve.statics.arc_length import ArcLength, Target
 from mecano.solve.statics.continuation import Follower, Point, Steps
 from mecano.solve.statics.loading import Clock, LoadFactor
@@ -28,7 +28,7 @@ class Result:
 
     point: Point
     reason: str
-    remarks: tuple
+    warnings: tuple
     loading: object
 
     @property
@@ -49,11 +49,11 @@ def follow(prepared, observers=()):
     values, system = prepared.deck.values["static"], prepared.system
     path = {"arc_length": _arc, "relaxation": _relaxation, "steps": _steps}[values["method"]]
     if values["over"] == "load_factor":
-        return _followed(prepared, loaded(prepared, values), path(prepared, values), 0.0, observers)
+        return _follow_path(prepared, loaded(prepared, values), path(prepared, values), 0.0, observers)
     first = Relaxation(1.0) if values["method"] == "relaxation" else Steps(1.0, FIRST_STEPS, SMALLEST, grow=True)
-    start = _followed(prepared, loaded(prepared, values), first, 0.0, ())
+    start = _follow_path(prepared, loaded(prepared, values), first, 0.0, ())
     statics = _statics(prepared, values, Clock(system))
-    return _followed(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
+    return _follow_path(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
 
 
 def start_in_words(prepared):
@@ -76,12 +76,12 @@ def equilibrium(prepared):
     statics = loaded(prepared, values)
     relaxed = values["method"] == "relaxation"
     path = Relaxation(1.0) if relaxed else _steps(prepared, {**values, "end": 1.0, "minimum_step": SMALLEST})
-    result = _followed(prepared, statics, path, 0.0, ())
+    result = _follow_path(prepared, statics, path, 0.0, ())
     state = statics.polish(result.point.state, 1.0)
     state.a[:] = 0.0
     state.v[:] = prepared.state.v
     prepared.state = state
-    return result.remarks
+    return result.warnings
 
 
 def rest(prepared, state):
@@ -92,31 +92,31 @@ def rest(prepared, state):
     """
     system = prepared.system
     statics = Statics(system, prepared.linear, Clock(system), prepared.length, compliance=prepared.compliance,
-                      watch=NoEvents(system))  # fmt: skip
+                      monitor=NoEvents(system))  # fmt: skip
     follower = Follower(statics)
     point = Relaxation(state.t, unstable_hint=REST_HINT).find(follower, statics.begin(state))
-    s, watch = statics.polish(point.state, state.t), Watch(system)
-    crossed = watch.values(s) > CLOSED * prepared.length
-    kept = [f"{happening.element} ({happening.name})" for happening in watch.apply(s, crossed)[1]]
-    remarks = [f"at rest these events would happen, and were left out: {', '.join(kept)}"] if kept else []
-    return s, (*remarks, *_remarks(prepared, follower, point))
+    s, monitor = statics.polish(point.state, state.t), EventMonitor(system)
+    crossed = monitor.values(s) > CLOSED * prepared.length
+    kept = [f"{event.element} ({event.name})" for event in monitor.apply(s, crossed)[1]]
+    warnings = [f"at rest these events would happen, and were left out: {', '.join(kept)}"] if kept else []
+    return s, (*warnings, *_stability_warnings(prepared, follower, point))
 
 
-def _followed(prepared, statics, path, start, observers, state=None):
+def _follow_path(prepared, statics, path, start, observers, state=None):
     follower = Follower(statics, tuple(observers), _ended(prepared))
     first = follower.start(_settled(prepared) if state is None else state, start)
     point, reason = path.follow(follower, first)
-    return Result(point, reason, tuple(_remarks(prepared, follower, point)), statics.loading)
+    return Result(point, reason, tuple(_stability_warnings(prepared, follower, point)), statics.loading)
 
 
 def _ended(prepared):
     """What tells of an element that can go no further in a state, or that none can come to that."""
     sampler = Sampler(prepared.system)
-    ends = watched(prepared.deck.values, sampler, "ends")
-    return (lambda state: ended(ends, sampler.take(Still(state)))) if ends else lambda state: ""
+    ends = watched_outputs(prepared.deck.values, sampler, "ends")
+    return (lambda state: ended(ends, sampler.take(StaticSample(state)))) if ends else lambda state: ""
 
 
-def _remarks(prepared, follower, point):
+def _stability_warnings(prepared, follower, point):
     """What a user should know: where stability was lost, and that the last equilibrium is unstable or neutral."""
     yield from follower.losses
     yield from follower.departures
@@ -136,7 +136,7 @@ def _settled(prepared):
     """The start at rest, with elements in the modes that it tells."""
     s = prepared.state.copy()
     s.v[:] = 0.0
-    return Watch(prepared.system).settle(s)
+    return EventMonitor(prepared.system).settle(s)
 
 
 def _statics(prepared, values, loading):

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.analyses.equilibria import follow
-from mecano.analyses.prepare import march_of, prepare, remarks
-from mecano.analyses.snapshot import rest_at, state_at
-from mecano.analyses.start import bring_to_start
-from mecano.analyses.start import words as start_in_words
+from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.initial_state import words as start_in_words
+from mecano.analyses.load_state import rest_at, state_at
+from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
 from mecano.errors import UsageError
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.process.interrupt import abandonable
@@ -36,7 +36,7 @@ class About:
     state: object
     assemble: object
     words: str
-    remarks: tuple = ()
+    warnings: tuple = ()
 
 
 def about(deck, at=None, at_rest=False):
@@ -46,18 +46,20 @@ def about(deck, at=None, at_rest=False):
     """
     prepared = prepare(deck)
     if at is not None and at_rest:
-        state, text, told = rest_at(prepared, at)
-        return About(prepared, state, None, text, (*remarks(prepared), *told))
+        state, text, reported = rest_at(prepared, at)
+        return About(prepared, state, None, text, (*startup_warnings(prepared), *reported))
     if at is not None:
         state, assemble, text = state_at(prepared, at)
-        return About(prepared, state, assemble, text, tuple(remarks(prepared)))
+        return About(prepared, state, assemble, text, tuple(startup_warnings(prepared)))
     if deck.values["static"]:
         result = follow(prepared)
         text = f"static equilibrium at {result.where}"
-        return About(prepared, result.point.state, result.assemble, text, (*remarks(prepared), *result.remarks))
-    told = bring_to_start(prepared, disturbed=False)
-    run = march_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    return About(prepared, run.motion, None, start_in_words(deck), (*remarks(prepared, run), *told))
+        return About(
+            prepared, result.point.state, result.assemble, text, (*startup_warnings(prepared), *result.warnings)
+        )
+    reported = bring_to_start(prepared, disturbed=False)
+    run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
+    return About(prepared, run.motion, None, start_in_words(deck), (*startup_warnings(prepared, run), *reported))
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
@@ -80,15 +82,15 @@ def _find(deck, path, at, at_rest, number, frame, method, force):
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = abandonable(solve, lin, number, method)
-    told = [*base.remarks, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
+    reported = [*base.warnings, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                        remarks=told)  # fmt: skip
+                        warnings=reported)  # fmt: skip
         inner = inner_motions(deck, system, base.state, found.shapes)
         write_modes(path, contents(system, base.state, found, base.words, turning, inner), source, force=force)
     head = f"modes about: {base.words}; {found.method}; {found.found} computed"
     lines = [head, *table(system, base.state, found, lin)]
-    return "\n".join([*lines, *(f"mecano: {text}" for text in told)]), found, base
+    return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base
 
 
 def turning_of(system, s, frame):

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from mecano.analyses.lint import suspicious_model
-from mecano.deck.amounts import warnings
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
+from mecano.deck.run_size import size_warnings
 from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem
 from mecano.model.sampler import row_size
@@ -15,14 +15,14 @@ from mecano.model.system import System
 from mecano.process.interrupt import abandonable
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse
-from mecano.solve.diagnostics.apart import redundant_groups
+from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start
-from mecano.solve.time.march import March
 from mecano.solve.time.step_control import StepControl
+from mecano.solve.time.time_integration import TimeIntegrator
 
 METHODS = {
     "generalized_alpha": Coefficients.generalized_alpha,
@@ -85,7 +85,7 @@ def _refuse_fixed(deck, system):
         raise DeckError([Problem(text, mark, "free a node, or a joint to 'ground'")])
 
 
-def march_of(prepared, observers=()):
+def integrator_of(prepared, observers=()):
     """The March of a prepared model, with method and step control as the deck says."""
     deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
     newton, scale = values["newton"], values["scale"]
@@ -99,7 +99,9 @@ def march_of(prepared, observers=()):
         k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
         duration=values["end"] - values["start"],
     )  # fmt: skip
-    return March(system, method, control_of(values), tuple(observers), time_breakpoints(deck), values["rest_speed"])
+    return TimeIntegrator(
+        system, method, control_of(values), tuple(observers), time_breakpoints(deck), values["rest_speed"]
+    )
 
 
 def control_of(values):
@@ -121,7 +123,7 @@ def given(value, otherwise):
     return otherwise if value == AUTOMATIC else value
 
 
-def remarks(prepared, start=None):
+def startup_warnings(prepared, start=None):
     """What a user should know of a model before it runs, one text each; ``start`` is the RunState at the start."""
     texts, analysis = [], prepared.analysis
     if start is not None:
@@ -155,7 +157,7 @@ def warnings_of(prepared):
 def amount_warnings(prepared):
     """Texts on more steps or results than can have been meant."""
     row = 1 + row_size(prepared.system)
-    return warnings(prepared.deck.values, row, 1 + len(STEPS))
+    return size_warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 
 def model_facts(prepared):
@@ -182,7 +184,7 @@ def some(names, most):
 def _friction_of(system, group):
     """Text on the friction that the reactions of a redundant group drive."""
     of = system.numbering
-    rubbing = {of.name[system.n_q + i] for i in system.borrowed} & set(group.names)
+    rubbing = {of.name[system.n_q + i] for i in system.coupled_multipliers} & set(group.names)
     owners = sorted({name.partition(":")[0] for name in rubbing})
     if not owners:
         return []
@@ -223,9 +225,9 @@ def _rates(system, s):
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
-def chosen(prepared, march, start):
+def chosen(prepared, integrator, start):
     """What stands for the values that the deck leaves automatic, by name: for the results file."""
-    method, control = march.method, march.control
+    method, control = integrator.method, integrator.control
     return {
         "length_scale": prepared.length,
         "minimum_step": control.minimum,

@@ -6,7 +6,7 @@ import sys
 import time
 from textwrap import wrap
 
-from mecano.compiled.store import before_compiling, compile_time
+from mecano.jit.store import before_compiling, compile_time
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar

@@ -6,9 +6,9 @@ from contextlib import contextmanager
 import numpy as np
 
 from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
-from mecano.model.watched import watched
+from mecano.model.output_limits import watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
-from mecano.solve.time.ringing import RingingWatch
+from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
@@ -17,17 +17,17 @@ FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 class Recorder:
     """Writes saved times, solver history, events and extremes of a march.
 
-    ``look()`` is called among the many saved times that one long step may have; it may raise Stopped.
+    ``poll()`` is called among the many saved times that one long step may have; it may raise Stopped.
     """
 
-    def __init__(self, prepared, writer, sampler, march):
+    def __init__(self, prepared, writer, sampler, integrator):
         self.writer, self.sampler = writer, sampler
-        self.control, self._workspace = march.control, march.method.workspace
+        self.control, self._workspace = integrator.control, integrator.method.workspace
         self.deck, values = prepared.deck, prepared.deck.values
-        self.look = lambda: None
-        self.ends = watched(values, sampler, "ends")
+        self.poll = lambda: None
+        self.ends = watched_outputs(values, sampler, "ends")
         forces = [c for c in sampler.columns if c.unit in FORCES]
-        self.ringing = RingingWatch(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
+        self.ringing = OscillationMonitor(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
         every, time = values["output"]["every"], values["time"]
         times = time["start"], time["end"], 0.0 if every == "step" else every
         ends = [(column, size) for *_, column, size, _ in self.ends]
@@ -74,10 +74,10 @@ class Recorder:
                 again = True
                 code = self.output.go_on(self._workspace)
             self.refuse(t)
-        for happening in accepted.happenings:
+        for event in accepted.event_records:
             self.writer.append_event(
-                happening.t, happening.element, happening.name, happening.before, happening.after, happening.impulse,
-                happening.unit, happening.lost,
+                event.t, event.element, event.name, event.before, event.after, event.impulse,
+                event.unit, event.lost,
             )  # fmt: skip
 
     def report(self, run):
@@ -101,7 +101,7 @@ class Recorder:
         """Give the writer what is in the full buffers; may raise Stopped where one step fills them ``again``."""
         self.flush()
         if again:
-            self.look()
+            self.poll()
 
     def flush(self):
         """Give the writer what is in the buffers."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from mecano.analyses.equilibria import follow
-from mecano.analyses.prepare import model_facts, prepare, remarks
-from mecano.model.sampler import Sampler, Still
+from mecano.analyses.prepare import model_facts, prepare, startup_warnings
+from mecano.model.sampler import Sampler, StaticSample
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
@@ -49,15 +49,15 @@ class Recorder:
             batch.y[:, forces] *= factor
         stability = point.stability
         row = np.append(
-            self.sampler.take(Still(point.state))[self.places], [factor, stability.unstable, stability.neutral]
+            self.sampler.take(StaticSample(point.state))[self.places], [factor, stability.unstable, stability.neutral]
         )  # fmt: skip
         self.writer.extremes.take(point.place, row)
         self.writer.append(point.place, row)
         if point.step:
             self.writer.append_step(point.place, np.array([point.step, point.iterations, point.rejected, *point.norms]))
-        for happening in point.happenings:
+        for event in point.event_records:
             self.writer.append_event(
-                point.place, happening.element, happening.name, happening.before, happening.after
+                point.place, event.element, event.name, event.before, event.after
             )  # fmt: skip
 
 
@@ -75,9 +75,12 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
     """
     with locked(path):
         if exists(path):
-            from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+            from mecano.analyses.resume import (  # imports the reader, for which only this should wait
+                COMPLETE,
+                InterruptedRun,
+            )
 
-            left = Remains(path, deck)
+            left = InterruptedRun(path, deck)
             left.close()
             if left.complete:
                 announce(COMPLETE.format(path))
@@ -101,10 +104,10 @@ def _follow(deck, path, force, observers, announce):
     """``run`` while no other process writes the file."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"
-    recorder, notes = Recorder(prepared.system, over_time), remarks(prepared)
+    recorder, notes = Recorder(prepared.system, over_time), startup_warnings(prepared)
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic={"length_scale": prepared.length}, model=model_facts(prepared), remarks=notes,
+        automatic={"length_scale": prepared.length}, model=model_facts(prepared), warnings=notes,
     )  # fmt: skip
     axis = AXES["arc_length" if values["method"] == "arc_length" else values["over"]]
     with Writer.create(path, Layout(recorder.series, STEPS, axis), source, force=force) as writer:
@@ -112,7 +115,7 @@ def _follow(deck, path, force, observers, announce):
             announce(text)
         recorder.writer = writer
         result = follow(prepared, (recorder, *observers))
-        for text in result.remarks:
+        for text in result.warnings:
             announce(text)
-        writer.close("complete", "; ".join([result.reason, *result.remarks]))
+        writer.close("complete", "; ".join([result.reason, *result.warnings]))
     return result.point

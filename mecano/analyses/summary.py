@@ -4,11 +4,11 @@ from collections import Counter
 from textwrap import wrap
 
 from mecano.analyses.equilibria import start_in_words
-from mecano.analyses.footprint import in_words, memory_of_run
+from mecano.analyses.initial_state import words as words_of_start
+from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import amount_warnings, mass_of, prepare, some, warnings_of
-from mecano.analyses.start import words as words_of_start
-from mecano.contract import SECTIONS
-from mecano.deck.amounts import saved_times, steps
+from mecano.deck.run_size import saved_times, steps
+from mecano.element_interface import SECTIONS
 from mecano.process.interrupt import abandonable
 from mecano.solve.diagnostics.analysis import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
@@ -64,7 +64,7 @@ def _mobility(prepared, every):
     text = f"mobility         {analysis.mobility}"
     if stiff is not None:
         rigid = sum(group.count for group in stiff)
-        what = "flexible members and tyres" if system.relaxing.any() else "flexible members"
+        what = "flexible members and tyres" if system.massless.any() else "flexible members"
         text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
     yield text
     found = analysis.mechanisms if stiff is None else stiff

@@ -100,7 +100,7 @@ class Sweep:
 
     axes: tuple
     loci: list
-    remarks: list
+    warnings: list
     about: str
     deck: object  # of the first values
 
@@ -114,7 +114,7 @@ class Case:
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    remarks: dict = field(default_factory=dict)  # text without numbers -> (first text, in how many states)
+    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, in how many states)
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # largest of all states, as that of a Linearization
@@ -124,16 +124,16 @@ class Case:
         """The checked deck with some numbers set: (path, value) each."""
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
-    def remark(self, text):
+    def warn(self, text):
         """Note a text, once more where it is known but for its numbers."""
         key = ALONE.sub("#", text)
-        first, count = self.remarks.get(key, (text, 0))
-        self.remarks[key] = first, count + 1
+        first, count = self.warnings.get(key, (text, 0))
+        self.warnings[key] = first, count + 1
 
     def fail(self, error):
         """Note the error of a state."""
         self.error = error
-        self.remark(str(error).partition("\n")[0])
+        self.warn(str(error).partition("\n")[0])
 
     def spectrum(self, settings):
         """(Spectrum, words(shape) -> text, variation) of a state."""
@@ -145,8 +145,8 @@ class Case:
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
-        for text in base.remarks:
-            self.remark(text)
+        for text in base.warnings:
+            self.warn(text)
         length = float(lin.root.max(initial=1.0))
 
         def motion(shape):
@@ -174,16 +174,16 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
     first, total = axes[0], len(axes[0].values) * len(others)
     found = []
     for i, other in enumerate(others):
-        told = lambda done, text, i=i: progress(i * len(first.values) + done, total, text)  # noqa: E731
-        found.append(_locus(case, first, other, told))
+        reported = lambda done, text, i=i: progress(i * len(first.values) + done, total, text)  # noqa: E731
+        found.append(_locus(case, first, other, reported))
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
-    told = case.remarks.values()
-    remarks = [text if count >= total else f"{text} (in {count} of the states)" for text, count in told]
-    return Sweep(axes, found, [*remarks, *doubts(case.variation, case.residual)], case.about, deck)
+    reported = case.warnings.values()
+    warnings = [text if count >= total else f"{text} (in {count} of the states)" for text, count in reported]
+    return Sweep(axes, found, [*warnings, *doubts(case.variation, case.residual)], case.about, deck)
 
 
-def _locus(case, axis, other, told):
+def _locus(case, axis, other, reported):
     """The Locus over ``axis`` with the other numbers set."""
     spectra, motions, variations = [], [], []
     for i, value in enumerate(axis.values):
@@ -196,7 +196,7 @@ def _locus(case, axis, other, told):
         spectra.append(spectrum)
         motions.append(motion)
         variations.append(variation)
-        told(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
+        reported(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
     found = _criticals(case, axis, other, rows, spectra)
@@ -268,9 +268,9 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
         found = sweep(path, overrides, texts, **options)
         deck, plain = found.deck, contents(found)
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                        remarks=found.remarks)  # fmt: skip
+                        warnings=found.warnings)  # fmt: skip
         write_sweep(file, plain, source, force=force)
         if columns:
             write_tables(Path(file).with_suffix(".csv"), plain)
-    text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.remarks)])
+    text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.warnings)])
     return text, sum(len(locus.count) for locus in found.loci)

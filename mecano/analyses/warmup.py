@@ -10,11 +10,11 @@ from mecano import constraints, elements
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
-from mecano.compiled import store
-from mecano.contract import Kind
 from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.element_interface import Kind
 from mecano.errors import ResultsError
+from mecano.jit import store
 from mecano.model.loops import PURPOSES, loop_of
 
 STEPS = 3

@@ -140,11 +140,11 @@ def reduce_(deck, elements, nodes, number, output, force, overrides):
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".npz"
     from mecano.analyses.reduction import reduce_part
 
-    told, _ = reduce_part(
+    reported, _ = reduce_part(
         checked, path, elements=_names(elements), nodes=_names(nodes),
         number=None if number == "all" else int(number), force=force,
     )  # fmt: skip
-    show(told)
+    show(reported)
 
 
 def _names(text):

@@ -125,7 +125,7 @@ def warmup(decks, overrides, share):
     from mecano.analyses.progress import COMPILING
     from mecano.analyses.warmup import share as copy_to
     from mecano.analyses.warmup import warmup as compile_all
-    from mecano.compiled.store import before_compiling
+    from mecano.jit.store import before_compiling
 
     before_compiling(lambda: click.echo(f"mecano: {COMPILING}", err=True))
 

@@ -11,7 +11,7 @@ import numpy as np
 from mecano.constraints.joint_frame import not_parallel
 from mecano.constraints.pair import pair_parts
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.contract import Part
+from mecano.element_interface import Part
 
 TURNS = ("about_2", "about_1", "about_axis")
 

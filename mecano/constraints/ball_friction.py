@@ -8,10 +8,10 @@ With the force F that the joint transmits, the radius r, the relative angular ve
 on a along w, on b against it: the ball bears at one point, next to which it slides as fast as it can.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation
-from mecano.constraints.uses.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
-from mecano.contract import Kind, Output, Row, record
+from mecano.constraints.along_coordinate.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
+from mecano.constraints.body_fixed import relative_rotation
+from mecano.element_interface import Kind, Output, Row, record
+from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
 from mecano.maths.vector import add_vec, dot, mat, norm, vec
 
@@ -55,7 +55,7 @@ BALL_FRICTION = Kind(
     doc=__doc__ + REGULARIZED,
     dtype=RECORD,
     layout=("R0", "R1"),
-    borrowed=tuple(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
+    coupled_multipliers=tuple(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     outputs=(
         Output("friction_moment", "N m", "size of the moment of the friction"),
         Output("normal_force", "N", "size of the force that the ball transmits"),

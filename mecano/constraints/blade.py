@@ -4,9 +4,9 @@ r"""Blade: a point of a body that touches the ground does not move across a dire
 node. The multiplier is the force on the body along l.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
-from mecano.contract import Kind, Row, record
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import NO_MATRIX, ZERO
 
 RECORD = record(axis=3, normal=3)
@@ -20,7 +20,7 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Velocity across the blade and its rate."""
     put_rates(AT_THE_NODE, on_a_plane(p, at.R)[1:], at.v, at.a, at.R, g)
 
@@ -38,6 +38,6 @@ BLADE = Kind(
     layout=("x0", "R0"),
     multipliers=(Row("force across the blade", "N", "m/s"),),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=sample,
 )

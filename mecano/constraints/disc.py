@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import LEAN, prepare_ground, too_low
-from mecano.contract import Output
+from mecano.element_interface import Output
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 

@@ -2,8 +2,8 @@ r"""What bars and cables share: record, strain, inertia, outputs (elements/membe
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.line import SHORTEST
+from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 

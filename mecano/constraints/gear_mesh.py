@@ -11,13 +11,13 @@ first gear along :math:`\tau`, on the second against it, each at the pitch point
 The angles are followed over whole turns by the memory of those of the last accepted step.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import add_blocks, follow, relative_rotation
+from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
+from mecano.constraints.body_fixed import add_blocks, follow, relative_rotation
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient, slide_rates
 from mecano.constraints.coordinates.twist import turning_rates, twist, twist_curvature, twist_gradient
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Kind, Row, record
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
 MESH_RECORD = record(mu_1=(3, 3), xi_1=(3, 3), mu_2=(3, 3), xi_2=(3, 3), travel=2, tangent=3, offset=())
@@ -52,7 +52,7 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates."""
     carrier = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3))
     first, second = (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9)), (mat(at.R[2]), vec(at.v, 12), vec(at.a, 12))
@@ -62,7 +62,7 @@ def levels(p, at, g):
     angle_1, angle_2 = gear_angles(p, at.m, at.R)
     h_1, h_2 = p.travel[0], p.travel[1]
     Phi = h_1 * angle_1 + h_2 * angle_2 + s - p.offset
-    put_levels(g, 0, Phi, h_1 * rate_1 + h_2 * rate_2 + s_rate, h_1 * second_1 + h_2 * second_2 + s_second)
+    put_derivatives(g, 0, Phi, h_1 * rate_1 + h_2 * rate_2 + s_rate, h_1 * second_1 + h_2 * second_2 + s_second)
 
 
 @kernel
@@ -86,7 +86,7 @@ GEAR_MESH = Kind(
     multipliers=(Row("force of the teeth", "N", "m"),),
     memory=("angle_1", "angle_2"),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     commit=commit,
     sample=sample,
 )

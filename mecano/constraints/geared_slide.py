@@ -10,13 +10,13 @@ number of turns needs no memory. The multiplier is the force on the second node 
 moment :math:`-h` times that force about :math:`\mu_3`.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, put_levels
-from mecano.constraints.carried import add_blocks, relative_rotation, wrap
+from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
+from mecano.constraints.body_fixed import add_blocks, relative_rotation, wrap
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.coordinates.twist import turning_rates, twist, twist_curvature, twist_gradient
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Kind, Row, record
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
@@ -39,14 +39,14 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates."""
     first, second = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3)), (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9))
     angle = twist(relative_rotation(first[0], second[0]), mat(p.mu), mat(p.xi))
     rate, second_rate = turning_rates(vec(p.mu[2], 0), vec(p.xi[2], 0), first, second)
     s, s_rate, s_second = slide_rates(at.q, at.v, at.a, first[0], vec(p.sigma, 0))
     Phi = -p.travel * wrap(angle - (s - p.offset) / p.travel)
-    put_levels(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)
+    put_derivatives(g, 0, Phi, s_rate - p.travel * rate, s_second - p.travel * second_rate)
 
 
 def sample(rng):
@@ -64,6 +64,6 @@ GEARED_SLIDE = Kind(
     layout=("x0", "R0", "x1", "R1"),
     multipliers=(Row("force of the thread or teeth", "N", "m"),),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=sample,
 )

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.contract import Context, Output
+from mecano.element_interface import Context, Output
+from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.dual import chain, implicit, sqrt, value

@@ -12,12 +12,7 @@ vector of length u, so that a turning shaft slides easily:
 .. math::  P = N\,\mu(u)\,\phi(u)\,\dot s/u, \qquad M = r\,N\,\mu(u)\,\phi(u)\,r\dot\theta/u
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation
-from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.coordinates.slide import SLIDE
-from mecano.constraints.coordinates.twist import twist_gradient
-from mecano.constraints.uses.friction import (
+from mecano.constraints.along_coordinate.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
     FRICTION_FORCE,
@@ -32,7 +27,12 @@ from mecano.constraints.uses.friction import (
     friction_record,
     pads,
 )  # fmt: skip
-from mecano.contract import Kind, Row, record
+from mecano.constraints.body_fixed import relative_rotation
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.twist import twist_gradient
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
 from mecano.maths.dual import sqrt
 from mecano.maths.vector import mat, vec
@@ -104,7 +104,7 @@ ROUND_FRICTION = Kind(
     doc=__doc__ + PADS + REGULARIZED,
     dtype=ROUND_RECORD,
     layout=("x0", "R0", "x1", "R1"),
-    borrowed=(*AXIS_ROWS, *FORCE_ROWS[:2]),
+    coupled_multipliers=(*AXIS_ROWS, *FORCE_ROWS[:2]),
     outputs=(FRICTION_FORCE, FRICTION_MOMENT, NORMAL_FORCE, POWER),
     residual=round_residual,
     observe=round_observe,

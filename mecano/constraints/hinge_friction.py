@@ -6,9 +6,7 @@ With the normal force N of the two ends of the bearing, the axial force :math:`F
 .. math::  M = r\,N\,c(r\dot\theta) + r_c\,|F_3|\,c(r_c\dot\theta)
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.uses.friction import (
+from mecano.constraints.along_coordinate.friction import (
     AXIS_ROWS,
     FORCE_ROWS,
     FRICTION_MOMENT,
@@ -19,6 +17,8 @@ from mecano.constraints.uses.friction import (
     friction_record,
     pads,
 )  # fmt: skip
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.jit.kernel import kernel
 
 COUPLE, FORCE, AXIAL = 6, 8, 10  # borrowed multipliers
 

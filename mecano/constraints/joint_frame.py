@@ -66,7 +66,7 @@ def turned_onto(a, b):
 
 
 def not_at_one_place(nodes):
-    """Texts when two nodes that share a position do not start at one place; nodes as in contract.py."""
+    """Texts when two nodes that share a position do not start at one place; nodes as in element_interface.py."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap <= PLACE:
         return []

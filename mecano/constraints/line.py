@@ -7,7 +7,7 @@ together gives :math:`f_1 = -f_0 = N u`. With :math:`P = I - u u^T` and :math:`w
 .. math::  K = u\,(N_\ell u + N_{\dot\ell} w)^T + \frac{N}{\ell} P, \qquad C = N_{\dot\ell}\, u u^T
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, norm, outer, vec
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import let_go as release
-from mecano.constraints.augmented import put_levels
+from mecano.constraints.augmented_lagrangian import deactivate as release
+from mecano.constraints.augmented_lagrangian import put_derivatives
 from mecano.constraints.ground import normal_and_level
+from mecano.jit.kernel import kernel
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import Block, directions, directions_variation, disc_contact
 from mecano.maths.vector import NO_MATRIX, ZERO, add_row, cross, dot, mat, outer, skew, vec
@@ -92,7 +92,7 @@ def hold(k, penalty, place, directions, q, v, R, f, K, C):
 
 
 @kernel
-def let_go(n, k, q, f, K):
+def deactivate(n, k, q, f, K):
     """No reactions: a part's ``force`` in the air, ``n`` constraints."""
     for row in range(MULTIPLIERS, MULTIPLIERS + n):
         release(f, K, row, k, q[row])
@@ -109,4 +109,4 @@ def put_rates(place, directions, v, a, R, g):
     for i in range(len(directions)):
         e, de = directions[i]
         e_rate = de[0] @ x_rate + de[1] @ omega
-        put_levels(g, i, 0.0, dot(e, u), dot(e_rate, u) + dot(e, u_rate))
+        put_derivatives(g, i, 0.0, dot(e, u), dot(e_rate, u) + dot(e, u_rate))

@@ -1,5 +1,8 @@
 """Constraints and laws of single coordinates, of which joints are made: each is a use of a coordinate."""
 
+from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind
+from mecano.constraints.along_coordinate.law import law_kind, law_values
+from mecano.constraints.along_coordinate.stops import end_fields, end_parts, latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
 from mecano.constraints.coordinates.level import LEVEL
@@ -7,10 +10,7 @@ from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.tilt import TILT
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.uses.hold import drive_kind, hold_kind
-from mecano.constraints.uses.law import law_kind, law_values
-from mecano.constraints.uses.stops import end_fields, end_parts, latch_kind, stop_kind
-from mecano.contract import Part
+from mecano.element_interface import Part
 
 IN_PLANE = hold_kind(
     "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu carried by the first node.", SLIDE,

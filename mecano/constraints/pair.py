@@ -8,15 +8,15 @@ holds; where its deck gives a law for one of them (``compliance``), the law take
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation
+from mecano.constraints.along_coordinate.law import law_values
+from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.of_coordinates import BOTH, IN_PLANE, ORTHOGONAL, SAME_ANGLE, SLIDE_LAW, TILT_LAW, TWIST_LAW
-from mecano.constraints.uses.law import law_values
-from mecano.contract import Part, record
+from mecano.element_interface import Part, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_force
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping

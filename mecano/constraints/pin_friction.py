@@ -10,11 +10,18 @@ joint (inertial multipliers), the multiplier m of :math:`\mu_3 \cdot \xi = 0` an
 acts against the angle of the pin.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation
+from mecano.constraints.along_coordinate.friction import (
+    FRICTION_MOMENT,
+    REGULARIZED,
+    drag,
+    friction_kind,
+    friction_record,
+    pads,
+)
+from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
-from mecano.constraints.uses.friction import FRICTION_MOMENT, REGULARIZED, drag, friction_kind, friction_record, pads
-from mecano.contract import Row
+from mecano.element_interface import Row
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, vec
 
 COUPLE, FORCE = 6, 7  # borrowed multipliers

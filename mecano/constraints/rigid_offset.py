@@ -3,10 +3,10 @@ r"""Rigid offset: :math:`x_1 - x_0 - R_0 d = 0`, for d carried by the first node
 Three rows in inertial axes; the multipliers are the force on the second node.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import put_levels
-from mecano.constraints.carried import carried
-from mecano.contract import Kind, Row, record
+from mecano.constraints.augmented_lagrangian import put_derivatives
+from mecano.constraints.body_fixed import carried
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, mat, skew, vec
 
 RECORD = record(d=3)
@@ -44,14 +44,14 @@ def _add_gradient(K, k, penalty, A, hat_d):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates, inertial."""
     d = carried(mat(at.R[0]), vec(at.v, 3), vec(at.a, 3), vec(p.d, 0))
     Phi = vec(at.q, 6) - vec(at.q, 0) - d[0]
     rate = vec(at.v, 6) - vec(at.v, 0) - d[1]
     second = vec(at.a, 6) - vec(at.a, 0) - d[2]
     for i in range(3):
-        put_levels(g, i, Phi[i], rate[i], second[i])
+        put_derivatives(g, i, Phi[i], rate[i], second[i])
 
 
 def sample(rng):
@@ -67,6 +67,6 @@ RIGID_OFFSET = Kind(
     layout=("x0", "R0", "x1"),
     multipliers=tuple(Row(f"force {axis} of the rigid offset", "N", "m") for axis in "xyz"),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=sample,
 )

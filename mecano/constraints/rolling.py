@@ -5,11 +5,11 @@ lateral direction l = n x t, all at the contact C of surface.py, at any inclinat
 the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mode "air" the disc is let go.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, touch
-from mecano.constraints.no_slip import AIR, Direction, Place, hold, let_go, put_rates
+from mecano.constraints.no_slip import AIR, Direction, Place, deactivate, hold, put_rates
 from mecano.constraints.rolling_radius import leaning_discs
-from mecano.contract import Kind, Row, record
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, directions_variation, disc_variation
 from mecano.maths.vector import NO_MATRIX, mat, skew, vec
 
@@ -33,14 +33,14 @@ def _geometry(p, laws, q, R):
 def force(p, at, f, K, C, M):
     """Tangential forces at C and their moment."""
     if at.phase == AIR:
-        let_go(2, at.k, at.q, f, K)
+        deactivate(2, at.k, at.q, f, K)
         return
     place, along = _geometry(p, at.laws, at.q, at.R)
     hold(at.k, at.penalty, place, along, at.q, at.v, at.R, f, K, C)
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Velocity of the contact and its rate."""
     if at.phase == AIR:
         g[:] = 0.0
@@ -56,8 +56,8 @@ ROLLING = Kind(
     dtype=RECORD,
     layout=("x0", "R0"),
     multipliers=ROWS,
-    modes=("contact", "air"),
+    phases=("contact", "air"),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=leaning_discs,
 )

@@ -7,10 +7,10 @@ the disc and the normal force N = k lambda/q. In mode "air" the disc is let go.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import let_go, put_levels
+from mecano.constraints.augmented_lagrangian import deactivate, put_derivatives
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
-from mecano.contract import Kind, Row, record
+from mecano.element_interface import Kind, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
 from mecano.maths.surface import disc_variation
 from mecano.maths.vector import add_row, cross, dot, mat, outer, vec
@@ -30,7 +30,7 @@ def _press(g, by):
 def force(p, at, f, K, C, M):
     """Force n/q at C, and its moment."""
     if at.phase == AIR:
-        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
+        deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
     Rn = mat(at.R[0])
     axis = Rn @ vec(p.axis, 0)
@@ -50,10 +50,10 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates, with the curvature of the ground."""
     if at.phase == AIR:
-        put_levels(g, 0, 0.0, 0.0, 0.0)
+        put_derivatives(g, 0, 0.0, 0.0, 0.0)
         return
     Rn = mat(at.R[0])
     axis, omega, alpha = Rn @ vec(p.axis, 0), Rn @ vec(at.v, 3), Rn @ vec(at.a, 3)
@@ -63,7 +63,7 @@ def levels(p, at, g):
     b_rate = _press(contact, by_x) @ vec(at.v, 0) + _press(contact, by_t) @ omega
     u, b = vec(at.v, 0) + cross(omega, contact.arm), contact.n / contact.q
     u_rate = vec(at.a, 0) + (cross(alpha, contact.arm) + cross(omega, arm_rate))
-    put_levels(g, 0, contact.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
+    put_derivatives(g, 0, contact.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
 
 
 def ground_below(rng, wave=True):
@@ -75,11 +75,11 @@ def ground_below(rng, wave=True):
 def leaning_discs(rng):
     """Samples: leaning discs above a plane, touching and let go."""
     found = []
-    for mode in ("contact", "air"):
+    for phase in ("contact", "air"):
         ground, level = ground_below(rng)
         axis = level + rng.uniform(-0.5, 0.5) * ground["normal"]
         values = {"axis": axis / np.linalg.norm(axis), "radius": 7.0, **ground}
-        found.append((values, [(rng.normal(size=3), np.eye(3))], mode))
+        found.append((values, [(rng.normal(size=3), np.eye(3))], phase))
     return found
 
 
@@ -90,8 +90,8 @@ ROLLING_RADIUS = Kind(
     dtype=RECORD,
     layout=("x0", "R0"),
     multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
-    modes=("contact", "air"),
+    phases=("contact", "air"),
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=leaning_discs,
 )

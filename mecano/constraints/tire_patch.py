@@ -21,8 +21,8 @@ The terms of v_C and of psi with :math:`\dot\psi\, y` and y are left out (``twis
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import Contact
 from mecano.maths.vector import add_vec, cross, dot, mat, vec

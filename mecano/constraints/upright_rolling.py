@@ -4,10 +4,10 @@ As rolling.py, but with the contact always at x - radius n: the small-inclinatio
 Geradin & Doan 1991 taken literally. On a plane only.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
 from mecano.constraints.rolling import ROWS
-from mecano.contract import Kind, record
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import NO_MATRIX, vec
 
 RECORD = record(axis=3, radius=(), normal=3)
@@ -25,7 +25,7 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Velocity of the point below the centre and its rate."""
     put_rates(_below_the_centre(p), on_a_plane(p, at.R), at.v, at.a, at.R, g)
 
@@ -44,6 +44,6 @@ UPRIGHT_ROLLING = Kind(
     layout=("x0", "R0"),
     multipliers=ROWS,
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     sample=sample,
 )

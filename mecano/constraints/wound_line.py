@@ -14,8 +14,7 @@ At the full length it goes over to an elastic line without a shock (``stretch``)
 held and is elastic (``shock``) or held (``hold``) from then on. The winder dissipates :math:`T \dot\ell - \dot V`.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import let_go, put_levels
+from mecano.constraints.augmented_lagrangian import deactivate, put_derivatives
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     add_line_inertia,
@@ -25,8 +24,9 @@ from mecano.constraints.elastic_line import (
     strained,
 )
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.stop_modes import FAR
-from mecano.contract import CONTACT, Event, Kind, Part, Row, record
+from mecano.constraints.stop_phases import FAR
+from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_col, add_row, dot, vec
 
@@ -34,7 +34,7 @@ RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
 STRETCH, SHOCK, HOLD = 0, 1, 2
 CATCHES = ("stretch", "shock", "hold")
 SLACK, TAUT, PAYING, HELD = range(4)
-MODES = ("slack", "taut", "paying out", "held")
+PHASES = ("slack", "taut", "paying out", "held")
 FULLY = "is fully uncoiled"
 EVENTS = (
     Event("goes taut", "slack", "taut", "the distance rises to the natural length"),
@@ -98,7 +98,7 @@ def elastic_force(p, at, f, K, C, M):
 def catch_force(p, at, f, K, C, M):
     """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
     if at.phase != HELD:
-        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
+        deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
     length, _, geometry = line(at.q, at.v)
     Phi = _full(p, at.laws, at.t)[0] + at.m[1] - length
@@ -111,7 +111,7 @@ def catch_force(p, at, f, K, C, M):
 
 
 @kernel
-def catch_levels(p, at, g):
+def catch_derivatives(p, at, g):
     """Value and rates, those of the full length included."""
     g[:] = 0.0
     if at.phase == HELD:
@@ -119,7 +119,7 @@ def catch_levels(p, at, g):
         full, full_rate, full_second = _full(p, at.laws, at.t)
         inverse, u, velocity = geometry
         pulled = dot(u, vec(at.a, 3) - vec(at.a, 0)) + inverse * (dot(velocity, velocity) - rate * rate)
-        put_levels(g, 0, full + at.m[1] - length, full_rate - rate, full_second - pulled)
+        put_derivatives(g, 0, full + at.m[1] - length, full_rate - rate, full_second - pulled)
 
 
 @kernel
@@ -195,7 +195,7 @@ def wound_parts(values):
 def sample(rng):
     """The constraint held, and let go."""
     values = {"EA": 80.0, "start": 1.5, "catch": HOLD, "wound": 1.0}
-    return [(values, 2, mode) for mode in MODES]
+    return [(values, 2, phase) for phase in PHASES]
 
 
 CATCH = Kind(
@@ -205,14 +205,14 @@ CATCH = Kind(
     dtype=RECORD,
     layout=("x0", "x1"),
     multipliers=(Row("tension of the cable at its full length", "N", "m", unilateral=True),),
-    modes=MODES,
+    phases=PHASES,
     memory=MEMORY,
     force=catch_force,
-    levels=catch_levels,
+    constraint_derivatives=catch_derivatives,
     commit=commit,
     sample=sample,
 )
 ELASTIC = Kind(
-    name="wound_line", section="", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), modes=MODES, memory=MEMORY,
+    name="wound_line", section="", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
     force=elastic_force, commit=commit,
 )  # fmt: skip

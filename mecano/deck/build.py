@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from mecano.contract import SECTIONS
 from mecano.deck.physics import element_nodes, poses
+from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node

@@ -4,7 +4,7 @@ import json
 import math
 from dataclasses import dataclass, field
 
-from mecano.contract import SECTIONS
+from mecano.element_interface import SECTIONS
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ loads on fixed nodes; strongly prestrained elements; unused entries.
 
 import math
 
-from mecano.contract import SECTIONS
 from mecano.deck.containers import singular
 from mecano.deck.wording import quoted
+from mecano.element_interface import SECTIONS
 from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem
 

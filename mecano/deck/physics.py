@@ -4,12 +4,12 @@ from collections import Counter
 
 import numpy as np
 
-from mecano.contract import SECTIONS
-from mecano.deck.hollows import check_hollows
+from mecano.deck.error_location import pointed_at
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
-from mecano.deck.pointing import pointed_at
+from mecano.deck.profile_curvature import check_profile_curvature
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
+from mecano.element_interface import SECTIONS
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import Element
 
@@ -48,7 +48,7 @@ def poses(nodes):
 
 def check_model(values, root, scope):
     """Report all inconsistencies in the elements, joints, loads and nodes."""
-    at, used, told, sound = poses(values["nodes"]), set(), set(), set()
+    at, used, noted, sound = poses(values["nodes"]), set(), set(), set()
     left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():
@@ -61,9 +61,9 @@ def check_model(values, root, scope):
             if name in left:
                 scope.refuse(key, "depends on itself, or on members that are wrong or depend on it")
             elif all(node in at for node in names if node != "ground"):
-                if _check_element(kind, element, names, at, (key, node), root, scope, told):
+                if _check_element(kind, element, names, at, (key, node), root, scope, noted):
                     sound.add((section, name))
-    check_hollows(values, at, sound, root, scope)
+    check_profile_curvature(values, at, sound, root, scope)
     _check_axes(values["joints"], root, scope)
     _check_latches(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
@@ -114,8 +114,8 @@ def _place_members(elements, at, kinds):
     return {member.name for member in left}
 
 
-def _check_element(kind, element, names, at, entry, root, scope, told):
-    """Report errors of an element, those of a shared law or ground once (``told``); return True if there are none."""
+def _check_element(kind, element, names, at, entry, root, scope, noted):
+    """Report errors of an element, those of a shared law or ground once (``noted``); return True if there are none."""
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
@@ -125,8 +125,8 @@ def _check_element(kind, element, names, at, entry, root, scope, told):
     texts = _texts(kind, element, given)
     for text in texts:
         place = pointed_at(text, kind, entry, root)
-        if (id(place), text) not in told:
-            told.add((id(place), text))
+        if (id(place), text) not in noted:
+            noted.add((id(place), text))
             scope.refuse(place, text)
     return not texts
 

@@ -3,7 +3,6 @@
 import os
 import re
 
-from mecano.contract import SECTIONS as ELEMENT_SECTIONS
 from mecano.deck.check import checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
@@ -13,6 +12,7 @@ from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Unreadable, decoded, read_source
+from mecano.element_interface import SECTIONS as ELEMENT_SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS

@@ -32,8 +32,8 @@ from mecano.elements.members.cable import BAR, CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
+from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.wheels.paper_wheel import PAPER_WHEEL
 from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 from mecano.elements.wheels.skate import SKATE
 from mecano.elements.wheels.wheel import WHEEL

@@ -6,7 +6,7 @@ chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A 
 :math:`A_o` a function of the stroke.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
 from mecano.laws.tabulated import (

@@ -4,7 +4,7 @@ r"""Dry friction, regularized after Oden & Martins (1985).
 :math:`s < \epsilon`, 1 beyond: C1 everywhere (Cardona, Geradin & Doan 1991, eq. 34).
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative, positive

@@ -4,7 +4,7 @@ A normal force N and a sliding velocity of size u give the friction :math:`\mu(u
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for :math:`u < \epsilon`, 1 beyond: C1 in the velocity vector.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, select
 

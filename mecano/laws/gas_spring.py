@@ -8,7 +8,7 @@ smooth (C1).
 
 import math
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, positive
 

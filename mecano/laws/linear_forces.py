@@ -1,6 +1,6 @@
 """Linear force terms: spring, damper, preload."""
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.polynomial import constant_integral
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, not_negative

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term, numbers_of
 from mecano.schema import COEFFICIENT_LIST, NUMBER, Field
 

@@ -6,7 +6,7 @@ A sphere on a plane gives p = 3/2 (Hertz 1881), turbulent drag p = 2. Where p < 
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import SHOWN
 from mecano.laws.term import OF_A_POWER, Term, numbers_of

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.compiled.entry import Matrix, Vector, entry
+from mecano.jit.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
 from mecano.laws.table import LawTable, evaluate_curve, terms_of
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 

@@ -7,7 +7,7 @@ damping, one where it would become adhesive.
 
 import math
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 

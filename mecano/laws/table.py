@@ -9,7 +9,7 @@ from numbers import Real
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws import TERMS
 from mecano.maths.dual import chain, value
 

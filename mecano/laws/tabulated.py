@@ -9,7 +9,7 @@ along its end tangent.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, VALUE, Term
 from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 

@@ -1,6 +1,6 @@
 """A force on a body at a point off its node, in residual and tangent: force, and its moment in the axes of the body."""
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_col, add_mat, add_vec, cross, skew
 
 

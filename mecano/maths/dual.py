@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.compiled.methods import Generic, algebraic, method
+from mecano.jit.methods import Generic, algebraic, method
 
 NUMBER = float
 TINY = 1e-150  # a root below it has no slope

@@ -1,6 +1,6 @@
 """Interpolation within a step, from the values at its ends."""
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 
 SMOOTH = 0.125  # share of the change at the greater rate by which a change may differ from that at the mean rate
 

@@ -1,6 +1,6 @@
 """The rotation nearest to a matrix, on tuples."""
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import Mat3, cross, dot
 
 MOST_ITERATIONS = 50

@@ -12,7 +12,7 @@ With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\T
 
 import math
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, Mat3, Vec3, cross, dot, outer, skew
 
 SERIES = 1.0  # squared angle [rad2] below which eleven terms of the series are exact to round-off

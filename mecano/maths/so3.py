@@ -5,7 +5,7 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 :math:`R = R_0 \exp(\hat\Psi)`. Closed forms with series below 1e-2 rad, both accurate to round-off.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, atan2, select, sin, sqrt, tan
 from mecano.maths.vector import EYE, Vec3, dot, skew
 

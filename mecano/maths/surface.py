@@ -21,7 +21,7 @@ as long as the profile's radius of curvature, where it is hollow, is larger than
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import EYE, Mat3, cross, dot, outer, skew
 

@@ -7,8 +7,8 @@ Duals. ``vec`` and ``mat`` read them from arrays; the ``add_*`` functions add th
 import operator
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
-from mecano.compiled.methods import Generic, algebraic, attribute, method
+from mecano.jit.kernel import kernel
+from mecano.jit.methods import Generic, algebraic, attribute, method
 from mecano.maths.dual import NUMBER, Dual, number, sqrt, value
 
 SCALAR = (NUMBER, Dual)

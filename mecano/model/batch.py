@@ -23,12 +23,12 @@ class Batch:
     dofs: np.ndarray  # (n, n_local) entries of z
     rots: np.ndarray  # (n, n_rotations) rotation matrices
     slots: np.ndarray  # (n, n_local) force slots
-    watched: np.ndarray  # (n, n_watched) entries of z for the outputs
-    watched_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
+    output_dofs: np.ndarray  # (n, n_output_dofs) entries of z for the outputs
+    output_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
     columns: np.ndarray  # (n_rotations,) local columns of the rotations
     multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
     instances: list  # (n,) their numbers in the list of all instances
-    first_mode: int  # of the modes of a state
+    first_phase: int  # of the modes of a state
     first_memory: int  # of the memory of a state
     entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
     event_values: np.ndarray = None  # (n, n_events) part of those of the system
@@ -36,51 +36,51 @@ class Batch:
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
-        n_work, n_rotations = max(n, self.watched.shape[1]), len(self.columns)
+        n_work, n_rotations = max(n, self.output_dofs.shape[1]), len(self.columns)
         self.q, self.v, self.a = (np.zeros(n_work) for _ in range(3))
         self.R = np.zeros((n_rotations, 3, 3))
         self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         self.seeded = np.zeros(3 * n + 9 * n_rotations, DUAL)
-        self.F, self.g = np.zeros(self.watched_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
+        self.F, self.g = np.zeros(self.output_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.e = np.zeros((len(self.p), 4))
         self.n_events = len(kind.events)
-        self.before = np.array([kind.modes.index(event.before) for event in kind.events], np.int64)
+        self.before = np.array([kind.phases.index(event.before) for event in kind.events], np.int64)
 
     @property
-    def modes(self):
+    def phases(self):
         """Where the modes of these elements stand in those of a state."""
-        return slice(self.first_mode, self.first_mode + len(self.p))
+        return slice(self.first_phase, self.first_phase + len(self.p))
 
     def record(self):
         """The record BATCH of the loops; ``entries``, ``event_values`` and ``y`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
-            "n_reactions": len(self.kind.multipliers) + len(self.kind.borrowed),
-            "n_watched": self.watched.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
-            "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_mode": self.first_mode,
+            "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
+            "n_output_dofs": self.output_dofs.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
+            "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_phase": self.first_phase,
             "first_memory": self.first_memory,
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
 
 
-def batches(instances, of, n_slots, sides):
-    """Batches in the order in which their kinds first appear; ``of`` the numbering, ``sides`` of the joints."""
+def batches(instances, of, n_slots, partition):
+    """Batches in the order in which their kinds first appear; ``of`` the numbering, ``partition`` of the joints."""
     places = _Places(of, n_slots)
     taken = [places.take(item.kind) for item in instances]
     groups = {}
     for number, item in enumerate(instances):
         scalars, rows = taken[number]
-        lent = [row for lender in item.borrows for row in taken[lender][1]]
+        coupled = [row for other in item.coupled_to for row in taken[other][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
-        watched = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
-        groups.setdefault((id(item.kind), watched), []).append((number, item, scalars, rows, lent, of_parts))
-    found, n_modes, n_memory = [], 0, 0
+        output_dofs = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
+        groups.setdefault((id(item.kind), output_dofs), []).append((number, item, scalars, rows, coupled, of_parts))
+    found, n_phases, n_memory = [], 0, 0
     for members in groups.values():
-        found.append(_batch(members, of, places, sides, n_modes, n_memory))
-        n_modes += len(members)
+        found.append(_batch(members, of, places, partition, n_phases, n_memory))
+        n_phases += len(members)
         n_memory += len(members) * len(found[-1].kind.memory)
     return found
 
@@ -103,29 +103,29 @@ class _Places:
         return scalars, rows
 
 
-def _batch(members, of, places, sides, first_mode, first_memory):
+def _batch(members, of, places, partition, first_phase, first_memory):
     kind = members[0][1].kind
     p = np.zeros(len(members), kind.dtype)
-    dofs, rots, slots, watched, watched_slots, multipliers = [], [], [], [], [], []
-    for e, (number, item, scalars, rows, lent, of_parts) in enumerate(members):
+    dofs, rots, slots, output_dofs, output_slots, multipliers = [], [], [], [], [], []
+    for e, (number, item, scalars, rows, coupled, of_parts) in enumerate(members):
         for key, value in item.parameters.items():
             p[key][e] = value
         at = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
-        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + lent]
+        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + coupled]
         place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]
         dofs.append(place + own)
-        watched.append(place + own + ([places.first_row + i for i in of_parts] if not kind.acts else []))
+        output_dofs.append(place + own + ([places.first_row + i for i in of_parts] if not kind.acts else []))
         rots.append([of.rotation[node] for what, node in at if what == "R"])
         plain = [6 * node + 3 * (what == "R") + i for what, node in at for i in range(3)]
         slots.append(plain + [places.first_slot + i - places.first_scalar for i in own])
-        watched_slots.append([s for what, node in at for s in sides.slots(number, what, node)])
+        output_slots.append([s for what, node in at for s in partition.slots(number, what, node)])
         multipliers.append(rows)
     columns = np.array([3 * i for i, slot in enumerate(kind.layout) if slot[0] == "R"], np.int64)
     tables = [
         np.array(rows, np.int64).reshape(len(members), -1)
-        for rows in (dofs, rots, slots, watched, watched_slots, multipliers)
+        for rows in (dofs, rots, slots, output_dofs, output_slots, multipliers)
     ]
     names = [item.owner for _, item, *_ in members]
     numbers = [number for number, *_ in members]
     paths = [(item.path, item.label) for _, item, *_ in members]
-    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], numbers, first_mode, first_memory)
+    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], numbers, first_phase, first_memory)

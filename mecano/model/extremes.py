@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from mecano.compiled.entry import Vector, entry
+from mecano.jit.entry import Vector, entry
 
 
 class Extremes:

@@ -15,7 +15,7 @@ class Instance:
     nodes: tuple  # indices
     parameters: dict
     n_parts: int = 0  # parts that follow it in the list
-    borrows: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
+    coupled_to: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
     label: str = ""  # of its outputs
 
 
@@ -32,7 +32,7 @@ def expand(model, context):
         instances.append(Instance(title, path, kind, nodes, record, len(parts)))
         first = len(instances)
         for part in parts:
-            on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.borrows)
+            on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.coupled_to)
             instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label))
         for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))

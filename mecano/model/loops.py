@@ -1,7 +1,7 @@
 """Compiled loops over all elements of one kind: gather, call the element's function, scatter.
 
 One loop for each kind and purpose, a C function of two addresses: those of the record of the batch (BATCH) and of the
-system (SYSTEM), in which everything else is found. conduct.py calls them, one after the other.
+system (SYSTEM), in which everything else is found. assembly_driver.py calls them, one after the other.
 
 A loop is a copy of the code of a template, with the function of the element among its globals.
 """
@@ -12,12 +12,12 @@ from functools import cache
 
 import numpy as np
 
-from mecano.compiled.closure import digest
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import floats, integers, items
-from mecano.compiled.nowhere import NOWHERE
-from mecano.compiled.store import address
-from mecano.contract import Place
+from mecano.element_interface import Place
+from mecano.jit.closure import digest
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats, integers, items
+from mecano.jit.null_matrix import NULL_MATRIX
+from mecano.jit.store import address
 from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, skew, vec
 
@@ -29,16 +29,16 @@ def fields(floats="", words=""):
 
 # Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
 BATCH = fields(
-    words="n n_local n_rotations n_multipliers n_reactions n_watched n_forces n_outputs n_events n_memory "
-    "p dofs rots slots columns entries multipliers watched watched_slots "
-    "q v a R f K C M seeded F g y e event_values before first_mode first_memory"
+    words="n n_local n_rotations n_multipliers n_reactions n_output_dofs n_forces n_outputs n_events n_memory "
+    "p dofs rots slots columns entries multipliers output_dofs output_slots "
+    "q v a R f K C M seeded F g y e event_values before first_phase first_memory"
 )
 # Addresses of the arrays of the system and of the state on which the loops work.
 SYSTEM = fields(
     floats="t k penalty lag cK cC cM",
-    words="n_all n_rotations z v a R T modes memory memory_out "
+    words="n_all n_rotations z v a R T phases memory memory_out "
     "n_laws laws n_slots force size mass slot_dof residual scale n_data data "
-    "n_sides side_starts side_members transmitted energy n_levels levels",
+    "n_transmitted partition_starts partition_members transmitted energy n_constraints constraint_derivatives",
 )
 SIZE = DUAL.itemsize
 
@@ -67,13 +67,13 @@ def system_at(address):
 def given(b, s):
     """Memories (n, n_memory) and modes (n,) of a batch; the table of laws."""
     memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
-    return memory, integers(s.modes + 8 * b.first_mode, b.n), floats(s.laws, s.n_laws)
+    return memory, integers(s.phases + 8 * b.first_phase, b.n), floats(s.laws, s.n_laws)
 
 
 @kernel
 def work(b):
     """Work arrays for the local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3)."""
-    n = max(b.n_local, b.n_watched)
+    n = max(b.n_local, b.n_output_dofs)
     return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
 
 
@@ -131,7 +131,7 @@ def tangent(batch, system):
     """Forces, their sizes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots, columns = (
         integers(b.dofs, (b.n, n)),
         integers(b.rots, (b.n, b.n_rotations)),
@@ -149,7 +149,7 @@ def tangent(batch, system):
         C[:] = 0.0
         M[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R)
+        at = Place(s.t, phase[e], s.k, penalty, laws, memory[e], q, v, a, R)
         function(p[e], at, f, K, C, M)  # noqa: F821
         if of_rates:  # noqa: F821
             for i in range(first_row, n):
@@ -182,7 +182,7 @@ def dual_tangent(batch, system):
     """
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots, columns = (
         integers(b.dofs, (b.n, n)),
         integers(b.rots, (b.n, b.n_rotations)),
@@ -212,7 +212,7 @@ def dual_tangent(batch, system):
                 c = j - columns[turned]
                 put_turned(R_1[turned], mat(R[turned]), s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
             v_1[j].slope = s.cC
-            at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q_1, v_1, a, R_1)
+            at = Place(s.t, phase[e], s.k, penalty, laws, memory[e], q_1, v_1, a, R_1)
             function(p[e], at, f_1)  # noqa: F821
             for i in range(n):
                 lag = s.lag if of_rates and i >= first_row else 1.0  # noqa: F821
@@ -231,7 +231,7 @@ def residual(batch, system):
     """Forces and their sizes."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
@@ -239,8 +239,8 @@ def residual(batch, system):
     for e in range(b.n):
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        at = Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R)
-        function(p[e], at, f, NOWHERE, NOWHERE, NOWHERE)  # noqa: F821
+        at = Place(s.t, phase[e], s.k, penalty, laws, memory[e], q, v, a, R)
+        function(p[e], at, f, NULL_MATRIX, NULL_MATRIX, NULL_MATRIX)  # noqa: F821
         if of_rates:  # noqa: F821
             for i in range(n - b.n_multipliers, n):
                 f[i] *= s.lag
@@ -254,7 +254,7 @@ def plain_residual(batch, system):
     """Forces and their sizes, of a kind that has a residual only."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
@@ -262,7 +262,7 @@ def plain_residual(batch, system):
     for e in range(b.n):
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], Place(s.t, mode[e], s.k, penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
+        function(p[e], Place(s.t, phase[e], s.k, penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
         if of_rates:  # noqa: F821
             for i in range(first_row, n):
                 f[i] *= s.lag
@@ -272,33 +272,33 @@ def plain_residual(batch, system):
             size_out[slot] += abs(f[i])
 
 
-def levels(batch, system):
+def constraint_derivatives(batch, system):
     """Values, rates and second rates of the constraints."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
     multipliers = integers(b.multipliers, (b.n, b.n_multipliers))
     q, v, a, R = work(b)
-    g, g_out = floats(b.g, (b.n_multipliers, 3)), floats(s.levels, (s.n_levels, 3))
+    g, g_out = floats(b.g, (b.n_multipliers, 3)), floats(s.constraint_derivatives, (s.n_constraints, 3))
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g)  # noqa: F821
+        function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g)  # noqa: F821
         for i in range(b.n_multipliers):
             for j in range(3):
                 g_out[multipliers[e, i], j] = g[i, j]
 
 
-def dual_levels(batch, system):
+def dual_constraint_derivatives(batch, system):
     """Values and rates of constraints on velocities: slopes along the motion."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
+    memory, phase, laws = given(b, s)
     dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
     columns, multipliers = integers(b.columns, b.n_rotations), integers(b.multipliers, (b.n, b.n_multipliers))
     q, v, a, R = work(b)
     q_1, v_1, g_1, R_1 = seeded(b)
-    g_out = floats(s.levels, (s.n_levels, 3))
+    g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
         for i in range(n):
@@ -307,7 +307,7 @@ def dual_levels(batch, system):
         for r in range(b.n_rotations):
             put_constant(R_1[r], mat(R[r]))
             put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
-        at = Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
+        at = Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
         function(p[e], at, g_1)  # noqa: F821
         for i in range(b.n_multipliers):
             g_out[multipliers[e, i], 0] = 0.0
@@ -319,11 +319,11 @@ def observe(batch, system):
     """Outputs and energies of the elements; sums of the energies."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
-    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    memory, phase, laws = given(b, s)
+    dofs, rots = integers(b.output_dofs, (b.n, b.n_output_dofs)), integers(b.rots, (b.n, b.n_rotations))
     slots, force, F = (
-        integers(b.watched_slots, (b.n, b.n_forces)),
-        floats(s.transmitted, s.n_sides),
+        integers(b.output_slots, (b.n, b.n_forces)),
+        floats(s.transmitted, s.n_transmitted),
         floats(b.F, b.n_forces),
     )
     q, v, a, R = work(b)
@@ -334,7 +334,7 @@ def observe(batch, system):
             F[i] = force[slots[e, i]]
         y_out[e] = 0.0
         e_out[e] = 0.0
-        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), F, y_out[e], e_out[e])  # noqa: F821
+        function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), F, y_out[e], e_out[e])  # noqa: F821
         for i in range(4):
             total_out[i] += e_out[e, i]
 
@@ -343,15 +343,15 @@ def event_values(batch, system):
     """One number for each event of each element; -inf where it is not watched."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
-    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    memory, phase, laws = given(b, s)
+    dofs, rots = integers(b.output_dofs, (b.n, b.n_output_dofs)), integers(b.rots, (b.n, b.n_rotations))
     before, g_out = integers(b.before, b.n_events), floats(b.event_values, (b.n, b.n_events))
     q, v, a, R = work(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g_out[e])  # noqa: F821
+        function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), g_out[e])  # noqa: F821
         for i in range(b.n_events):
-            if mode[e] != before[i]:
+            if phase[e] != before[i]:
                 g_out[e, i] = -math.inf
 
 
@@ -359,19 +359,20 @@ def commit(batch, system):
     """The memories after an accepted step."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
-    memory, mode, laws = given(b, s)
-    dofs, rots = integers(b.watched, (b.n, b.n_watched)), integers(b.rots, (b.n, b.n_rotations))
+    memory, phase, laws = given(b, s)
+    dofs, rots = integers(b.output_dofs, (b.n, b.n_output_dofs)), integers(b.rots, (b.n, b.n_rotations))
     m_out = floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))
     q, v, a, R = work(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
-        function(p[e], Place(s.t, mode[e], s.k, s.penalty, laws, memory[e], q, v, a, R), m_out[e])  # noqa: F821
+        function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), m_out[e])  # noqa: F821
 
 
 # What a kind gives to each loop.
 PURPOSES = {
-    tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual", levels: "levels",
-    dual_levels: "velocity_constraints", observe: "observe", event_values: "event_values", commit: "commit",
+    tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual",
+    constraint_derivatives: "constraint_derivatives", dual_constraint_derivatives: "velocity_constraints",
+    observe: "observe", event_values: "event_values", commit: "commit",
 }  # fmt: skip
 
 
@@ -380,7 +381,7 @@ def loop_of(kind, template):
     if kind.residual is not None:
         duals = {tangent: dual_tangent, residual: plain_residual}
         if kind.velocity_constraints is not None:
-            duals[levels] = dual_levels
+            duals[constraint_derivatives] = dual_constraint_derivatives
         template = duals.get(template, template)
     function = getattr(kind, PURPOSES[template])
     return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Matrices, Table, Vector, entry
-from mecano.compiled.kernel import kernel
+from mecano.jit.entry import Indices, Matrices, Table, Vector, entry
+from mecano.jit.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import mat, put, vec
@@ -57,7 +57,7 @@ def row_size(system):
     return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
 
 
-class Still:
+class StaticSample:
     """What the sampler asks for: a motion, and no work done."""
 
     dissipated = given = 0.0

@@ -19,12 +19,12 @@ class State:
     v: np.ndarray  # (n_all,)
     a: np.ndarray  # (n_all,)
     R: np.ndarray  # (n_rotations, 3, 3) material to inertial
-    modes: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
+    phases: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
     memory: np.ndarray  # (n_memory,) of all elements, batch by batch; replaced, never changed in place
 
     def copy(self):
         """A copy whose motion may be changed."""
-        return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.modes, self.memory)
+        return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.phases, self.memory)
 
 
 @dataclass

@@ -4,16 +4,16 @@ from functools import cached_property
 
 import numpy as np
 
-from mecano.contract import Context
+from mecano.element_interface import Context
 from mecano.maths.distinct import distinct
-from mecano.model import conduct, loops
+from mecano.model import assembly_driver, loops
 from mecano.model.batch import batches
 from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, number
-from mecano.model.sides import Sides
+from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.state import State
 
 NO_MULTIPLIERS = np.zeros(0, np.int64)
@@ -35,20 +35,20 @@ class System:
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
         self.n_q, self.n_l, self.n = self.numbering.n_q, self.numbering.n_l, self.numbering.n
         self._slots(len(names))
-        sides = Sides(shared, fixed, self.n_slots)
-        self.batches = batches(instances, self.numbering, self.n_slots, sides)
-        self.relaxing = np.zeros(self.n_q, bool)
+        partition = ReactionPartition(shared, fixed, self.n_slots)
+        self.batches = batches(instances, self.numbering, self.n_slots, partition)
+        self.massless = np.zeros(self.n_q, bool)
         for b in self.batches:
             first = 3 * len(b.kind.layout)
-            for name in b.kind.relaxing:
-                self.relaxing[b.dofs[:, first + b.kind.scalars.index(name)]] = True
+            for name in b.kind.massless:
+                self.massless[b.dofs[:, first + b.kind.scalars.index(name)]] = True
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
-        self.side_starts, self.side_members = sides.tables()
+        self.partition_starts, self.partition_members = partition.tables()
         self.force, self._size = np.zeros(self.n_slots), np.zeros(self.n_slots)
         self._mass = np.zeros(self.n_slots)  # diagonals of the mass matrices at the last tangent
-        self.transmitted = np.zeros(self.n_slots + len(self.side_starts) - 1)
+        self.transmitted = np.zeros(self.n_slots + len(self.partition_starts) - 1)
         self.energy = np.zeros(4)  # kinetic, potential [J], dissipated, given power [W] of the last ``observe``
         self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
         self.residual = np.zeros(self.numbering.n_all)
@@ -89,12 +89,12 @@ class System:
         self._batch_records = np.concatenate([b.record() for b in self.batches])
         arrays = {
             "laws": self.laws, "force": self.force, "size": self._size, "mass": self._mass, "slot_dof": self.slot_dof,
-            "residual": self.residual, "scale": self.size, "data": self.data, "side_starts": self.side_starts,
-            "side_members": self.side_members, "transmitted": self.transmitted, "energy": self.energy,
+            "residual": self.residual, "scale": self.size, "data": self.data, "partition_starts": self.partition_starts,
+            "partition_members": self.partition_members, "transmitted": self.transmitted, "energy": self.energy,
         }  # fmt: skip
         self.record = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
-            n_slots=self.n_slots, n_data=len(self.data), n_sides=len(self.transmitted), n_levels=self.n_l,
+            n_slots=self.n_slots, n_data=len(self.data), n_transmitted=len(self.transmitted), n_constraints=self.n_l,
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
@@ -104,17 +104,17 @@ class System:
         own = np.array([loop is not None for loop in found], bool)
         return np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own]
 
-    def _conductor(self, conduct, template, chosen=lambda kind: True):
-        """The compiled ``conduct`` for the loops of one purpose of the kinds ``chosen``."""
-        return conduct.bind(*self.loops(template, chosen), self.record)
+    def _driver(self, assembly_driver, template, chosen=lambda kind: True):
+        """The compiled ``assembly_driver`` for the loops of one purpose of the kinds ``chosen``."""
+        return assembly_driver.bind(*self.loops(template, chosen), self.record)
 
     @cached_property
     def _assemble(self):
-        return self._conductor(conduct.assemble, loops.tangent)
+        return self._driver(assembly_driver.assemble, loops.tangent)
 
     @cached_property
     def _assemble_residual(self):
-        return self._conductor(conduct.assemble_residual, loops.residual)
+        return self._driver(assembly_driver.assemble_residual, loops.residual)
 
     @cached_property
     def _add_constraints(self):
@@ -125,39 +125,39 @@ class System:
         return self._adding(lambda kind: kind.of_rates)
 
     def _adding(self, chosen):
-        return self._conductor(conduct.add, loops.tangent, chosen)
+        return self._driver(assembly_driver.add, loops.tangent, chosen)
 
     @cached_property
-    def _count_again(self):
+    def _add_scaled_loads(self):
         loads = lambda kind: kind.section == "loads"  # noqa: E731
-        return self._conductor(conduct.count_again, loops.tangent, loads)
+        return self._driver(assembly_driver.add_scaled, loops.tangent, loads)
 
     @cached_property
-    def _add_borrowed(self):
-        borrowing = lambda kind: kind.borrowed  # noqa: E731
-        found, records = self.loops(loops.tangent, borrowing)
-        batches = [b for b in self.batches if b.kind.borrowed]
-        self._borrowed_entries = [b.entries.copy() for b in batches]
-        for entries, b, record_of in zip(self._borrowed_entries, batches, records, strict=True):
-            entries[:, :, : b.kind.n_local - len(b.kind.borrowed)] = self.nnz
+    def _add_coupled_multipliers(self):
+        is_coupled = lambda kind: kind.coupled_multipliers  # noqa: E731
+        found, records = self.loops(loops.tangent, is_coupled)
+        batches = [b for b in self.batches if b.kind.coupled_multipliers]
+        self._coupled_entries = [b.entries.copy() for b in batches]
+        for entries, b, record_of in zip(self._coupled_entries, batches, records, strict=True):
+            entries[:, :, : b.kind.n_local - len(b.kind.coupled_multipliers)] = self.nnz
             record_of["entries"] = entries.ctypes.data
-        return conduct.add.bind(found, records, self.record)
+        return assembly_driver.add.bind(found, records, self.record)
 
     @cached_property
-    def _levels(self):
-        return self._conductor(conduct.levels, loops.levels)
+    def _constraint_derivatives(self):
+        return self._driver(assembly_driver.constraint_derivatives, loops.constraint_derivatives)
 
     @cached_property
     def _observe(self):
-        return self._conductor(conduct.observe, loops.observe)
+        return self._driver(assembly_driver.observe, loops.observe)
 
     @cached_property
     def _write_event_values(self):
-        return self._conductor(conduct.event_values, loops.event_values)
+        return self._driver(assembly_driver.event_values, loops.event_values)
 
     @cached_property
     def _commit(self):
-        return self._conductor(conduct.commit, loops.commit)
+        return self._driver(assembly_driver.commit, loops.commit)
 
     def initial_state(self, t=0.0):
         """State at rest in the configuration of the deck; every element in the mode in which it starts there."""
@@ -173,21 +173,21 @@ class System:
                 first = 3 * len(b.kind.layout)
                 own = b.dofs[:, first : first + len(b.kind.scalars)]
                 z[own] = [b.kind.start(p) for p in b.p]
-        modes = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
+        phases = np.zeros(sum(len(b.p) for b in self.batches), np.int64)
         for b in self.batches:
             if b.kind.at_start is not None:
-                modes[b.modes] = [b.kind.at_start(p) for p in b.p]
-        self.follow(modes)
+                phases[b.phases] = [b.kind.at_start(p) for p in b.p]
+        self.follow(phases)
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
-        return State(t, z, np.zeros(n), np.zeros(n), R, modes, memory)
+        return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
     def assemble(self, s, k, penalty, cK, cC, cM, T=None):
         """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
 
         data = cK K T + cC C + cM M, untouched where all three are zero. T (n_rotations, 3, 3) turns derivatives by
         material variations of the rotations into those by other increments; without it they stay what they are. ``k``
-        and ``penalty`` scale the constraints (contract.py). ``size`` sums the absolute contributions of the elements
-        and of their inertia (with the masses of the last tangent): the scale on which a residual is small.
+        and ``penalty`` scale the constraints (element_interface.py). ``size`` sums the absolute contributions of the
+        elements and of their inertia (with the masses of the last tangent): the scale on which a residual is small.
         """
         if cK == cC == cM == 0.0:
             self._assemble_residual(*_motion(s), k, penalty)
@@ -211,22 +211,26 @@ class System:
     def scale_loads(self, s, factor, cK, cC, cM, T=None):
         """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
-        self._count_again(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
+        self._add_scaled_loads(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
     @cached_property
-    def borrowed(self):
+    def coupled_multipliers(self):
         """Numbers, ascending, of the multipliers on which forces depend otherwise than as reactions: friction."""
-        found = [b.dofs[:, b.kind.n_local - len(b.kind.borrowed) :] for b in self.batches if b.kind.borrowed]
+        found = [
+            b.dofs[:, b.kind.n_local - len(b.kind.coupled_multipliers) :]
+            for b in self.batches
+            if b.kind.coupled_multipliers
+        ]
         return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
 
-    def add_borrowed(self, s, k, data):
+    def add_coupled_multipliers(self, s, k, data):
         """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
-        self._add_borrowed(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
+        self._add_coupled_multipliers(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
 
-    def levels(self, s):
+    def constraint_derivatives(self, s):
         """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        self._levels(*_motion(s), g)
+        self._constraint_derivatives(*_motion(s), g)
         return g
 
     def observe(self, s):
@@ -259,13 +263,13 @@ class System:
             f"{name}: {text}"
             for b in self.batches
             if b.kind.admissible
-            for name, p, dofs, rots in zip(b.names, b.p, b.watched, b.rots, strict=True)
+            for name, p, dofs, rots in zip(b.names, b.p, b.output_dofs, b.rots, strict=True)
             if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
         ]
 
-    def follow(self, modes):
-        """Give the parts that have the mode of their owner that mode, in the ``modes`` of a state, in place."""
-        modes[self.followers[:, 0]] = modes[self.followers[:, 1]]
+    def follow(self, phases):
+        """Give the parts that have the mode of their owner that mode, in the ``phases`` of a state, in place."""
+        phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
 
 
 def _joined(batches, name, width):
@@ -279,16 +283,16 @@ def _joined(batches, name, width):
 
 def _followers(instances, batches):
     """(m, 2) places in the modes of a state: of parts that have the modes of their owner, and of these owners."""
-    place = {number: b.first_mode + e for b in batches for e, number in enumerate(b.instances)}
+    place = {number: b.first_phase + e for b in batches for e, number in enumerate(b.instances)}
     found = [
         (place[part], place[owner])
         for owner, item in enumerate(instances)
         for part in range(owner + 1, owner + 1 + item.n_parts)
-        if len(item.kind.modes) > 1 and instances[part].kind.modes == item.kind.modes
+        if len(item.kind.phases) > 1 and instances[part].kind.phases == item.kind.phases
     ]
     return np.array(found, np.int64).reshape(-1, 2)
 
 
 def _motion(s):
     """What every loop reads of a state."""
-    return s.t, s.z, s.v, s.a, s.R, s.modes, s.memory
+    return s.t, s.z, s.v, s.a, s.R, s.phases, s.memory

@@ -26,7 +26,7 @@ LEAST = 1e-3  # of the largest torque: resistance below that is none
 
 def deployment_sheet(runs):
     """The sheet of the deployment margin; without panels where no motor turns."""
-    torques, margins, told = [], [], []
+    torques, margins, reported = [], [], []
     for number, run in enumerate(runs):
         found = _torques(run, motors(run))
         if found is not None:
@@ -37,9 +37,9 @@ def deployment_sheet(runs):
             margin = np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
             if resists.any():
                 margins.append(curve.of("margin", "-", margin))
-                told.append(margin_told(angle, margin))
+                reported.append(margin_told(angle, margin))
     panels = [Panel("torque of a motor", tuple(torques))] if torques else []
-    panels += [Panel("deployment margin", tuple(margins), note="\n".join(told))] if margins else []
+    panels += [Panel("deployment margin", tuple(margins), note="\n".join(reported))] if margins else []
     return Sheet("deployment", "Deployment: motors over what resists, to the first lock", tuple(panels))
 
 

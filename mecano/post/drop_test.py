@@ -85,8 +85,8 @@ def _load_stroke(impacts):
     curves = [
         one.curve(f"{name}.compression_force", f"{name}.stroke") for one in impacts for name in one.absorbers
     ]  # fmt: skip
-    told = ", ".join(f"{efficiency(c.x.values, c.y.values):.2f}" for c in curves)
-    return Panel("load on the absorber", tuple(curves), note=f"efficiency {told}")
+    reported = ", ".join(f"{efficiency(c.x.values, c.y.values):.2f}" for c in curves)
+    return Panel("load on the absorber", tuple(curves), note=f"efficiency {reported}")
 
 
 def efficiency(stroke, force):
@@ -113,12 +113,12 @@ def _axle(impacts):
     """Drag on the gear at the axle, with spin-up and spring-back in words."""
     curves = [curve for one in impacts if (curve := _axle_drag(one)) is not None]
     found = [spin_up_and_spring_back(curve.y.values) for curve in curves]
-    told = [_told(curves, [rows[i] for rows in found]) for i in range(2)]
-    note = f"spin-up {told[0]}, spring-back {told[1]}, of the saved times"
+    reported = [_peaks_text(curves, [rows[i] for rows in found]) for i in range(2)]
+    note = f"spin-up {reported[0]}, spring-back {reported[1]}, of the saved times"
     return Panel("drag on the axle", tuple(curves), note=note)
 
 
-def _told(curves, rows):
+def _peaks_text(curves, rows):
     """Sizes of the values of the curves in these rows; of a single one with its time."""
     sizes = ", ".join(f"{abs(c.y.values[row]) / 1e3:.3g}" for c, row in zip(curves, rows, strict=True))
     return f"{sizes} kN at {curves[0].y.time[rows[0]]:.3g} s" if len(curves) == 1 else f"{sizes} kN"

@@ -7,8 +7,8 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.errors import UnknownNameError
+from mecano.post.event_groups import groups
 from mecano.post.extremes import named, telling
-from mecano.post.happenings import groups
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.results.reader import open_results
@@ -79,8 +79,8 @@ def _spent(data):
 
 def _run(results):
     lines = [str(results.path)]
-    remarks = [("warning", text) for text in results.remarks]
-    for label, text in [*facts(results), *remarks, ("status", _status(results))]:
+    warnings = [("warning", text) for text in results.warnings]
+    for label, text in [*facts(results), *warnings, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
     return [*lines, *(f"  {'go on with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped

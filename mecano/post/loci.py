@@ -25,7 +25,7 @@ LITTLE = 0.3  # damping ratio
 SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not told apart
 LONGEST = (110, 70)  # characters of a motion in a legend of one column, of two
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
-MOST_TOLD = 6  # modes beyond the limits
+MOST_REPORTED = 6  # modes beyond the limits
 
 
 def draw_sweep(path, output=None, kind="png"):
@@ -164,7 +164,9 @@ def _limited(ax, limits, low, high, beyond):
     """Set the limits of an axis, and say what lies beyond."""
     limits(low, high)
     if beyond:
-        which = f"{len(beyond)} modes" if len(beyond) > MOST_TOLD else f"mode {', '.join(str(b + 1) for b in beyond)}"
+        which = (
+            f"{len(beyond)} modes" if len(beyond) > MOST_REPORTED else f"mode {', '.join(str(b + 1) for b in beyond)}"
+        )
         note_below(ax, f"{which}: also beyond the left" if limits == ax.set_xlim else f"{which}: also below")
 
 

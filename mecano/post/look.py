@@ -8,7 +8,7 @@ from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
-MOST_TOLD = 16  # elements with a colour or dashes of their own: more would not be found in the legend
+MOST_REPORTED = 16  # elements with a colour or dashes of their own: more would not be found in the legend
 
 
 class Look:
@@ -64,7 +64,7 @@ class Look:
     def _largest(self, panels, subjects, whats):
         """Those of the subjects with the largest values that can be told apart, with so many quantities each."""
         rounds = max(1, len(DASHES) // max(whats, 1))
-        most = rounds if self.runs else min(MOST_TOLD, rounds * len(COLOURS))
+        most = rounds if self.runs else min(MOST_REPORTED, rounds * len(COLOURS))
         if len(subjects) <= most:
             return subjects
         sizes = dict.fromkeys(subjects, 0.0)
@@ -94,8 +94,8 @@ class Look:
             style = self.style(curve, panel)
             text = ": ".join([curve.subject] * several + [curve.y.what] * named)
             if style is OTHERS:
-                told = several or curve.subject in self._subjects(panel)
-                others |= {text} if told and text else set()
+                reported = several or curve.subject in self._subjects(panel)
+                others |= {text} if reported and text else set()
             elif text and text not in handles:
                 if self.handles() and not curve.reference:
                     style["color"] = INK

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import yaml
 
-from mecano.contract import SECTIONS
+from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
 from mecano.post.extremes import telling
 from mecano.post.figure import overview_figure, sheet_figure
@@ -98,13 +98,13 @@ def _model(run):
     rows = [("nodes", str(len(run.deck.get("nodes", {}))))]
     for section in SECTIONS:
         kinds = Counter(d["type"] for d in run.deck.get(section, {}).values())
-        told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        rows.append((section, f"{sum(kinds.values())}: {told}" if kinds else "none"))
+        reported = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        rows.append((section, f"{sum(kinds.values())}: {reported}" if kinds else "none"))
     for name, value in run.results.model.items():
         rows.append((name.replace("_", " "), f"{value:.6g} kg" if name == "mass" else f"{value:g}"))
     rows.append(("gravity", ", ".join(number(g) for g in run.deck.get("gravity") or (0.0,) * 3) + " m/s2"))
     yield Table(("", ""), rows, 2)
-    for text in run.results.remarks:
+    for text in run.results.warnings:
         yield Text(f"Warning: {text}")
 
 
@@ -120,12 +120,12 @@ def _health(results):
         yield Text("No step was accepted.")
         return
     rows = []
-    for column, told in HEALTH.items():
+    for column, reported in HEALTH.items():
         if column in steps.dtype.names and np.any(steps[column]):
             values, own = steps[column], results.step_columns[column][0]
             low, high = int(np.argmin(values)), int(np.argmax(values))
             low_high = [(number(values[i]), number(steps["time"][i])) for i in (low, high)]
-            rows.append((f"{told} [{own}]" if own else told, *low_high[0], number(values.mean()), *low_high[1]))
+            rows.append((f"{reported} [{own}]" if own else reported, *low_high[0], number(values.mean()), *low_high[1]))
     at = f"at {results.axis.path} [{unit}]" if unit else f"at {results.axis.path}"
     yield Text(f"{count(results)}.")
     yield Table(("", "smallest", at, "mean", "largest", at), rows)
@@ -164,10 +164,10 @@ def _events(results):
 
 def _event(event):
     modes = f"{event.before} to {event.after}" if event.before != event.after else ""
-    told = (number(event.time), event.element, event.name.replace("_", " "), modes)
+    reported = (number(event.time), event.element, event.name.replace("_", " "), modes)
     if not event.impulse_unit:
-        return (*told, "", "")
-    return (*told, f"{number(event.impulse)} {event.impulse_unit}", number(event.energy_lost))
+        return (*reported, "", "")
+    return (*reported, f"{number(event.impulse)} {event.impulse_unit}", number(event.energy_lost))
 
 
 def _extremes(results):

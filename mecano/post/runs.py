@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mecano.contract import SECTIONS
+from mecano.element_interface import SECTIONS
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
@@ -106,7 +106,7 @@ def _overrides(opened):
     ]
     short = [path.removeprefix("parameters.") if path.startswith("parameters.") else _ending(path) for path in paths]
     names = dict(zip(paths, short if len(set(short)) == len(paths) else paths, strict=True))
-    return _told([{names[path]: text for path, text in some.items()} for some in values])
+    return _differences([{names[path]: text for path, text in some.items()} for some in values])
 
 
 def _given(results):
@@ -133,10 +133,10 @@ def _ending(path):
 
 def _parameters(opened):
     given = [results.resolved.get("parameters", {}) for results in opened]
-    return _told([{name: _in_words(value) for name, value in some.items()} for some in given])
+    return _differences([{name: _in_words(value) for name, value in some.items()} for some in given])
 
 
-def _told(given):
+def _differences(given):
     """Texts "name = value, ..." of the values that differ; ``given``: name -> text of each file."""
     names = [name for name in dict.fromkeys(n for some in given for n in some) if len({g.get(name) for g in given}) > 1]
     nothing = ", ".join(f"no {name}" for name in names)

@@ -71,8 +71,8 @@ def scene_of(run, most):
     size = max(float(np.abs(s.points - middle[:, None]).max()) for s in drawn) or 1.0
     coloured = [_colours(run, shape, rows) for shape in drawn]
     ranges = list(_ranges(coloured))
-    told = {what for what, *_ in ranges}
-    coloured = [{what: values for what, values in colours.items() if what in told} for colours in coloured]
+    reported = {what for what, *_ in ranges}
+    coloured = [{what: values for what, values in colours.items() if what in reported} for colours in coloured]
     gravity, axis = run.deck.get("gravity"), (run.results.axis.path, run.results.axis.unit)
     up = 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity)))
     grounds = list(_grounds(run, drawn))

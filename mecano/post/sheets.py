@@ -6,7 +6,7 @@ import numpy as np
 
 from mecano.post.deployment import deployment_sheet
 from mecano.post.drop_test import drop_sheet
-from mecano.post.happenings import shock_sheet
+from mecano.post.event_groups import shock_sheet
 from mecano.post.members import member_sheets
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
@@ -19,7 +19,7 @@ PLACES = 9  # of the overview; a sketch of a mechanism that stays in place takes
 WIDE_RANGE = 3.0  # a quantity that varies by more than this factor gets a logarithmic axis
 SMALLEST = 1e-16  # shown on logarithmic axes
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
-REMARKS = {
+WARNINGS = {
     "step size": lambda values: f"{len(values)} steps",
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
     "rejected trials": lambda values: f"{np.sum(values):.0f} in all",
@@ -152,7 +152,7 @@ def _history(runs, label, columns):
     if not curves:
         return None
     logarithmic = _ranges_widely(curves)
-    note = REMARKS[label](curves[0].y.values) if len(runs) == 1 and label in REMARKS else ""
+    note = WARNINGS[label](curves[0].y.values) if len(runs) == 1 and label in WARNINGS else ""
     return Panel(label, curves, logarithmic=logarithmic, stepped=True, note=note)
 
 

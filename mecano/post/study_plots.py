@@ -54,18 +54,24 @@ def _panel(ax, output, parameter, other, joined, named):
     """Dots, in colours by the values of the ``other`` parameter where these are few; ``named``: with a legend."""
     factor, _ = shown_unit(output.unit, output.values)
     values = sorted(set(other.values)) if other is not None else []
-    told_apart = 1 < len(values) <= MOST_COLOURS
-    groups = [other.values == value for value in values] if told_apart else [np.ones(len(output.values), bool)]
+    distinguished = 1 < len(values) <= MOST_COLOURS
+    groups = [other.values == value for value in values] if distinguished else [np.ones(len(output.values), bool)]
     for number, group in enumerate(groups):
         known = np.flatnonzero(group & np.isfinite(output.values))
         if not len(known):
             continue
         known = known[np.argsort(parameter.values[known], kind="stable")]
-        label = f"{values[number]:.5g}" if told_apart and other.numeric else str(values[number]) if told_apart else None
+        label = (
+            f"{values[number]:.5g}"
+            if distinguished and other.numeric
+            else str(values[number])
+            if distinguished
+            else None
+        )
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
-    if told_apart and named:
+    if distinguished and named:
         title = with_unit(_short(other.name), other.unit)
         ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7, title_fontsize=7,
                   handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",

@@ -13,7 +13,7 @@ VARIABLE = "MECANO_PARENT"  # of the environment of a child: the file descriptor
 _pipe: list[int] = []  # its ends, for reading and for writing, once there is a child
 
 
-def tied():
+def popen_options():
     """Options of ``subprocess.Popen`` for a process of mecano that ends, as by SIGTERM, when this process has ended."""
     if not _pipe:
         _pipe.extend(os.pipe())
@@ -21,7 +21,7 @@ def tied():
 
 
 def watch_parent():
-    """From now on end this process by SIGTERM when the one that started it, ``tied``, has ended."""
+    """From now on end this process by SIGTERM when the one that started it, ``popen_options``, has ended."""
     descriptor = os.environ.pop(VARIABLE, "")
     if descriptor.isdigit():
         threading.Thread(target=_end_with_parent, args=(int(descriptor),), daemon=True).start()

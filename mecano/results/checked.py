@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 
 from mecano.errors import MecanoError, ResultsError
-from mecano.results.live_sums import last_table
-from mecano.results.positioned import Positioned
-from mecano.results.seal import BLOCK, seal_of
+from mecano.results.checksums import BLOCK, seal_of
+from mecano.results.live_checksums import last_table
+from mecano.results.seekable import Seekable
 
 AT_ONCE = 256  # blocks
 PAGE = 4096
@@ -26,7 +26,7 @@ _HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-class Checked(Positioned):
+class Checked(Seekable):
     """A read-only file-like object for h5py over a file, each byte of which is checked by the sums in the file.
 
     Reading a block that has changed raises OSError, and so does reading behind the end of a file that was cut short.

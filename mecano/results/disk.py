@@ -2,7 +2,7 @@
 
 HDF5 writes through this object instead of by itself, for five reasons:
 
-* Every byte has a check sum, whenever the process is killed (live_sums.py).
+* Every byte has a check sum, whenever the process is killed (live_checksums.py).
 * HDF5 notes the new end of the file in the superblock before it makes the file that long; a kill in between
   leaves a file that nothing opens. Here the file, with the table of sums at its end, grows first.
 * After a failed write (disk full) HDF5 can neither go on nor close, and crashes at the exit of the process.
@@ -28,9 +28,9 @@ from pathlib import Path
 import h5py
 
 from mecano.process.interrupt import SIGNALS
-from mecano.results.live_sums import LiveSums, put
-from mecano.results.positioned import Positioned
-from mecano.results.seal import BLOCK, seal, seal_of
+from mecano.results.checksums import BLOCK, seal, seal_of
+from mecano.results.live_checksums import LiveChecksums, put
+from mecano.results.seekable import Seekable
 from mecano.results.whole_file import appearing
 
 PAGE = 4096
@@ -38,7 +38,7 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
 
 
-class Disk(Positioned):
+class Disk(Seekable):
     """A file-like object for h5py over a file that is being written; its bytes have check sums at every instant.
 
     Parameters
@@ -59,7 +59,7 @@ class Disk(Positioned):
     def __init__(self, path, begun=False):
         self.error = None
         self._descriptor = os.open(path, os.O_RDWR | (0 if begun else os.O_CREAT | os.O_TRUNC), 0o666)
-        self._sums = LiveSums(self._descriptor)
+        self._sums = LiveChecksums(self._descriptor)
         self.size = _unsealed_size(self._descriptor) if begun else 0
         self._withheld = []  # (offset, bytes) of the writes after the failure, which HDF5 may read again
 

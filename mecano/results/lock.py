@@ -121,9 +121,9 @@ def _refuse_living(path, record, content):
     """Raise ResultsError unless the process of a record is known to be gone."""
     advice = f"if nothing writes it any more, remove {record} and try again"
     try:
-        told = json.loads(content)
-        state = _state(told)
-        who = f"process {told['process']} on {told['host']} (since {told['since']})"
+        reported = json.loads(content)
+        state = _state(reported)
+        who = f"process {reported['process']} on {reported['host']} (since {reported['since']})"
     except (ValueError, KeyError, TypeError, AttributeError):
         raise ResultsError(f"{path} may be being written: who does so, {record} does not tell; {advice}") from None
     if state == HERE:
@@ -134,19 +134,19 @@ def _refuse_living(path, record, content):
         )
 
 
-def _state(told):
+def _state(reported):
     """Whether the process of a record lives HERE, may live ELSEWHERE, or is GONE."""
     own = _own_record()
-    if _restarted(told["job"], own["job"]):
+    if _restarted(reported["job"], own["job"]):
         return GONE
-    if any(told[key] != own[key] for key in ("host", "machine")) or os.name != "posix":
+    if any(reported[key] != own[key] for key in ("host", "machine")) or os.name != "posix":
         return ELSEWHERE
-    if told["boot"] != own["boot"]:
+    if reported["boot"] != own["boot"]:
         return GONE
-    if told["space"] != own["space"]:
+    if reported["space"] != own["space"]:
         return ELSEWHERE  # in another container, whose numbers of processes are others
-    process = int(told["process"])
-    return HERE if lives(process) and start_ticks(process) == told["ticks"] else GONE
+    process = int(reported["process"])
+    return HERE if lives(process) and start_ticks(process) == reported["ticks"] else GONE
 
 
 def _restarted(before, now):

@@ -23,7 +23,7 @@ class Source:
     ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
     and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
     ``automatic`` what stood for values that the deck leaves automatic; ``model`` numbers that tell the model: mass,
-    unknowns, mobility...; ``remarks`` what the user was told at the start.
+    unknowns, mobility...; ``warnings`` what the user was told at the start.
     """
 
     deck_text: str
@@ -34,7 +34,7 @@ class Source:
     includes: dict = field(default_factory=dict)
     automatic: dict = field(default_factory=dict)
     model: dict = field(default_factory=dict)
-    remarks: tuple = ()
+    warnings: tuple = ()
 
     def texts(self):
         """Return what the group ``deck`` holds: dataset name -> text."""
@@ -45,7 +45,7 @@ class Source:
             "includes": to_json(self.includes),
             "automatic": to_json(self.automatic),
             "model": to_json(self.model),
-            "remarks": to_json(list(self.remarks)),
+            "remarks": to_json(list(self.warnings)),
         }
 
 

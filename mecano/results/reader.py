@@ -23,7 +23,7 @@ from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
-_KEPT = tuple("time events steps extremes resolved metadata automatic model remarks checkpoint".split())
+_KEPT = tuple("time events steps extremes resolved metadata automatic model warnings checkpoint".split())
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
@@ -272,8 +272,8 @@ class Results:
         metadata["includes"] = self._json("deck/includes")
         metadata["format_version"] = self.format_version
         metadata["wall_time"], metadata["processor_time"] = self._read("run/clock", slice(None)).tolist()
-        told = "compile_time" in self._file["run"]  # older files count it as wall time
-        metadata["compile_time"] = float(self._read("run/compile_time", ())) if told else 0.0
+        reported = "compile_time" in self._file["run"]  # older files count it as wall time
+        metadata["compile_time"] = float(self._read("run/compile_time", ())) if reported else 0.0
         return metadata
 
     def _text(self, name):
@@ -305,7 +305,7 @@ class Results:
         return self._json("deck/model") if "deck/model" in self._file else {}
 
     @cached_property
-    def remarks(self):
+    def warnings(self):
         """What the user was told of the model before the march: list of texts."""
         return self._json("deck/remarks")
 

@@ -8,9 +8,9 @@ import h5py
 
 from mecano.errors import ResultsError
 from mecano.results.checked import blaming, checked, format_of, open_checked
+from mecano.results.checksums import Seal
 from mecano.results.layout import FORMAT
 from mecano.results.reader import open_results
-from mecano.results.seal import Seal
 from mecano.results.table import event_sum
 
 ROWS = 1024  # read at once
@@ -32,7 +32,7 @@ def verify(path):
             problem = _changed(source)
             if problem:
                 raise ResultsError(problem)
-            return _told(path, source)
+            return _undamaged(path, source)
     finally:
         source.close()
 
@@ -55,7 +55,7 @@ def _changed(source):
     return f"{path} is damaged: bytes have changed in {where}. They belong to: {named}"
 
 
-def _told(path, source):
+def _undamaged(path, source):
     """What is to be said of a file in which no sum shows a change; ResultsError where sums or bytes are missing."""
     whole = "every byte is as it was written"
     if format_of(path) not in ("", FORMAT):
@@ -64,14 +64,14 @@ def _told(path, source):
         return f"{path}: {format_of(path)}; {whole}"
     with open_results(path) as results:
         count, status = len(results.time), results.status
-        told = f"{path}: {status}, {count} saved times" + (f" up to {results.time[-1]:.9g}" if count else "")
+        reported = f"{path}: {status}, {count} saved times" + (f" up to {results.time[-1]:.9g}" if count else "")
         if isinstance(source.sums, Seal):
-            return f"{told}; {whole}"
+            return f"{reported}; {whole}"
         if source.sums is not None:
-            return f"{told}; {'it was not closed; ' if status in ('running', 'killed') else ''}{whole}"
+            return f"{reported}; {'it was not closed; ' if status in ('running', 'killed') else ''}{whole}"
         if status == "truncated":
-            raise ResultsError(f"{told}; it is cut short by {source.missing} bytes")
-        raise ResultsError(f"{told}; {LOST}; by those in its last checkpoint, {_checked(results)}")
+            raise ResultsError(f"{reported}; it is cut short by {source.missing} bytes")
+        raise ResultsError(f"{reported}; {LOST}; by those in its last checkpoint, {_checked(results)}")
 
 
 def owners(path, blocks, size):

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.compiled.store import compile_time
 from mecano.errors import ResultsError
+from mecano.jit.store import compile_time
 from mecano.model.extremes import Extremes
-from mecano.results.blank import CHANGING, RUNNING, TEXT_LENGTHS, blank
 from mecano.results.checkpoints import Slots
 from mecano.results.disk import SIGNATURE, Disk, open_file, undisturbed
+from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_file
 from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
@@ -97,11 +97,11 @@ class Writer:
         self._slot = 0
         self._last_time = self._safe_time = None
         with undisturbed():
-            disk.write(blank(layout))
+            disk.write(empty_file(layout))
             file = self._file = _opened(disk, layout)
             self._outputs, self._steps = NumberTable(file["storage/output"]), NumberTable(file["storage/solver"])
             self._events, self._slots = EventTable(file["events"]), Slots(file, disk)
-            self._tell(source)
+            self._write_source(source)
             file.flush()
             changing = (*CHANGING, *(f"extremes/{name}" for name in EXTREMES if layout.size))
             self._offsets = {name: file[name].id.get_offset() for name in changing}
@@ -119,7 +119,7 @@ class Writer:
                     self._file.close()
             raise
 
-    def _tell(self, source):
+    def _write_source(self, source):
         """Write where the results come from."""
         for name, text in source.texts().items():
             self._file[f"deck/{name}"] = text

@@ -11,7 +11,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from mecano.errors import UsageError
-from mecano.process.lifeline import tied
+from mecano.process.lifeline import popen_options
 from mecano.study.folder import STOPPED, Record
 from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
 
@@ -114,7 +114,7 @@ def run_case(words, file, stop):
         return None
     process = subprocess.Popen(
         [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-        process_group=0, **tied(),
+        process_group=0, **popen_options(),
     )  # fmt: skip
     said = _said(process, stop)
     content = _content(file)

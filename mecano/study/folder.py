@@ -43,8 +43,8 @@ class Folder:
     def record(self, case):
         """Return the Record of a case. Raises UsageError if it belongs to other values, ResultsError if unreadable."""
         try:
-            told = json.loads(self.file(case, ".json").read_text(encoding="utf-8"))
-            record, run = Record(**told["ended"]), told["run"]
+            reported = json.loads(self.file(case, ".json").read_text(encoding="utf-8"))
+            record, run = Record(**reported["ended"]), reported["run"]
         except FileNotFoundError:
             return Record()
         except (OSError, ValueError, KeyError, TypeError) as error:

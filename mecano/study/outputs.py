@@ -65,12 +65,12 @@ class Output:
 def checked_outputs(outputs, prepared, node_of, scope):
     """Report outputs of names that the model of a Prepared lacks; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)
-    happenings = _happenings(prepared.system)
+    event_records = _happenings(prepared.system)
     for output in outputs:
         node = node_of(output.name)
         scope.subject = f"output {quoted(output.name)}"
         if output.event:
-            _check_event(output.event, happenings, node.value["event"][1], scope)
+            _check_event(output.event, event_records, node.value["event"][1], scope)
         else:
             _check_series(output.of, lookup, node.value["of"][1], scope)
 
@@ -87,12 +87,12 @@ def _check_series(name, lookup, node, scope):
         scope.refuse(node, f"{quoted(name)} is not one number", hint)
 
 
-def _check_event(event, happenings, node, scope):
+def _check_event(event, event_records, node, scope):
     element, name = event.split()
-    if element not in happenings:
-        scope.refuse(node, f"nothing named {quoted(element)} has events", suggestion(element, happenings))
-    elif name not in happenings[element]:
-        scope.refuse(node, f"{quoted(element)} has no event {quoted(name)}", suggestion(name, happenings[element]))
+    if element not in event_records:
+        scope.refuse(node, f"nothing named {quoted(element)} has events", suggestion(element, event_records))
+    elif name not in event_records[element]:
+        scope.refuse(node, f"{quoted(element)} has no event {quoted(name)}", suggestion(name, event_records[element]))
 
 
 def _happenings(system):

@@ -6,7 +6,7 @@ import subprocess
 from mecano.analyses.progress import COMPILING
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.process.interrupt import Stopped, again
-from mecano.process.lifeline import tied
+from mecano.process.lifeline import popen_options
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table
@@ -45,7 +45,7 @@ def compile_first(deck, announce=lambda text: None):
     settings = [word for text in deck.overrides for word in ("--set", text)]
     process = subprocess.Popen(
         [*PROGRAM, "warmup", deck.file, *settings], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-        **tied(),
+        **popen_options(),
     )  # fmt: skip
     with process:
         try:

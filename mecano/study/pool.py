@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
-from mecano.process.lifeline import tied
+from mecano.process.lifeline import popen_options
+from mecano.study.error_location import line_in_study
 from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
-from mecano.study.places import line_in_study
 
 PROGRAM = (sys.executable, "-m", "mecano")
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
@@ -110,7 +110,7 @@ class Pool:
         limit = ["--max-walltime", str(self.limits.time)] if self.limits.time else []
         settings = [word for text in study.overrides(case) for word in ("--set", text)]
         words = ["run", study.deck, "-o", str(folder.file(case, ".h5")), "-q", "--resume", *limit, *settings]
-        before, child = folder.record(case), tied()
+        before, child = folder.record(case), popen_options()
         child["env"] |= ONE_THREAD
         with open(log, "ab") as stream:
             said = stream.tell()

@@ -12,9 +12,9 @@ from mecano.deck.scope import Scope
 from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import TEXT, Field
+from mecano.study.error_location import in_study
 from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, plain, shown
 from mecano.study.outputs import Output, checked_outputs
-from mecano.study.places import in_study
 from mecano.study.variation import rows_of
 
 TRIED = 5  # cases, spread over the study, of which at least one must have a valid deck

@@ -72,7 +72,7 @@ def submit(folder, cases, limits, options, wait=False):
         ended = subprocess.run(words, capture_output=True, text=True)
     except FileNotFoundError:
         raise UsageError(f"there is no sbatch on this machine; the script is in {path}") from None
-    told = ended.stdout.strip()
-    if "Submitted" not in told:
+    reported = ended.stdout.strip()
+    if "Submitted" not in reported:
         raise ResultsError(f"sbatch refuses {path}: {ended.stderr.strip()}")
-    return told
+    return reported

@@ -20,7 +20,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import read_deck
 
 DECK = Path(__file__).parents[2] / "inputs" / "flexible_pendulum.yaml"
@@ -36,10 +36,10 @@ def mecano(n, step=STEP):
     tip = [node.name for node in prepared.system.nodes].index("tip")
     spent = []
     for _ in range(REPETITIONS):
-        march = march_of(prepared)
-        run = march.begin(prepared.state, step)
+        integrator = integrator_of(prepared)
+        run = integrator.begin(prepared.state, step)
         start = time.process_time()
-        run = march.to(STEP * STEPS, run)
+        run = integrator.to(STEP * STEPS, run)
         spent.append(time.process_time() - start)
     return min(spent), abs(run.motion.z[prepared.system.numbering.x[tip] + 2] - LIMITS["mecano"])
 

@@ -21,7 +21,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 import numpy as np
 import yaml
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import deck_of_bytes
 
 RIBS, SEGMENTS, BEAMS = 7, 3, 4
@@ -90,9 +90,9 @@ def mecano(step=STEP):
     tip = prepared.system.numbering.x[[node.name for node in prepared.system.nodes].index(f"b0_{SEGMENTS - 1}")]
 
     def solve():
-        march = march_of(prepared)
+        integrator = integrator_of(prepared)
         start = time.process_time()
-        run = march.to(STEP * STEPS, march.begin(prepared.state, step))
+        run = integrator.to(STEP * STEPS, integrator.begin(prepared.state, step))
         return time.process_time() - start, run.motion.z[tip : tip + 3], run.steps
 
     return solve

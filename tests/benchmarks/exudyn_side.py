@@ -217,7 +217,7 @@ class Exudyn:
         bodies = MODELS[self.case.model](mbs, self.case.size, self.settings)
         return container, mbs, bodies
 
-    def march(self):
+    def integrate(self):
         """Solve the whole duration; CPU time [s]."""
         container, mbs, _ = self._build()
         mbs.Assemble()

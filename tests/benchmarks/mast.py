@@ -55,7 +55,7 @@ def deck(bays, **analysis):
 def measured(bays):
     """Everything about one size, as a dictionary."""
     from mecano.analyses.equilibria import follow
-    from mecano.analyses.prepare import march_of, prepare
+    from mecano.analyses.prepare import integrator_of, prepare
     from mecano.deck.read import deck_of_bytes
 
     def prepared(bays, **analysis):
@@ -74,11 +74,11 @@ def measured(bays):
     found["unknowns"] = static.system.n
     del static, result
     moving = prepared(bays, **motion)
-    march = march_of(moving)
+    integrator = integrator_of(moving)
     start = time.process_time()
-    run = march.begin(moving.state, STEP)
+    run = integrator.begin(moving.state, STEP)
     found["begin"], start = time.process_time() - start, time.process_time()
-    run = march.to(STEPS * STEP, run)
+    run = integrator.to(STEPS * STEP, run)
     found["steps"] = time.process_time() - start
     found["iterations"], found["accepted"] = run.iterations, run.steps
     found["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

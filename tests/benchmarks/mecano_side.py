@@ -7,7 +7,7 @@ import numpy as np
 import yaml
 from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import deck_of_bytes
 from mecano.solve.time.interpolate import interpolate
 
@@ -115,11 +115,11 @@ class Mecano:
         self.places = places
         self.counts = None  # (accepted steps, Newton iterations) of the last march
 
-    def march(self, *observers):
+    def integrate(self, *observers):
         """March the whole duration; CPU time [s]."""
-        march = march_of(self.prepared, observers)
+        integrator = integrator_of(self.prepared, observers)
         start = time.process_time()
-        run = march.to(self.case.duration, march.begin(self.prepared.state, self.step))
+        run = integrator.to(self.case.duration, integrator.begin(self.prepared.state, self.step))
         spent = time.process_time() - start
         self.counts = run.steps, run.iterations
         return spent
@@ -132,7 +132,7 @@ class Mecano:
         def keep(accepted):
             states.append(accepted.run.motion)
 
-        self.march(keep)
+        self.integrate(keep)
         rows = []
         for before, after in pairwise(states):
             sliver = 1e-6 * self.step

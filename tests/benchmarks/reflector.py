@@ -18,7 +18,7 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import numpy as np
 
-from mecano.analyses.prepare import march_of, prepare
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import deck_of_bytes
 from mecano.model.sampler import Sampler
 from mecano.solve.time.interpolate import interpolate
@@ -60,13 +60,13 @@ class Deployment:
     def __init__(self, deck, end=None):
         begun = time.process_time()
         prepared = prepare(deck)
-        march, self.happenings, rows, self.nodes = march_of(prepared), [], [], []
+        integrator, self.event_records, rows, self.nodes = integrator_of(prepared), [], [], []
         sampler, of = Sampler(prepared.system), prepared.system.numbering
         self.columns = [c for c in sampler.columns if COMPARED.search(c.path)]
         kept = [c.start for c in self.columns]
 
         def observe(accepted):
-            self.happenings += accepted.happenings
+            self.event_records += accepted.event_records
             while (t := EVERY * (1 + len(self.nodes))) <= accepted.run.motion.t:
                 self.nodes.append(
                     interpolate(accepted.before, accepted.run.motion, t, of).z[of.x[:, None] + np.arange(3)]
@@ -74,11 +74,11 @@ class Deployment:
             if accepted.h and not end:
                 rows.append((accepted.run.motion.t, sampler.take(accepted.run)[kept]))
 
-        march.observers = (observe,)
+        integrator.observers = (observe,)
         started = time.process_time()
-        run = march.begin(prepared.state, deck.values["time"]["step"])
-        self.run = march.to(end or deck.values["time"]["end"], run)
-        self.preparation, self.march = started - begun, time.process_time() - started
+        run = integrator.begin(prepared.state, deck.values["time"]["step"])
+        self.run = integrator.to(end or deck.values["time"]["end"], run)
+        self.preparation, self.wall_time = started - begun, time.process_time() - started
         self.unknowns = prepared.system.n
         self.time, self.rows = np.array([t for t, _ in rows]), np.array([row for _, row in rows])
 
@@ -92,13 +92,13 @@ class Deployment:
 
     def locks(self):
         """Time and impulse of the lock of each hinge."""
-        return {h.element.split("'")[1]: (h.t, h.impulse, h.lost) for h in self.happenings if h.name == "locks"}
+        return {h.element.split("'")[1]: (h.t, h.impulse, h.lost) for h in self.event_records if h.name == "locks"}
 
 
 def precision():
     """CPU and errors for several steps and tolerances, against the reference."""
     best = Deployment(deck(time=REFERENCE))
-    print(f"reference: {best.run.steps} steps, march {best.march:.1f} s", flush=True)
+    print(f"reference: {best.run.steps} steps, march {best.wall_time:.1f} s", flush=True)
     for name, text in TIMES.items():
         run = Deployment(deck(time=text))
         lag = max(abs(run.locks()[name][0] - t) for name, (t, *_) in best.locks().items())
@@ -106,7 +106,7 @@ def precision():
         rates = [_rates(one) for one in (run, best)]
         change = max(abs(rates[0][name] / rate - 1.0) for name, rate in rates[1].items())
         print(
-            f"{name}  {run.run.steps} steps, {run.run.rejected} rejected  march {run.march:.2f} s  "
+            f"{name}  {run.run.steps} steps, {run.run.rejected} rejected  march {run.wall_time:.2f} s  "
             f"nodes {off:.1e} m  locks {lag * 1e3:.2f} ms, rates {change:.1%}  "
             f"stress {run.stress() / best.stress() - 1:+.1%}  "
             f"complete {max(t for t, *_ in run.locks().values()):.4f} s",
@@ -123,11 +123,11 @@ def growth():
     """CPU per unknown and step of larger reflectors that begin to deploy, their diagonals still slack."""
     for modules in MODULES:
         done = Deployment(deck("--modules", str(modules), without=WINDER, time=FIXED.format(0.01)), EARLY)
-        each = done.march / done.unknowns / done.run.steps
+        each = done.wall_time / done.unknowns / done.run.steps
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(
             f"{modules} modules  {done.unknowns} unknowns  preparation {done.preparation:.1f} s  "
-            f"march {done.march:.2f} s  {done.run.steps} steps  {done.run.iterations} iterations  "
+            f"march {done.wall_time:.2f} s  {done.run.steps} steps  {done.run.iterations} iterations  "
             f"{each * 1e6:.2f} us  {memory:.0f} MiB",
             flush=True,
         )

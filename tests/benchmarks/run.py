@@ -62,8 +62,8 @@ def measure(case, repetitions, other):
     found["mecano"] = {"error": error(case, ours.trace(), own), "rho_inf": case.rho}
     if theirs:
         found["exudyn"], found["agreement"] = _accuracy(case, theirs, own, other)
-    ours.march()
-    pairs = [(ours.march(), theirs.march() if theirs else 0.0) for _ in range(repetitions)]
+    ours.integrate()
+    pairs = [(ours.integrate(), theirs.integrate() if theirs else 0.0) for _ in range(repetitions)]
     for name, code, spent in zip(("mecano", "exudyn"), (ours, theirs), zip(*pairs, strict=True), strict=True):
         if code:
             found[name] |= {"us_per_step": 1e6 * statistics.median(spent) / case.steps, "counts": code.counts}
@@ -79,7 +79,7 @@ def _equal_accuracy(case, found, own, repetitions):
     best, step = Mecano(case), case.step
     while error(case, (longer := Mecano(case, 2.0 * step)).trace(), own) <= found["exudyn"]["error"]:
         best, step = longer, 2.0 * step
-    spent = statistics.median(best.march() for _ in range(repetitions))
+    spent = statistics.median(best.integrate() for _ in range(repetitions))
     theirs = 1e-6 * found["exudyn"]["us_per_step"] * case.steps
     return {"step": step, "error": error(case, best.trace(), own), "ratio": spent / theirs}
 
@@ -102,7 +102,7 @@ def tune(case, repetitions, other):
         code = other.Exudyn(case, settings)
         try:
             off = error(case, code.trace(), reference)
-            spent = statistics.median(code.march() for _ in range(repetitions))
+            spent = statistics.median(code.integrate() for _ in range(repetitions))
         except RuntimeError:
             print(f"{'fails':>10s} {'':11s} {settings}")
             continue

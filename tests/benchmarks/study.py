@@ -87,8 +87,8 @@ def compare(folder, cases):
     """The table against the cases and their results files."""
     table = read_study(folder / "study_runs" / "table.h5")
     for i, (speed, friction, stiffness, override) in enumerate(cases):
-        told = [table[f"parameters/{path}"][i] for path in (SPEED, FRICTION, STIFFNESS)]
-        assert told == [speed, friction, stiffness], i
+        reported = [table[f"parameters/{path}"][i] for path in (SPEED, FRICTION, STIFFNESS)]
+        assert reported == [speed, friction, stiffness], i
         assert table["case/exit_code"][i] == SPOILED.get(override, 0), (i, override, table["case/reason"][i])
         if override:
             assert table["case/status"][i] == "failed" and np.isnan(table["outputs/peak_load"][i]), i

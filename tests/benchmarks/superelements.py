@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from marching import March
+from time_runs import RecordedRun
 
 from mecano.analyses.reduction import reduce_part
 from mecano.deck.read import deck_of_bytes
@@ -70,15 +70,15 @@ def checked(text, folder):
 def run(text, folder, tip):
     """Times, lag of the tip [m], its stretch [m], processor time [s], iterations."""
     deck = checked(text, folder)
-    March(checked(text.replace(f"end: {END}", f"end: {STEP}"), folder))  # compiled
+    RecordedRun(checked(text.replace(f"end: {END}", f"end: {STEP}"), folder))  # compiled
     begun = time.process_time()
-    march = March(deck)
+    recorded = RecordedRun(deck)
     cost = time.process_time() - begun
-    x, t = march[f"nodes/{tip}/position"], march.time
+    x, t = recorded[f"nodes/{tip}/position"], recorded.time
     angle = 0.2 * t**2 + 2.279726631 * (np.cos(2 * np.pi * 0.0666666667 * t) - 1.0)
     lag = -np.sin(angle) * x[:, 0] + np.cos(angle) * x[:, 1]
     along = np.cos(angle) * x[:, 0] + np.sin(angle) * x[:, 1]
-    return t, lag, along - LENGTH, cost, march.iterations.sum()
+    return t, lag, along - LENGTH, cost, recorded.iterations.sum()
 
 
 def main(pieces):

@@ -97,9 +97,9 @@ def full_disks(cases, folder, levels, count):
             assert code in (0, 5), code
             count["came to its end" if code == 0 else "full"] += 1
             if code and path.exists():
-                told = verify(path)
+                reported = verify(path)
                 with open_results(path) as results:
-                    assert results.status == "failed", told
+                    assert results.status == "failed", reported
                     assert results.time.tobytes() == case.whole["time"][: len(results.time)].tobytes()
                     count["with a checkpoint" if results.checkpoint else "without a checkpoint"] += 1
             assert os.listdir(folder) in ([], ["r.h5"])

@@ -122,18 +122,18 @@ def in_a_fork(words, folder, first=lambda: None):
 
     What it says goes through ``said.txt`` in the folder.
     """
-    told = folder / "said.txt"
+    reported = folder / "said.txt"
     child = os.fork()
     if not child:
-        _command([str(word) for word in words], told, first)
+        _command([str(word) for word in words], reported, first)
     _, status = os.waitpid(child, 0)
-    return os.waitstatus_to_exitcode(status), told.read_text(errors="replace")
+    return os.waitstatus_to_exitcode(status), reported.read_text(errors="replace")
 
 
-def _command(words, told, first):
+def _command(words, reported, first):
     code = 1
     try:
-        descriptor = os.open(told, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        descriptor = os.open(reported, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(descriptor, 1)
         os.dup2(descriptor, 2)
         sys.stdout = sys.stderr = os.fdopen(1, "w", buffering=1, errors="replace")

@@ -147,23 +147,23 @@ class after_steps:
         self.steps, self.change = steps, change
 
     def __enter__(self):
-        from mecano.solve.time.march import March
+        from mecano.solve.time.time_integration import TimeIntegrator
 
-        self.advance, outer = March._advance, self
+        self.advance, outer = TimeIntegrator._advance, self
         count = [0]
 
-        def advance(march, run, stop):
+        def advance(integrator, run, stop):
             count[0] += 1
             if count[0] == outer.steps:
-                outer.change(march.system)
-            return outer.advance(march, run, stop)
+                outer.change(integrator.system)
+            return outer.advance(integrator, run, stop)
 
-        March._advance = advance
+        TimeIntegrator._advance = advance
 
     def __exit__(self, *_):
-        from mecano.solve.time.march import March
+        from mecano.solve.time.time_integration import TimeIntegrator
 
-        March._advance = self.advance
+        TimeIntegrator._advance = self.advance
 
 
 def told_of(error, chosen, found):

@@ -97,16 +97,18 @@ def unbalanced(found):
 
 def rejected(folder):
     """Whether a march that rejects every third step, and makes it again, comes to another end; or empty."""
-    from mecano.analyses.prepare import march_of, prepare
+    from mecano.analyses.prepare import integrator_of, prepare
     from mecano.deck.read import read_deck
 
     ends = []
     for every in (0, 3):
         checked = read_deck(folder / "deck.yaml")
         prepared = prepare(checked)
-        march = march_of(prepared)
-        reject(march, every)
-        final = march.to(checked.values["time"]["end"], march.begin(prepared.state, checked.values["time"]["step"]))
+        integrator = integrator_of(prepared)
+        reject(integrator, every)
+        final = integrator.to(
+            checked.values["time"]["end"], integrator.begin(prepared.state, checked.values["time"]["step"])
+        )
         ends.append(final.motion)
     adaptive = checked.values["time"]["adaptive"]
     of, plain = prepared.system.numbering, ends[0]
@@ -116,19 +118,19 @@ def rejected(folder):
     return f"rejected steps move the end by {off:.3g} of the length scale" if not off <= allowed else ""
 
 
-def reject(march, every):
+def reject(integrator, every):
     """Let a march reject every ``every``-th step, try another size in between, and make the step again."""
-    judge, count = march._instead, [0]
+    judge, count = integrator._instead, [0]
 
     def instead(run, trial, h, *more):
         smaller = judge(run, trial, h, *more)
         count[0] += smaller is None
         if every and smaller is None and count[0] % every == 0:
-            march._step(run, 0.3 * h)
+            integrator._step(run, 0.3 * h)
             return h
         return smaller
 
-    march._instead = instead
+    integrator._instead = instead
 
 
 def log(rng, low, high):

@@ -69,9 +69,9 @@ def started(name, folder, before=lambda: None):
     """The command in a fork, with a checkpoint whenever three times as long as the last one took has gone by."""
 
     def prepared():
-        import mecano.analyses.keeper
+        import mecano.analyses.checkpoint_writer
 
-        mecano.analyses.keeper.SHARE = 3
+        mecano.analyses.checkpoint_writer.SHARE = 3
         before()
 
     return forked(arguments(name), folder, prepared)

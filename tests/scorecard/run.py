@@ -107,11 +107,11 @@ class Tally:
 
 def made(jobs, keep, workers):
     """Yield the Trials of jobs, and say now and then how far they are."""
-    jobs, told = list(jobs), time.monotonic()
+    jobs, reported = list(jobs), time.monotonic()
     for done, trials in enumerate(spread(jobs, keep, workers), 1):
         yield from trials
-        if time.monotonic() - told > 30.0:
-            told = time.monotonic()
+        if time.monotonic() - reported > 30.0:
+            reported = time.monotonic()
             print(f"  {done} of {len(jobs)}", flush=True)
 
 
@@ -159,8 +159,8 @@ def write(rows):
 
 def commit():
     """The commit that was tried."""
-    told = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=PAGE.parent, capture_output=True, text=True)
-    return told.stdout.strip() or "unknown"
+    reported = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=PAGE.parent, capture_output=True, text=True)
+    return reported.stdout.strip() or "unknown"
 
 
 if __name__ == "__main__":

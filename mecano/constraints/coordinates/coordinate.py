@@ -1,13 +1,14 @@
 """What is known of a coordinate c of some nodes: its value, gradient, curvature and rates, as compiled functions.
 
 All functions take the record p of an element, which has the ``axes`` of the coordinate, and its ``Place``. What is done
-with a coordinate (held, driven, locked, stopped, loaded by a law, rubbed) is written once for all of them, in uses/.
+with a coordinate (held, driven, locked, stopped, loaded by a law, rubbed) is written once for all of them, in
+along_coordinate/.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, vec
 
 

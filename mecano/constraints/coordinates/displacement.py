@@ -1,7 +1,7 @@
 r"""Displacement of a node from a point o along a direction n, both inertial: :math:`n \cdot (x - o)`."""
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 
 

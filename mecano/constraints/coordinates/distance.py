@@ -1,7 +1,7 @@
 r"""Distance of two nodes: :math:`\ell = |x_1 - x_0|`. A force along it pushes the nodes apart."""
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, dot, norm, outer, vec
 
 

@@ -4,9 +4,9 @@ A force along it is a moment on the node about the driving direction a x n (equa
 Doan 1991).
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import carried
+from mecano.constraints.body_fixed import carried
 from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 

@@ -4,10 +4,10 @@ With :math:`u = \mu_1 \cdot \xi` and :math:`w = \mu_2 \cdot \xi` the angle is :m
 the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: how far the cross of a universal joint has turned.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import product_gradient, relative_rotation
+from mecano.constraints.body_fixed import product_gradient, relative_rotation
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.constraints.joint_frame import triad
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import dot, mat, vec
 

@@ -4,9 +4,9 @@ Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`.
 x1 at 6.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import carried, product_rates
+from mecano.constraints.body_fixed import carried, product_rates
 from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 

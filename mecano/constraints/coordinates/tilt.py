@@ -1,12 +1,11 @@
 r"""Tilt: :math:`c = \mu \cdot \xi` for mu carried by the first node and xi by the second.
 
 For unit vectors that are perpendicular at the start, c is the sine of the angle by which they lean to each other. A
-force g along c is the moment -g on the second node about :math:`\xi \times \mu`. The gradients are those of carried.py
-(equations (12)-(17) of Cardona, Geradin & Doan 1991).
+force g along c is the moment -g on the second node about :math:`\xi \times \mu`. The gradients are those of
+body_fixed.py (equations (12)-(17) of Cardona, Geradin & Doan 1991).
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import (
+from mecano.constraints.body_fixed import (
     add_blocks,
     carried,
     product_curvature,
@@ -16,6 +15,7 @@ from mecano.constraints.carried import (
     turning_rate,
 )  # fmt: skip
 from mecano.constraints.coordinates.coordinate import Coordinate
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, vec
 
 

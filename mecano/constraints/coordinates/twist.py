@@ -10,10 +10,10 @@ to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_
 :math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. Even where the axes are aligned the derivative of g does not vanish.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import add_blocks, carried, follow, product_rates, relative_rotation, turning_rate
+from mecano.constraints.body_fixed import add_blocks, carried, follow, product_rates, relative_rotation, turning_rate
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.constraints.joint_frame import triad
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import cross, dot, mat, outer, skew, vec
 

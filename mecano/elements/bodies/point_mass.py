@@ -1,7 +1,7 @@
 r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
-from mecano.compiled.kernel import kernel
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 from mecano.schema import NODE, NUMBER, Field, positive
 

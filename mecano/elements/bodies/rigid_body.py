@@ -12,10 +12,10 @@ its rotation; one with an ``orientation`` of its own (a marker) is held by three
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.attachment import attached_rotations, attachment
 from mecano.constraints.joint_samples import ORIENTATIONS
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, dot, mat, put, skew, vec
 from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, positive
 
@@ -24,7 +24,7 @@ RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Inertia and weight of one body; see contract.py for the arguments."""
+    """Inertia and weight of one body; see element_interface.py for the arguments."""
     c, J, A = vec(p.c, 0), mat(p.J), mat(at.R[0])
     omega, alpha = vec(at.v, 3), vec(at.a, 3)
     u = vec(at.a, 0) - vec(p.gravity, 0)

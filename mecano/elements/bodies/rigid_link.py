@@ -8,10 +8,10 @@ The follower shares the rotation of the master (Boolean identification); one wit
 start is held there by three constraints.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
 from mecano.constraints.joint_samples import two_parallel, two_places
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import NODE_PAIR, Field
 

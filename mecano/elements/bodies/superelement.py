@@ -20,10 +20,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import give_back, take_zeros
-from mecano.compiled.nowhere import wanted
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
 from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.bodies.superelement_force import (
     add_forces,
@@ -45,6 +42,9 @@ from mecano.elements.bodies.superelement_frame import (
     velocities,
 )  # fmt: skip
 from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import give_back, take_zeros
+from mecano.jit.null_matrix import wanted
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
@@ -70,7 +70,7 @@ MODE_OUTPUTS = (
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Elastic forces, damping, weight and inertia; see contract.py for the arguments."""
+    """Elastic forces, damping, weight and inertia; see element_interface.py for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
     R_f, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)

@@ -18,7 +18,6 @@ are those of Lagrange's equations of T and V without any neglect: with :math:`p 
             + \tfrac{L^2}{n} (\mathrm{tr} E_i - E_i) \nu , \qquad f_\eta = p_\eta + h_\eta
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.elements.bodies.superelement_frame import (
     FORCE,
     INERTIA,
@@ -31,6 +30,7 @@ from mecano.elements.bodies.superelement_frame import (
     place,
     tail,
 )  # fmt: skip
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
 
 

@@ -16,7 +16,7 @@ so the same line gives its angular velocity. It turns with the nodes, whatever t
 path. Elastic coordinates are :math:`d_i = y_i - X_i`, :math:`\theta_i = \log E_i` and the amplitudes of the modes.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log

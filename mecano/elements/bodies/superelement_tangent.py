@@ -4,7 +4,6 @@ A variation of the nodes varies the frame by rho, the rotations seen from it by 
 and with them all that superelement_force.py adds up. Columns of amplitudes cost one row of a matrix each.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.elements.bodies.superelement_force import first_moment, material_moment, mean_force, products, rotary
 from mecano.elements.bodies.superelement_frame import (
     DFORCE,
@@ -28,6 +27,7 @@ from mecano.elements.bodies.superelement_frame import (
     stiffened,
     tail,
 )  # fmt: skip
+from mecano.jit.kernel import kernel
 from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
 from mecano.maths.vector import NO_MATRIX, ZERO, add_vec, cross, cross_columns, dot, mat, outer, put, vec
 
@@ -41,29 +41,29 @@ def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, wo
     n, nodes = work.shape[1], 6 * p.n_nodes
     state = (spin, load, moment, force_mean, nu)
     for column in range(n):
-        for level in range(3):
+        for order in range(3):
             work[DU:] = 0.0
             if column >= nodes:
                 rho, spin_change, D_change = ZERO, ZERO, NO_MATRIX
-                amplitude(level, column, work)
+                amplitude(order, column, work)
             else:
-                rho, spin_change, D_change = unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns)
+                rho, spin_change, D_change = unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns)
             vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns)
             for i in range(n):
-                if level == 0:
+                if order == 0:
                     K[i, column] += work[COLUMN, i]
-                elif level == 1:
+                elif order == 1:
                     C[i, column] += work[COLUMN, i]
                 else:
                     M[i, column] += work[COLUMN, i]
 
 
 @kernel
-def amplitude(level, column, work):
+def amplitude(order, column, work):
     """Variation of an amplitude, its rate or its second rate."""
-    if level == 0:
+    if order == 0:
         work[DU, column] = 1.0
-    elif level == 1:
+    elif order == 1:
         work[DU_RATE, column] = 1.0
         work[DV, column] = 1.0
     else:
@@ -71,20 +71,20 @@ def amplitude(level, column, work):
 
 
 @kernel
-def unknown(p, laws, level, column, R_f, D_inverse, spin, work, turns):
+def unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns):
     """Variation of a node's position or rotation, velocity or acceleration; the changes rho, of Omega and of D."""
     k = column // 6
     work[COLUMN, column] = 1.0
     r, phi = R_f.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
     work[COLUMN, column] = 0.0
     none = NO_MATRIX
-    if level == 2:
+    if order == 2:
         put(work[DV_RATE], 6 * k, r)
         put(work[DV_RATE], 6 * k + 3, mat(turns[k, 0]) @ phi)
         return ZERO, ZERO, none
     moving = cross(place(p, laws, k), r) + p.square * (tail(mat(turns[k, 0])) @ phi)
     turn = D_inverse @ moving / p.n_nodes
-    if level == 1:
+    if order == 1:
         velocity(p, laws, k, r, phi, turn, spin, work, turns)
         return ZERO, turn, none
     D_change = position(p, laws, k, r, phi, turn, work, turns)

@@ -17,12 +17,12 @@ stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
 from mecano.elements.forces.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
 from mecano.elements.wheels.tire_law import TIRE_RECORD, prepare_tire_law
+from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, select, sqrt
 from mecano.maths.vector import add_vec, dot, mat, vec

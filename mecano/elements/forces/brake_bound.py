@@ -12,9 +12,9 @@ The slip ratio is that of textbooks at speeds above v_0 and goes to zero with th
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import touch
 from mecano.elements.wheels.tire_law import radial_force, speed_over_ground
+from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, constant, select
 from mecano.maths.surface import directions

@@ -10,8 +10,8 @@ so that node b is turned about +axis and node a about -axis; the surroundings (t
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field

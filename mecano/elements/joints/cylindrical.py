@@ -14,10 +14,10 @@ rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it a
 constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
 """
 
+from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_places
-from mecano.constraints.uses.friction import LENGTH, radius
 from mecano.elements.joints.lower_pair import Friction, LowerPair, lower_pair
 
 RADIUS = radius("radius", "radius at which turning slides", 0.0)

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import NODES, not_across, not_at_one_place, not_flipped, not_parallel
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import (
@@ -24,7 +23,8 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )  # fmt: skip
-from mecano.contract import Kind, Output, nothing
+from mecano.element_interface import Kind, Output, nothing
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 

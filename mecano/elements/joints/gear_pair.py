@@ -27,12 +27,12 @@ from itertools import product
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation, turning_rate
+from mecano.constraints.body_fixed import relative_rotation, turning_rate
 from mecano.constraints.coordinates.twist import twist_gradient
 from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Kind, Output, Part
+from mecano.element_interface import Kind, Output, Part
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
 

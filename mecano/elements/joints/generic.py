@@ -12,8 +12,8 @@ preferred: they count turns, know friction and stops, and need fewer equations. 
 :math:`\xi_3 = -\mu_3` where both tilts are held.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import relative_rotation
+from mecano.constraints.along_coordinate.measure import MOMENT
+from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
@@ -33,8 +33,8 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.constraints.uses.measure import MOMENT
-from mecano.contract import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field, choice, list_of, mapping

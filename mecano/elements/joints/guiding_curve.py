@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec
 
 CURVE_RECORD = {

@@ -3,10 +3,10 @@
 With ground as the first node the second one translates only; the moment of the joint is what holds it.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import two_parallel
-from mecano.contract import Kind, Output
+from mecano.element_interface import Kind, Output
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import NODE_PAIR, Field
 

@@ -20,14 +20,14 @@ outputs of their own.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.pair import triads_together
-from mecano.constraints.uses.friction import LENGTH, radius
 from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 

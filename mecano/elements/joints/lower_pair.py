@@ -8,7 +8,16 @@ reactions along all held axes, and then each of them is held by a part of its ow
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
+from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS
+from mecano.constraints.along_coordinate.measure import (
+    REACTIONS,
+    SLIDING,
+    TURNING,
+    follow_turning,
+    put_sliding,
+    put_turning,
+)
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.of_coordinates import (
@@ -36,10 +45,8 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.constraints.uses.friction import check_friction, friction_fields
-from mecano.constraints.uses.law import SLIDING_FIELDS, TURNING_FIELDS
-from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
-from mecano.contract import Kind, Part
+from mecano.element_interface import Kind, Part
+from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, Field
 
 
@@ -90,7 +97,7 @@ class LowerPair:
         parts += sliding_parts(d, p, context) if self.slides else []
         if d["friction"]:
             values = self.friction.values(p, d["friction"], context)
-            parts.append(Part(self.friction.kind, (0, 1), values, borrows=tuple(range(len(self.held)))))
+            parts.append(Part(self.friction.kind, (0, 1), values, coupled_to=tuple(range(len(self.held)))))
         return parts + (angle_end_parts(d, p) if self.ends is TWIST else slide_end_parts(d, p))
 
 

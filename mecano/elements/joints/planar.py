@@ -11,15 +11,15 @@ axes in the plane are chosen as for the hinge, and assembly refuses :math:`\xi_3
 Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.law import TURNING_FIELDS
+from mecano.constraints.along_coordinate.measure import MOMENT, TURNING, follow_turning, put_turning
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
 from mecano.constraints.of_coordinates import TWIST_LAW, turning_parts
 from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
-from mecano.constraints.uses.law import TURNING_FIELDS
-from mecano.constraints.uses.measure import MOMENT, TURNING, follow_turning, put_turning
-from mecano.contract import Kind, Output
+from mecano.element_interface import Kind, Output
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 

@@ -10,9 +10,9 @@ coefficient of ``restitution``, and leaves it where N falls to zero. It is held 
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, let_go, put_levels
-from mecano.contract import CONTACT, Event, Kind, Output, Row, record
+from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
+from mecano.element_interface import CONTACT, Event, Kind, Output, Row, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 from mecano.schema import GROUND, NODE, NUMBER, Field, not_negative, share
 
@@ -30,19 +30,19 @@ def _gap(p, q):
 def force(p, at, f, K, C, M):
     """Force along the normal."""
     if at.phase == AIR:
-        let_go(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
+        deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
     else:
         blocks = ((0, vec(p.normal, 0)),)
         add_constraint(f, K, MULTIPLIER, at.k, at.penalty, _gap(p, at.q) - at.m[0], at.q[MULTIPLIER], blocks)
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Gap beyond the one held, and its rates."""
     n = vec(p.normal, 0)
     g[:] = 0.0
     if at.phase == CLOSED:
-        put_levels(g, 0, _gap(p, at.q) - at.m[0], dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0)))
+        put_derivatives(g, 0, _gap(p, at.q) - at.m[0], dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0)))
 
 
 @kernel
@@ -109,7 +109,7 @@ PLANE_CONTACT = Kind(
         Output("closed", "-", "1 while it touches, 0 else"),
     ),
     multipliers=(Row("normal force of the plane", "N", "m", unilateral=True),),
-    modes=("air", "contact"),
+    phases=("air", "contact"),
     events=(
         Event("touches", "air", "contact", "the ball reaches the plane: it stays or rebounds; a shock", CONTACT,
               "restitution"),
@@ -119,7 +119,7 @@ PLANE_CONTACT = Kind(
     prepare=prepare,
     check=check,
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     observe=observe,
     event_values=event_values,
     commit=commit,

@@ -28,11 +28,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
+from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Kind, Output, Row, record
+from mecano.element_interface import Kind, Output, Row, record
 from mecano.elements.joints.guiding_curve import (
     CURVE_RECORD,
     check_curve,
@@ -44,6 +43,7 @@ from mecano.elements.joints.guiding_curve import (
     overrun,
     prepare_curve,
 )  # fmt: skip
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import ZERO, dot, mat, norm, put, vec
 from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list_of
 
@@ -69,13 +69,13 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates along each axis."""
     X, slope, curvature = curve_at(p, at.laws, at.q[S])
     for i in range(p.rows):
         Phi, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.axes[i], 0))
         second -= slope[i] * at.a[S] + curvature[i] * at.v[S] * at.v[S]
-        put_levels(g, i, Phi - X[i], rate - slope[i] * at.v[S], second)
+        put_derivatives(g, i, Phi - X[i], rate - slope[i] * at.v[S], second)
 
 
 @kernel
@@ -180,7 +180,7 @@ POINT_ON_CURVE = Kind(
     check=check,
     ends=ends,
     force=force,
-    levels=levels,
+    constraint_derivatives=constraint_derivatives,
     observe=observe,
     sample=sample,
 )

@@ -8,14 +8,14 @@ with theta the angle of that joint, zero in the deck; f may go over many turns. 
 about the axis; its power :math:`k\lambda\, \dot f` is given by the surroundings.
 """
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import follow
+from mecano.constraints.along_coordinate.hold import TARGET, target
+from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import RELATIVE_ANGLE
-from mecano.constraints.uses.hold import TARGET, target
-from mecano.contract import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field
 

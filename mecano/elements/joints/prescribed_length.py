@@ -9,11 +9,11 @@ surroundings.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.hold import TARGET, target
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE
-from mecano.constraints.uses.hold import TARGET, target
-from mecano.contract import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, norm, vec
 from mecano.schema import CURVE, Field
 

@@ -8,11 +8,11 @@ is given by the surroundings.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.hold import TARGET, target
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.of_coordinates import HELD_COORDINATE
-from mecano.constraints.uses.hold import TARGET, target
-from mecano.contract import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
 

@@ -14,13 +14,13 @@ reactions along all five axes: the joint then shares nothing but has one multipl
 Force and moment are those of what holds b; law and friction have outputs of their own.
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.friction import LENGTH
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
-from mecano.constraints.uses.friction import LENGTH
 from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import NUMBER, Field, positive
 

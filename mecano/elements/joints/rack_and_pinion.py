@@ -13,13 +13,13 @@ does no work and is left out.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import follow
+from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import triad
-from mecano.contract import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
 

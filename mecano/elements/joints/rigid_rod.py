@@ -2,10 +2,10 @@ r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE
-from mecano.contract import Kind, Output, Part
+from mecano.element_interface import Kind, Output, Part
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import norm, vec
 from mecano.schema import NUMBER, Field, positive
 

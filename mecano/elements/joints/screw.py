@@ -14,8 +14,9 @@ Options: ``turning_law`` gives a moment about the axis from the angle and its ra
 
 import math
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import follow
+from mecano.constraints.along_coordinate.law import TURNING_FIELDS
+from mecano.constraints.along_coordinate.measure import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
+from mecano.constraints.body_fixed import follow
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import not_across, not_flipped
 from mecano.constraints.joint_samples import SLIDE_ENDS, SPRUNG, two_places
@@ -28,9 +29,8 @@ from mecano.constraints.of_coordinates import (
     turning_parts,
 )
 from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
-from mecano.constraints.uses.law import TURNING_FIELDS
-from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
-from mecano.contract import Kind, Part, record
+from mecano.element_interface import Kind, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
 

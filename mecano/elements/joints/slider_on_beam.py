@@ -20,11 +20,11 @@ from functools import cache
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
-from mecano.constraints.carried import carried
-from mecano.contract import Event, Kind, Output, Row, record
+from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
+from mecano.constraints.body_fixed import carried
+from mecano.element_interface import Event, Kind, Output, Row, record
 from mecano.elements.members.smooth_line import nearest_station, smooth_line
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm, put, skew, vec
 from mecano.schema import NODE, NODES, Field
 
@@ -107,7 +107,7 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def levels(p, at, g):
+def constraint_derivatives(p, at, g):
     """Value and rates along the inertial axes."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
@@ -118,7 +118,7 @@ def levels(p, at, g):
     X_2 = X_2 + (rate * rate * _sum(H_2, y) + at.a[own] * slope)
     X = _sum(H, y)
     for r in range(3):
-        put_levels(g, r, at.q[r] - X[r], at.v[r] - X_1[r], at.a[r] - X_2[r])
+        put_derivatives(g, r, at.q[r] - X[r], at.v[r] - X_1[r], at.a[r] - X_2[r])
 
 
 @kernel
@@ -239,7 +239,7 @@ DECLARED = {
     "check": check,
     "ends": ends,
     "force": force,
-    "levels": levels,
+    "constraint_derivatives": constraint_derivatives,
     "observe": observe,
     "event_values": event_values,
     "commit": commit,

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, radius
 from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.constraints.uses.friction import check_friction, friction_fields, radius
-from mecano.contract import Kind, Output, Part, nothing
+from mecano.element_interface import Kind, Output, Part, nothing
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import put, vec
 
 
@@ -31,7 +31,7 @@ def observe_held(p, at, F, y, e):
 
 def parts_held(d, nodes, context):
     """Three multipliers, and the friction that they drive."""
-    friction = Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), borrows=(0,))
+    friction = Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), coupled_to=(0,))
     return [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), friction]
 
 

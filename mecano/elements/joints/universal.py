@@ -17,8 +17,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.constraints.carried import follow, relative_rotation, turning_rate
+from mecano.constraints.along_coordinate.friction import LENGTH, check_friction, friction_fields, radius
+from mecano.constraints.along_coordinate.law import law_values
+from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
@@ -35,9 +36,8 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.constraints.uses.friction import LENGTH, check_friction, friction_fields, radius
-from mecano.constraints.uses.law import law_values
-from mecano.contract import Kind, Output, Part, nothing, record
+from mecano.element_interface import Kind, Output, Part, nothing, record
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
@@ -76,7 +76,7 @@ def _put_angles(p, m, v, R, y):
 
 
 @kernel
-def observe_rubbing(p, at, F, y, e):
+def observe_with_friction(p, at, F, y, e):
     """Both angles and the reactions, where three multipliers hold the position."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, vec(at.q, 13))
@@ -127,7 +127,7 @@ def _turning(d, p, context):
     ]
 
 
-def parts_rubbing(d, nodes, context):
+def parts_with_friction(d, nodes, context):
     """The position held by multipliers, and the friction of both pins."""
     p, given = prepare(d, nodes, context), d["friction"]
     perpendicular, *turning = parts(d, nodes, context)
@@ -242,7 +242,7 @@ UNIVERSAL = Kind(
 )  # fmt: skip
 
 UNIVERSAL_RUBBING = replace(
-    UNIVERSAL, name="universal_rubbing", shares=nothing, parts=parts_rubbing, observe=observe_rubbing
+    UNIVERSAL, name="universal_rubbing", shares=nothing, parts=parts_with_friction, observe=observe_with_friction
 )
 UNIVERSAL_ELASTIC = replace(
     UNIVERSAL, name="universal_elastic", dtype=PAIR_RECORD, prepare=prepare_elastic, shares=nothing,

@@ -20,8 +20,7 @@ import math
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
     end_loads,
@@ -35,6 +34,7 @@ from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
 from mecano.elements.members.cross_section import MOST_POINTS, constants, is_round
+from mecano.jit.kernel import kernel
 from mecano.maths.rotation_vector import first_derivative
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import cross, dot, mat, put
@@ -51,7 +51,7 @@ RECORD = record(
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Elastic forces, damping, inertia and weight; see contract.py for the arguments."""
+    """Elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
     R1, R2 = mat(at.R[0]), mat(at.R[1])
     W = R1.T @ R2
     add_elastic(p, at.q, at.v, W, R2, f, K, C)

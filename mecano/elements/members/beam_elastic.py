@@ -20,7 +20,7 @@ along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element. Wi
 12 EI/L^2 would tilt the sections.
 """
 
-from mecano.compiled.kernel import inlined, kernel
+from mecano.jit.kernel import inlined, kernel
 from mecano.maths.rotation_vector import (
     first_derivative,
     inverse_coefficients,

@@ -16,7 +16,7 @@ waves of fourth order.
 
 import numpy as np
 
-from mecano.compiled.kernel import inlined, kernel
+from mecano.jit.kernel import inlined, kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, cross_columns, dot, mat, outer, skew, vec
 
 # products of line (L) and tangent (T) functions, of one node (M) and of both (N); T of the second node: other sign

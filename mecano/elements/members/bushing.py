@@ -20,11 +20,11 @@ the sines of tilt and of the twist.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.maths.so3 import log, tangent_inverse
 from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping

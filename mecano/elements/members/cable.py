@@ -27,7 +27,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints import wound_line
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
@@ -42,14 +41,15 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.wound_line import CATCHES
-from mecano.contract import Event, Kind, Output, record
+from mecano.element_interface import Event, Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
 TAUT = 0  # a bar is always in this mode
-CABLE_MODES = ("taut", "slack")
+CABLE_PHASES = ("taut", "slack")
 
 
 @kernel
@@ -170,7 +170,7 @@ def sample_cable(rng):
         ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
         ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
         ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
-        *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), mode) for mode in ("taut", "paying out")),
+        *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), phase) for phase in ("taut", "paying out")),
     ]
 
 
@@ -229,7 +229,7 @@ CABLE = Kind(
     layout=("x0", "x1"),
     fields=(*FIELDS, *WINDER_FIELDS),
     outputs=(*OUTPUTS, Output("state", "-", "0 slack, 1 taut, 2 paying out")),
-    modes=CABLE_MODES,
+    phases=CABLE_PHASES,
     events=(
         Event("goes taut", "slack", "taut", "the length rises to the natural length"),
         Event("goes slack", "taut", "slack", "the tension falls to zero"),
@@ -247,7 +247,7 @@ WOUND_CABLE = replace(
     CABLE,
     name="wound_cable",
     dtype=wound_line.RECORD,
-    modes=wound_line.MODES,
+    phases=wound_line.PHASES,
     events=wound_line.EVENTS,
     memory=wound_line.MEMORY,
     prepare=prepare_wound,

@@ -9,11 +9,11 @@ N > 0 pulls the nodes together.
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
-from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
-from mecano.contract import Kind, Output, record
+from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_force, law_force, potential
 from mecano.maths.vector import add_vec
 from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
@@ -74,10 +74,10 @@ def sample(rng):
     )
     cubic = (("polynomial", {"coefficients": [1.0, 20.0, 0.0, 7.0]}), ("damper", {"coefficient": 3.0}))
     samples = []
-    for mode, length in zip(MODES, (1.0, 2.0, 3.0), strict=True):
+    for phase, length in zip(PHASES, (1.0, 2.0, 3.0), strict=True):
         x, line = rng.normal(size=(2, 3))
         nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
-        samples.append(({"law": strut, "natural_length": 2.0}, nodes, mode))
+        samples.append(({"law": strut, "natural_length": 2.0}, nodes, phase))
     return [*samples, ({"law": cubic}, 2, "between")]
 
 
@@ -102,7 +102,7 @@ SPRING_DAMPER = Kind(
         Output("force", "N", "axial force; > 0 pulls the nodes together"),
         Output("stroke", "m", "compression: natural length - length"),
     ),
-    modes=MODES,
+    phases=PHASES,
     events=EVENTS,
     prepare=prepare,
     check=check,

@@ -8,13 +8,13 @@ ends together:
 .. math::  M = M(\theta - \theta_0, \dot\theta)
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.constraints.along_coordinate.law import law_values, report
 from mecano.constraints.coordinates.twist import followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
-from mecano.constraints.stop_modes import EVENTS, MODES
-from mecano.constraints.uses.law import law_values, report
-from mecano.contract import Kind, Output
+from mecano.constraints.stop_phases import EVENTS, PHASES
+from mecano.element_interface import Kind, Output
+from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
@@ -46,8 +46,8 @@ def sample(rng):
         ("damper", {"coefficient": 1.5}),
     )
     samples = [
-        ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, mode)
-        for mode, angle in zip(MODES, (1.5, 0.0, -1.5), strict=True)
+        ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, phase)
+        for phase, angle in zip(PHASES, (1.5, 0.0, -1.5), strict=True)
     ]
     return [*samples, ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": 0.7}, 2, "between")]
 
@@ -71,7 +71,7 @@ TORSION_SPRING_DAMPER = Kind(
         Output("rate", "rad/s", "rate of the angle"),
         Output("moment", "N m", "moment of the law: on a about +axis, on b about -axis"),
     ),
-    modes=MODES,
+    phases=PHASES,
     events=EVENTS,
     memory=("angle",),
     prepare=prepare,

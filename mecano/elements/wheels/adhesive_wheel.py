@@ -11,14 +11,14 @@ energy, that do not slip. The impulse of this shock is that of the driving force
 (docs/shocks.md). Sideways there is no shock, since y has no inertia.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import patch
-from mecano.contract import GRIP, Event
+from mecano.element_interface import GRIP, Event
 from mecano.elements.wheels.lateral_force import relax
 from mecano.elements.wheels.patch_load import add_load, load_of
 from mecano.elements.wheels.patch_wheel import patch_wheel, put_patch
 from mecano.elements.wheels.tire_wheel import AIR, LIFT_OFF
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, norm
 

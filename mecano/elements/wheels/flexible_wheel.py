@@ -27,13 +27,13 @@ the rolling), as given.
 In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
 """
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import patch
 from mecano.elements.wheels.lateral_force import relax
 from mecano.elements.wheels.patch_load import add_load, load_of
 from mecano.elements.wheels.patch_wheel import SCALARS, patch_wheel, put_patch
 from mecano.elements.wheels.tire_law import gripping
 from mecano.elements.wheels.tire_wheel import AIR
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, norm
 
 

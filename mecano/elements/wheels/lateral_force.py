@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y
 from mecano.elements.wheels.string_law import NO_PACE, OF_STRING, pace
+from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.vector import Vec3, add_vec, dot, mat, vec
 

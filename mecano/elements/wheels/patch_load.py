@@ -5,10 +5,10 @@ The friction F in the ground is left to the kind of wheel: it slips, or it is he
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.elements.wheels.lateral_force import Lateral, lateral_law
 from mecano.elements.wheels.tire_law import elastic_force, radial_force, speed_over_ground
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
 
 

@@ -1,16 +1,15 @@
 """What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import PSI, Y
-from mecano.contract import Kind, Output, record
+from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.lateral_force import lateral_energy, lateral_energy_rate
 from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
 from mecano.elements.wheels.tire_law import TIRE_RECORD
 from mecano.elements.wheels.tire_wheel import (
     CONTACT,
     EVENTS,
-    MODES,
+    PHASES,
     Grip,
     check_wheel,
     large_wheel,
@@ -20,6 +19,7 @@ from mecano.elements.wheels.tire_wheel import (
 )
 from mecano.elements.wheels.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NUMBER, Field, mapping
 
@@ -129,7 +129,7 @@ def remedies(d):
     return [*found, f"a greater 'tire_law.slip_regularization' (now {law['slip_regularization']:g} m/s)"]
 
 
-def _sample(rng, profile, eps, mode, form):
+def _sample(rng, profile, eps, phase, form):
     """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
@@ -139,7 +139,7 @@ def _sample(rng, profile, eps, mode, form):
         "damping_by_load": growing, "damping_by_speed": falling, "aligning_moment": [20.0, -30.0, 4.0, 5.0],
         "relaxation_in_air": 0.01,
     }  # fmt: skip
-    return large_wheel(rng, profile, eps, falling, falling, lateral), 1, mode
+    return large_wheel(rng, profile, eps, falling, falling, lateral), 1, phase
 
 
 def sample(rng):
@@ -152,7 +152,7 @@ def sample(rng):
     return [_sample(rng, *case) for case in cases]
 
 
-def patch_wheel(name, doc, relaxing, residual, observe, events=EVENTS, **constraints):
+def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constraints):
     """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
     return Kind(
         name=name,
@@ -161,10 +161,10 @@ def patch_wheel(name, doc, relaxing, residual, observe, events=EVENTS, **constra
         dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
         layout=("x0", "R0"),
         scalars=SCALARS,
-        relaxing=relaxing,
+        massless=massless,
         fields=FIELDS,
         outputs=OUTPUTS,
-        modes=MODES,
+        phases=PHASES,
         events=events,
         prepare=prepare,
         start=start,

@@ -23,7 +23,6 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 
 import math
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import FIELDS, OUTPUTS, check_touching, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
@@ -44,8 +43,9 @@ from mecano.constraints.ground import (
 from mecano.constraints.of_coordinates import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
-from mecano.contract import CONTACT as SHOCK
-from mecano.contract import Event, Kind, Part, record
+from mecano.element_interface import CONTACT as SHOCK
+from mecano.element_interface import Event, Kind, Part, record
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, mat, vec
 from mecano.schema import BOOLEAN, Field, choice
@@ -159,7 +159,7 @@ def sample(rng):
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     waves = (*wave, ("bump", {"start": -2.0, "length": 9.0, "height": 0.1}))
     found = []
-    for height, axle, unilateral, mode in (
+    for height, axle, unilateral, phase in (
         (None, "free", False, "contact"), (waves, "free", True, "contact"), (None, "level", False, "contact"),
         (wave, "free", True, "air"),
     ):  # fmt: skip
@@ -168,7 +168,7 @@ def sample(rng):
             "radius": 8.0, "axis": level + 0.3 * normal, "ground": ground, "axle": axle,
             "unilateral": unilateral,
         }  # fmt: skip
-        found.append((values, on_the_slope(rng, normal), mode))
+        found.append((values, on_the_slope(rng, normal), phase))
     return found
 
 
@@ -180,7 +180,7 @@ RIGID_WHEEL = Kind(
     layout=("x0", "R0"),
     fields=(*FIELDS, *OPTIONS),
     outputs=OUTPUTS,
-    modes=("contact", "air"),
+    phases=("contact", "air"),
     events=(
         Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),

@@ -10,11 +10,11 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
-from mecano.contract import Kind, Output, Part
+from mecano.element_interface import Kind, Output, Part
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, Field

@@ -48,7 +48,7 @@ did not, from the motion of the wheel alone: the own dy/dt would otherwise enter
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.dual import select, sqrt
 from mecano.schema import NUMBER, Field, mapping, positive
 

@@ -17,8 +17,8 @@ exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1,
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
+from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve, curve_and_slope, potential

@@ -2,17 +2,17 @@
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
-from mecano.contract import Event, Output
+from mecano.element_interface import Event, Output
 from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot
 from mecano.schema import TIRE_LAW, Field
 
 AIR, CONTACT = 0, 1
-MODES = ("air", "contact")
+PHASES = ("air", "contact")
 MOST_DEFORMATION = 0.5  # of the radius: at the start, of a law that does not say how far it holds
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
 EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)

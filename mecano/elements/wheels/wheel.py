@@ -29,17 +29,16 @@ wheel body's: its rotation spins with the wheel.
 
 from typing import NamedTuple
 
-from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
-from mecano.contract import Kind, record
+from mecano.element_interface import Kind, record
 from mecano.elements.wheels.tire_law import TIRE_RECORD, gripping, radial_force, speed_over_ground
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
     EVENTS,
     FIELDS,
-    MODES,
     OUTPUTS,
+    PHASES,
     Grip,
     check_wheel,
     large_wheel,
@@ -47,6 +46,7 @@ from mecano.elements.wheels.tire_wheel import (
     put_tire,
     range_of_law,
 )  # fmt: skip
+from mecano.jit.kernel import kernel
 from mecano.maths.surface import Contact
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
 
@@ -113,8 +113,8 @@ def sample(rng):
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
     by_speed = (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),)
     return [
-        (large_wheel(rng, profile, eps, friction, by_speed, None), 1, mode)
-        for profile, eps, mode in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
+        (large_wheel(rng, profile, eps, friction, by_speed, None), 1, phase)
+        for profile, eps, phase in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
     ]
 
 
@@ -126,7 +126,7 @@ WHEEL = Kind(
     layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
-    modes=MODES,
+    phases=PHASES,
     events=EVENTS,
     prepare=prepare_wheel,
     check=check_wheel,

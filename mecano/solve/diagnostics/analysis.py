@@ -54,7 +54,7 @@ class Analysis:
     rank: int
     redundant: tuple  # Group
     dependent: object  # projector on the reactions in a redundancy, see ``_directions``; None where there is none
-    let_go: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``; None where none are
+    release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
     gradient: Entries
     names: list  # of the equations of the unknowns
     complete: bool = True
@@ -87,7 +87,11 @@ class Analysis:
     @property
     def released(self):
         """Constraints (n,) that are let go."""
-        return np.zeros(0, np.int64) if self.let_go is None else np.flatnonzero(np.diff(self.let_go.indptr))
+        return (
+            np.zeros(0, np.int64)
+            if self.release_matrix is None
+            else np.flatnonzero(np.diff(self.release_matrix.indptr))
+        )
 
 
 def analyse(system, s, length):
@@ -103,9 +107,11 @@ def analyse(system, s, length):
     null = _left_null(B.dense(loops))
     redundant, rank = groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
-    let_go = _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
+    release_matrix = (
+        _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
+    )
     dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
-    return Analysis(rank, redundant, dependent, let_go, B, names)
+    return Analysis(rank, redundant, dependent, release_matrix, B, names)
 
 
 def gradient(system, s, length):

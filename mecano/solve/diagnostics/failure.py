@@ -63,11 +63,13 @@ def unresisted(system):
 
     They are the null vector of the tangent which the residual drives, a line for each node, joint or element.
     """
-    from mecano.solve.linear.equilibrated import Equilibrated  # no ordinary run needs it (docs/architecture.md, Start)
+    from mecano.solve.linear.scaled_superlu import (
+        ScaledSuperLU,  # no ordinary run needs it (docs/architecture.md, Start)
+    )
 
     n, of, places = system.n, system.numbering, {}
     try:
-        matrix = Equilibrated(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
+        matrix = ScaledSuperLU(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
         x = np.abs(matrix.driven_null_vector(system.residual[:n]))
     except (RuntimeError, ValueError):  # exactly singular all the same, or not finite
         return ""
@@ -147,11 +149,11 @@ def minimum_step(system, before, after, error, t, h):
     return _of_equations(failed, system, [worst])
 
 
-def standstill(happening, count, t):
+def standstill(event, count, t):
     """The error when the same event happens again and again while time stands still."""
     return ConvergenceError(
-        f"time stands still at t = {t:.9g} s: {happening.element} has met '{happening.name}' ({happening.before} -> "
-        f"{happening.after}) {count} times there\n"
+        f"time stands still at t = {t:.9g} s: {event.element} has met '{event.name}' ({event.before} -> "
+        f"{event.after}) {count} times there\n"
         "what to try: laws of this element without jumps, some damping at its stops, or nodes a little farther from "
         "where two of its modes meet; for a wheel that cannot slip, a flexible one: without slip it may be able "
         "neither to stay on the ground nor to leave it"

@@ -51,7 +51,7 @@ def _resting(system):
     """Own unknowns (n_q,) of flexible members, and of tyres, which are what has unknowns that relax."""
     resting = np.zeros(system.n_q, bool)
     for b in system.batches:
-        if b.kind.flexible or b.kind.relaxing:
+        if b.kind.flexible or b.kind.massless:
             own = b.dofs[:, 3 * len(b.kind.layout) :]
             own = own[own < system.n_q]
             resting[own[system.numbering.kind[own] == SCALAR]] = True

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Vector, entry
+from mecano.jit.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, TRANSLATION
-from mecano.solve.events.compliance import LET_GO
+from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 
 HUGE = 1e300  # beyond this a number counts as infinite
 TINY = 1e-300
@@ -84,7 +84,7 @@ def norms(
     f = max(f * force_tolerance, hidden)
     m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
     light, g = max(g * force_tolerance, min(hidden, MASSLESS_SHARE * g)), max(g * force_tolerance, hidden)
-    force = max(force, stiffness * distance, stiffness / LET_GO * shared) / f
+    force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / f
     moment = max(moment, stiffness * length * length * angle) / m
     constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
     return max(force, moment, scalar / g, massless / light), constraint

@@ -9,12 +9,12 @@ from functools import cached_property
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Vector, entry
+from mecano.jit.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
-LET_GO = 1e3  # over the mean stiffness of the tangent: the compliance of a constraint that is let go
+RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: the compliance of a constraint that is let go
 TINY = 1e-300
 
 
@@ -23,40 +23,40 @@ class Compliance:
     """The symmetric matrix c, which couples rows of one element only, rows P, and where they stand in the tangent.
 
     Constraints on velocities give way by c for each second: ``lag`` times c in a step, whose rows are displacements.
-    The rows P count ``LET_GO`` over the stiffness of the step. They may couple elements, for which the tangent has no
-    place. There they are the identity, with which Newton's iteration converges as well: P projects on just those
-    reactions that change with the multipliers of constraints let go.
+    The rows P count ``RELEASED_COMPLIANCE`` over the stiffness of the step. They may couple elements, for which the
+    tangent has no place. There they are the identity, with which Newton's iteration converges as well: P projects on
+    just those reactions that change with the multipliers of constraints let go.
     """
 
     matrix: object  # csr_matrix (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
     places: np.ndarray  # (matrix.nnz,) in the values of the tangent; its last one for what has none
     of_rates: np.ndarray  # (matrix.nnz,) bool
-    let_go: np.ndarray  # (matrix.nnz,) bool: P
+    released_entries: np.ndarray  # (matrix.nnz,) bool: P
     values: np.ndarray  # (matrix.nnz,) in a step
 
     @cached_property
     def released(self):
         """Constraints (n,) that are let go."""
-        return np.unique(self.matrix.tocoo().row[self.let_go])
+        return np.unique(self.matrix.tocoo().row[self.released_entries])
 
     @cached_property
     def soft(self):
         """Constraints (n,) that give way: those that repeat one another."""
-        return np.unique(self.matrix.tocoo().row[~self.let_go])
+        return np.unique(self.matrix.tocoo().row[~self.released_entries])
 
     @cached_property
     def _in_tangent(self):
         """What the tangent has of ``values``, as factors (matrix.nnz,): the identity in the place of P."""
         entries = self.matrix.tocoo()
-        return np.where(self.let_go, (entries.row == entries.col) / entries.data, 1.0)
+        return np.where(self.released_entries, (entries.row == entries.col) / entries.data, 1.0)
 
     def largest_penalty(self, stiffness):
         """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way.
 
         ``stiffness`` [N/m] is the mean one of the tangent.
         """
-        softest = self.matrix.data[~self.let_go].max(initial=TINY)
-        return min(SHARE_OF_PENALTY / softest, stiffness / LET_GO if len(self.released) else np.inf)
+        softest = self.matrix.data[~self.released_entries].max(initial=TINY)
+        return min(SHARE_OF_PENALTY / softest, stiffness / RELEASED_COMPLIANCE if len(self.released) else np.inf)
 
     @property
     def rows(self):
@@ -68,7 +68,10 @@ class Compliance:
         self.values[:] = self._values(lag, stiffness)
 
     def _values(self, lag, stiffness):
-        return np.where(self.let_go, LET_GO / stiffness, np.where(self.of_rates, lag, 1.0)) * self.matrix.data
+        return (
+            np.where(self.released_entries, RELEASED_COMPLIANCE / stiffness, np.where(self.of_rates, lag, 1.0))
+            * self.matrix.data
+        )
 
     def soften_tangent(self, k, data, values=None):
         """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
@@ -85,17 +88,18 @@ class Compliance:
         what the penalty k bears.
         """
         rows, out, forces = self.released, bottom.copy(), k * x + bottom
-        reached = -k * LET_GO * x[rows] - bottom[rows]  # k B a
+        reached = -k * RELEASED_COMPLIANCE * x[rows] - bottom[rows]  # k B a
         forces[rows] = k * x[rows] - reached
         share = forces[rows] - (self.matrix @ forces)[rows]
-        out[rows] = -reached - LET_GO * (share + reached)
+        out[rows] = -reached - RELEASED_COMPLIANCE * (share + reached)
         return out
 
     def to_plain(self):
         """Dict of arrays that ``from_plain`` turns into the same compliances."""
         c = self.matrix
         of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
-        return {**of, **{name: getattr(self, name) for name in ("places", "of_rates", "let_go", "values")}}
+        own = {"places": self.places, "of_rates": self.of_rates, "values": self.values}
+        return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
     def from_plain(cls, plain):
@@ -125,7 +129,7 @@ def compliance(system, s, length, analysis):
     the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or
     rad; all others are exact.
     """
-    if analysis.dependent is None and analysis.let_go is None:
+    if analysis.dependent is None and analysis.release_matrix is None:
         return None
     import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
@@ -138,8 +142,8 @@ def compliance(system, s, length, analysis):
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
     none = sp.csr_matrix((system.n_l, system.n_l))
-    dependent, let_go = (none if part is None else part for part in (analysis.dependent, analysis.let_go))
-    matrix = sp.csr_matrix(root @ dependent @ root + let_go)
+    dependent, release = (none if part is None else part for part in (analysis.dependent, analysis.release_matrix))
+    matrix = sp.csr_matrix(root @ dependent @ root + release)
     matrix.sort_indices()
     entries = matrix.tocoo()
     released = np.isin(entries.row, analysis.released)

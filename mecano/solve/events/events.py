@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.compiled.entry import Vector, entry
+from mecano.jit.entry import Vector, entry
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
@@ -19,7 +19,7 @@ MAX_RESTEPS = 60
 
 
 @dataclass(frozen=True)
-class Happening:
+class EventRecord:
     """An event that happened: when, where, and the change of mode."""
 
     t: float
@@ -45,7 +45,7 @@ class Located(NamedTuple):
         return self.trial is None or self.trial[2].ok
 
 
-class Watch:
+class EventMonitor:
     """The event functions of a system."""
 
     def __init__(self, system):
@@ -53,7 +53,7 @@ class Watch:
         within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array(within, bool)
 
-    def within_a_mode(self, hit):
+    def within_a_phase(self, hit):
         """True when accelerations jump at some of the events ``hit`` (n_events,) bool though no mode changes."""
         return bool(np.any(hit & self.within))
 
@@ -81,29 +81,29 @@ class Watch:
         return hit
 
     def apply(self, s, hit):
-        """The state after the events ``hit`` (n_events,) bool: (state with new modes, [Happening])."""
-        modes, happenings, first = s.modes.copy(), [], 0
+        """The state after the events ``hit`` (n_events,) bool: (state with new modes, [EventRecord])."""
+        phases, event_records, first = s.phases.copy(), [], 0
         for batch in self.system.batches:
             n = batch.event_values.size
-            of_batch, own = hit[first : first + n].reshape(batch.event_values.shape), modes[batch.modes]
+            of_batch, own = hit[first : first + n].reshape(batch.event_values.shape), phases[batch.phases]
             for e, k in zip(*np.nonzero(of_batch), strict=True):
                 event = batch.kind.events[k]
-                own[e] = batch.kind.modes.index(event.after)
-                happenings.append(Happening(s.t, batch.names[e], event.name, event.before, event.after))
+                own[e] = batch.kind.phases.index(event.after)
+                event_records.append(EventRecord(s.t, batch.names[e], event.name, event.before, event.after))
             first += n
-        self.system.follow(modes)
-        return replace(s, modes=modes), happenings
+        self.system.follow(phases)
+        return replace(s, phases=phases), event_records
 
     def entered(self, s, event):
         """The state after an ``event`` with an element, a name and two modes, if that element is in the first."""
-        modes = s.modes.copy()
+        phases = s.phases.copy()
         for batch in self.system.batches:
             names = [(of.name, of.before, of.after) for of in batch.kind.events]
             if event.element in batch.names and (event.name, event.before, event.after) in names:
-                own, before, after = modes[batch.modes], *map(batch.kind.modes.index, (event.before, event.after))
+                own, before, after = phases[batch.phases], *map(batch.kind.phases.index, (event.before, event.after))
                 own[(np.array(batch.names) == event.element) & (own == before)] = after
-        self.system.follow(modes)
-        return replace(s, modes=modes)
+        self.system.follow(phases)
+        return replace(s, phases=phases)
 
     def settle(self, s):
         """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
@@ -115,7 +115,7 @@ class Watch:
         return s
 
 
-class NoEvents(Watch):
+class NoEvents(EventMonitor):
     """No events: elements stay in the modes in which they are."""
 
     def values(self, s):
@@ -132,14 +132,14 @@ def some_happened(g0: Vector, g1: Vector) -> bool:
     return False
 
 
-def locate(watch, step, s0, g0, trial, h):
+def locate(monitor, step, s0, g0, trial, h):
     """The first event in a trial step as ``Located``, or None when there is none.
 
     step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Chandrupatla's method (Adv. Eng.
     Software 28, 1997, 145-149) on the step size, for the largest of the event functions that crossed, from both sides
     of the event: five to eight steps where they are smooth.
     """
-    g1 = watch.values(trial[0])
+    g1 = monitor.values(trial[0])
     if not some_happened(g0, g1):
         return None
     if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
@@ -157,7 +157,7 @@ def locate(watch, step, s0, g0, trial, h):
         new = step(middle)
         if not new[2].ok:
             return Located(middle, new, crossed)
-        place = middle, float(watch.values(new[0])[crossed].max())
+        place = middle, float(monitor.values(new[0])[crossed].max())
         older, opposite = (newest, opposite) if (place[1] >= 0) == (newest[1] >= 0) else (opposite, newest)
         newest = place
         if place[1] >= 0:
@@ -167,9 +167,9 @@ def locate(watch, step, s0, g0, trial, h):
         share = _share(newest, opposite, older)
     hit = crossed.copy()
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
-    hit[crossed] = watch.values(best[0])[crossed] >= np.where(watch.within[crossed], 0.0, -TOGETHER * rise)
+    hit[crossed] = monitor.values(best[0])[crossed] >= np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
     # what happens within a mode is known to have happened by what a step commits: it takes a step, however short
-    at_once = late[0] <= AT_ONCE * h and not watch.within_a_mode(hit)
+    at_once = late[0] <= AT_ONCE * h and not monitor.within_a_phase(hit)
     return Located(0.0, None, hit) if at_once else Located(late[0], best, hit)
 
 

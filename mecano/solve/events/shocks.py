@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.model.numbering import LENGTH_CONSTRAINT
-from mecano.solve.events.catches import catches
 from mecano.solve.events.complementarity import solve_complementarity
-from mecano.solve.events.events import Happening
+from mecano.solve.events.events import EventRecord
+from mecano.solve.events.impact_candidates import impact_candidates
 from mecano.solve.events.redundancy import consistent_in
 
 TOGETHER = 1e-6  # of a step: shocks that are no farther apart are one
@@ -31,7 +31,7 @@ class Shock:
     """What a shock left: velocities and modes, what happened, energy lost and given [J]."""
 
     state: object
-    happenings: list
+    event_records: list
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
@@ -43,21 +43,21 @@ class Shock:
 class Shocks:
     """The shocks of a system; ``rest`` (n_l,) approach speeds below which nothing rebounds [m/s, rad/s]."""
 
-    def __init__(self, system, method, watch, rest):
-        self.system, self.linear, self.watch, self.length = system, method.linear, watch, method.length
+    def __init__(self, system, method, monitor, rest):
+        self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
         of = system.numbering
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
-        self.catches = list(catches(system))
-        self.by_event = {catch.event: i for i, catch in enumerate(self.catches)}
-        self.events = np.array([catch.event for catch in self.catches], np.int64)
+        self.impact_candidates = list(impact_candidates(system))
+        self.by_event = {candidate.event: i for i, candidate in enumerate(self.impact_candidates)}
+        self.events = np.array([candidate.event for candidate in self.impact_candidates], np.int64)
 
-    def tire(self, elements):
+    def suppress_rebound(self, elements):
         """Let the contacts of some elements, and of no others, not rebound at any speed."""
         self.rest = self._least.copy()
-        self.rest[[catch.lead for catch in self.catches if catch.element in elements]] = np.inf
+        self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
     def among(self, hit):
         """True when some of the events ``hit`` (n_events,) bool comes with a shock."""
@@ -65,17 +65,17 @@ class Shocks:
 
     def departing(self, s, g):
         """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
-        if not self.catches:  # asked at every step
+        if not self.impact_candidates:  # asked at every step
             return g
-        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.catches[i].opened >= 0]
+        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.impact_candidates[i].opened >= 0]
         if not at:
             return g
-        g, catches = g.copy(), [self.catches[i] for i in at]
-        levels = self.system.levels(self.moded(s, catches, "through"))
-        for catch in catches:
-            rate, second = levels[catch.lead, 1:]
-            if rate > 0.0 or (rate >= -self.rest[catch.lead] and second > 0.0):
-                g[catch.event] = DEPARTING
+        g, impact_candidates = g.copy(), [self.impact_candidates[i] for i in at]
+        derivatives = self.system.constraint_derivatives(self.in_phase(s, impact_candidates, "through"))
+        for candidate in impact_candidates:
+            rate, second = derivatives[candidate.lead, 1:]
+            if rate > 0.0 or (rate >= -self.rest[candidate.lead] and second > 0.0):
+                g[candidate.event] = DEPARTING
         return g
 
     def together(self, s, hit, h):
@@ -83,17 +83,17 @@ class Shocks:
 
         Equal parts of a model differ by the rounding of its motion: this is what lets them lock together.
         """
-        hit, g = hit.copy(), self.watch.values(s)
-        due = [c for c in self.catches if not hit[c.event] and -np.inf < g[c.event] < 0.0]
-        latest = list({c.mode: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
+        hit, g = hit.copy(), self.monitor.values(s)
+        due = [c for c in self.impact_candidates if not hit[c.event] and -np.inf < g[c.event] < 0.0]
+        latest = list({c.phase: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
         if latest:
-            rates = self.system.levels(self.moded(s, latest, "through"))[:, 1]
+            rates = self.system.constraint_derivatives(self.in_phase(s, latest, "through"))[:, 1]
             for c in latest:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
         return hit
 
-    def strike(self, s, hit, compliance=None, h=np.inf, at_once=False):
+    def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False):
         """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
 
         ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go
@@ -101,25 +101,25 @@ class Shocks:
         """
         plain = hit.copy()
         plain[self.events] = False
-        s, others = self.watch.apply(s, plain)
-        closing = [self.catches[i] for i in np.flatnonzero(hit[self.events])]
+        s, others = self.monitor.apply(s, plain)
+        closing = [self.impact_candidates[i] for i in np.flatnonzero(hit[self.events])]
         if not at_once:
-            rates = self.system.levels(self.moded(s, closing, "through"))[:, 1]
+            rates = self.system.constraint_derivatives(self.in_phase(s, closing, "through"))[:, 1]
             closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
-        resting = [c for c in self.catches if c.rests(s.modes)]
-        lone = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
-        tied = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
-        held = self.moded(s, closing, "through")
-        all_held = self.moded(held, lone, "through")
-        w = self.system.levels(all_held)[:, 1]
+        resting = [c for c in self.impact_candidates if c.rests(s.phases)]
+        uncoupled = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
+        coupled = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
+        held = self.in_phase(s, closing, "through")
+        all_held = self.in_phase(held, uncoupled, "through")
+        w = self.system.constraint_derivatives(all_held)[:, 1]
         e = self._restitution(closing, w)
         while True:
-            solution = _Solution(self, self.moded(held, lone, "opened"), all_held, lone, e, compliance)
-            pulled = [c for c in tied if solution.pulls(c)]
+            solution = _Solution(self, self.in_phase(held, uncoupled, "opened"), all_held, uncoupled, e, compliance)
+            pulled = [c for c in coupled if solution.pulls(c)]
             if not pulled:
                 break
-            tied = [c for c in tied if c not in pulled]
-            held, all_held = self.moded(held, pulled, "before"), self.moded(all_held, pulled, "before")
+            coupled = [c for c in coupled if c not in pulled]
+            held, all_held = self.in_phase(held, pulled, "before"), self.in_phase(all_held, pulled, "before")
         return solution.shock(s, closing, resting, others, h)
 
     def consistent(self, s, compliance):
@@ -131,27 +131,27 @@ class Shocks:
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         return max(min((c.restitution for c in fast), default=0.0), 0.0)
 
-    def moded(self, s, catches, which):
+    def in_phase(self, s, impact_candidates, which):
         """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
-        modes = s.modes.copy()
-        for catch in catches:
-            modes[catch.mode] = getattr(catch, which)
-        self.system.follow(modes)
-        return replace(s, modes=modes)
+        phases = s.phases.copy()
+        for candidate in impact_candidates:
+            phases[candidate.phase] = getattr(candidate, which)
+        self.system.follow(phases)
+        return replace(s, phases=phases)
 
 
 class _Solution:
-    """Velocities and impulses with the contacts ``lone`` in complementarity, and everything else held."""
+    """Velocities and impulses with the contacts ``uncoupled`` in complementarity, and everything else held."""
 
-    def __init__(self, shocks, held, all_held, lone, e, compliance):
+    def __init__(self, shocks, held, all_held, uncoupled, e, compliance):
         self.shocks, self.system, self.e = shocks, shocks.system, e
-        self.lone = {c: i for i, c in enumerate(lone)}
+        self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
-        self.leads = np.array([c.lead for c in lone], np.int64)
+        self.leads = np.array([c.lead for c in uncoupled], np.int64)
         self.before = self._rates(held.v)
         self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
-        change, reactions = self.consistent.exchange(-self.system.levels(held)[:, 1])
-        if lone:
+        change, reactions = self.consistent.exchange(-self.system.constraint_derivatives(held)[:, 1])
+        if uncoupled:
             self._gather_responses()
             free = self._rates(self._moved(change))[self.leads]
             pushes = self._solve(free + e * self.before[self.leads])
@@ -159,14 +159,14 @@ class _Solution:
             reactions = reactions + self.reactions @ pushes
         self.held.v = self._moved(change)
         self.after = self._rates(self.held.v)
-        reached = self.system.levels(self.held)[:, 1] - self.system.levels(held)[:, 1]
+        reached = self.system.constraint_derivatives(self.held)[:, 1] - self.system.constraint_derivatives(held)[:, 1]
         self.impulses = reactions - self.consistent.k * reached
-        if lone:
+        if uncoupled:
             self.impulses[self.leads] = pushes
 
     def _rates(self, v):
         """Rates (n_l,) of all constraints, contacts as if closed, at velocities v (n_all,)."""
-        return self.system.levels(replace(self.all_held, v=v))[:, 1]
+        return self.system.constraint_derivatives(replace(self.all_held, v=v))[:, 1]
 
     def _moved(self, change):
         v = self.all_held.v.copy()
@@ -206,24 +206,24 @@ class _Solution:
         x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
         return x
 
-    def pulls(self, catch):
+    def pulls(self, candidate):
         """True when a contact that holds more than its normal direction would need an adhesive impulse."""
-        return self.impulses[catch.lead] < -ADHESIVE * np.abs(self.impulses).max()
+        return self.impulses[candidate.lead] < -ADHESIVE * np.abs(self.impulses).max()
 
-    def shock(self, s, closing, resting, happenings, h):
+    def shock(self, s, closing, resting, event_records, h):
         """The Shock from the state ``s`` before, for steps of h [s]."""
         lost = -0.5 * self.impulses * (self.before + self.after)
-        still = self.system.levels(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
+        still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
         stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order
         gone = [c for c in resting if c not in stay]
-        end = self.shocks.moded(replace(s, v=self.held.v), stay, "after")
-        happened = [*happenings, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
-        leaving = self._leaving([c for c in stay if c in self.lone and c.through == c.after], h)
+        end = self.shocks.in_phase(replace(s, v=self.held.v), stay, "after")
+        happened = [*event_records, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
+        leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
-        end = self.shocks.moded(end, [*gone, *leaving], "opened")
+        end = self.shocks.in_phase(end, [*gone, *leaving], "opened")
         found = [self.consistent, self.compliance, self.redundant]
-        if not np.array_equal(end.modes, self.held.modes):
+        if not np.array_equal(end.phases, self.held.phases):
             *found, redundant = self.shocks.consistent(end, self.compliance)
             found.append((*self.redundant, *redundant))
         of = self.system.numbering
@@ -232,38 +232,38 @@ class _Solution:
         given = -float(self.impulses @ still)
         return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
 
-    def _stays(self, catch, closes):
+    def _stays(self, candidate, closes):
         """True when it is closed after the shock."""
-        if catch.restitution < 0.0:
+        if candidate.restitution < 0.0:
             return True
-        if catch not in self.lone:
-            return self.held.modes[catch.mode] == catch.through
-        before, after, rest = self.before[catch.lead], self.after[catch.lead], self.shocks.rest[catch.lead]
+        if candidate not in self.uncoupled:
+            return self.held.phases[candidate.phase] == candidate.through
+        before, after, rest = self.before[candidate.lead], self.after[candidate.lead], self.shocks.rest[candidate.lead]
         if closes and before >= -rest:
             return after <= max(before, rest)
-        rebounds = closes and self.e > 0.0 and self.impulses[catch.lead] > 0.0
+        rebounds = closes and self.e > 0.0 and self.impulses[candidate.lead] > 0.0
         largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
         return not rebounds and after <= STILL * largest
 
-    def _meets(self, catch, stay):
-        return catch in stay or self.impulses[catch.lead] != 0.0
+    def _meets(self, candidate, stay):
+        return candidate in stay or self.impulses[candidate.lead] != 0.0
 
-    def _met(self, t, catch, stays, lost):
-        name, before, after = catch.names[:3]
-        return Happening(
-            t, catch.element, name, before, after if stays else before, float(self.impulses[catch.lead]),
-            catch.unit, float(lost[catch.rows].sum()),
+    def _met(self, t, candidate, stays, lost):
+        name, before, after = candidate.names[:3]
+        return EventRecord(
+            t, candidate.element, name, before, after if stays else before, float(self.impulses[candidate.lead]),
+            candidate.unit, float(lost[candidate.rows].sum()),
         )  # fmt: skip
 
     def _leaving(self, stay, h):
         """Of the contacts that stay closed, those that the accelerations part at once; they tell none of light ones."""
-        stay = [c for c in stay if not self.light[self.lone[c]]]
+        stay = [c for c in stay if not self.light[self.uncoupled[c]]]
         if not stay:
             return []
         moving = self.held.copy()
         self.consistent.accelerate(moving)
-        second = self.system.levels(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
-        at = [self.lone[c] for c in stay]
+        second = self.system.constraint_derivatives(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
+        at = [self.uncoupled[c] for c in stay]
         of_these = self.leads[at]
         forces = self._solve(second[of_these], at)
         parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
@@ -271,6 +271,6 @@ class _Solution:
         return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
 
 
-def _opened(t, catch):
-    _, _, after, back, opened = catch.names
-    return Happening(t, catch.element, back, after, opened)
+def _opened(t, candidate):
+    _, _, after, back, opened = candidate.names
+    return EventRecord(t, candidate.element, back, after, opened)

@@ -25,8 +25,8 @@ written so that they are vectorized all the same: elementwise, without sums.
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Matrix, Short, Table, Vector, entry
-from mecano.compiled.kernel import kernel
+from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
+from mecano.jit.kernel import kernel
 from mecano.solve.linear.ordering import (
     BORDER,
     CONTRIBUTION,

@@ -7,10 +7,10 @@ signals before a factorization (PAUSE), a matrix that the fixed order of elimina
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import call, floats, integers, items
 from mecano.errors import Failure
-from mecano.model.conduct import assemble, residual
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
+from mecano.model.assembly_driver import assemble, residual
 from mecano.model.loops import BATCH
 from mecano.solve.diagnostics.scales import norms
 from mecano.solve.events.compliance import soften
@@ -166,8 +166,8 @@ def evaluate(w, which):
     T, system = floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
     tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
     loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
-    t, modes, memory = time_of(w, which)[0], integers(w.modes, w.n_modes), memory_of(w, which)
-    assemble(loops, batches, system, t, z, v, a, R, modes, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
+    t, phases, memory = time_of(w, which)[0], integers(w.phases, w.n_modes), memory_of(w, which)
+    assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, z, floats(w.residual, w.n_all))
     places, values = integers(w.entry_places, w.n_entries), floats(w.entry_values, w.n_entries)
     data = floats(system[0].data, system[0].n_data)

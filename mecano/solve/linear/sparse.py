@@ -77,7 +77,7 @@ class LinearSolver:
         null, refined, error = multifrontal.solve(data, b, *self._solve_arguments, x_out)
         if error <= ACCEPT_BELOW:
             return LinearStatus(True, error, null > 0, True, null, refined)
-        return self._solve_otherwise(data, b, x_out, null)
+        return self._solve_with_superlu(data, b, x_out, null)
 
     def calls(self, data, b, x_out):
         """Return the calls with which compiled code solves A x = b anew, and with the kept factor, as PackedCalls."""
@@ -99,7 +99,7 @@ class LinearSolver:
         """True when the last ``solve`` left a factor there."""
         return self._other is None
 
-    def resolve(self, b, x_out):
+    def solve_again(self, b, x_out):
         """Solve with the matrix of the last ``solve``, unguarded; b and x_out may be the same array."""
         if self._other is None:
             multifrontal.substitute(b, *self._substitute_arguments, x_out)
@@ -129,17 +129,17 @@ class LinearSolver:
         return out
 
     @np.errstate(all="ignore")  # overflow shows in the backward error
-    def _solve_otherwise(self, data, b, x_out, null):
+    def _solve_with_superlu(self, data, b, x_out, null):
         """What the fixed order could not solve: SuperLU with row exchanges, or a reason why not."""
         values = data[: len(self._pattern[0])]
         if not (np.isfinite(values).all() and np.isfinite(b).all()):
             return LinearStatus(False, np.inf, finite=False, null_pivots=null)
-        from mecano.solve.linear.equilibrated import (
-            Equilibrated,  # no ordinary run needs it (docs/architecture.md, Start)
+        from mecano.solve.linear.scaled_superlu import (
+            ScaledSuperLU,  # no ordinary run needs it (docs/architecture.md, Start)
         )
 
         try:
-            self._other = Equilibrated(self.n, *self._pattern, values)
+            self._other = ScaledSuperLU(self.n, *self._pattern, values)
         except RuntimeError:  # exactly singular
             return LinearStatus(False, np.inf, singular=True, null_pivots=null, fallback=True)
         x_out[:] = self._other.solve(b)

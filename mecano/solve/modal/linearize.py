@@ -1,8 +1,8 @@
 r"""The equations of small motions about a state, at rest or moving, with their constraints.
 
 The elements give the derivatives K, C, M of the residual by material rotations, by velocities and by accelerations
-(contract.py). Small motions are counted in a frame that turns with a constant angular velocity w (zero: inertial axes):
-displacements :math:`\delta x = Q \xi`, rotations :math:`\delta R = \widehat{Q \varphi}\, R`, with
+(element_interface.py). Small motions are counted in a frame that turns with a constant angular velocity w (zero:
+inertial axes): displacements :math:`\delta x = Q \xi`, rotations :math:`\delta R = \widehat{Q \varphi}\, R`, with
 :math:`\dot Q = \hat w Q` and Q = 1 now. With the angular velocity :math:`\omega = R \Omega` of a node,
 
 .. math::

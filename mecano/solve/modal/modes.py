@@ -79,7 +79,7 @@ def solve(lin, number=10, method="automatic"):
     scaled = SmallMotions(lin)
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
     exact = method == "dense" and scaled.on_velocity.any()  # there free motions have the eigenvalue zero already
-    values, shapes = _told(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
+    values, shapes = _one_of_each_pair(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
     order = np.argsort(np.abs(values), kind="stable")
     growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
     chosen = np.array([*order[:number], *growing], int)
@@ -134,7 +134,7 @@ def _is_free(scaled, value, y, largest):
     return np.linalg.norm(r) <= FREE * size
 
 
-def _told(values, shapes):
+def _one_of_each_pair(values, shapes):
     """One of each conjugate pair, imaginary parts of rounding removed."""
     real = np.abs(values.imag) <= REAL * np.abs(values)
     values = np.where(real, values.real + 0j, values)

@@ -66,7 +66,7 @@ def _penalty(scaled, k):
 
 def _resolved(solver, border, b):
     x = np.empty(len(b))
-    solver.resolve(np.ascontiguousarray(border @ b), x)
+    solver.solve_again(np.ascontiguousarray(border @ b), x)
     return border @ x
 
 

@@ -28,7 +28,7 @@ from mecano.errors import ConvergenceError
 from mecano.maths.vector import skew
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.failure import worst_equations
-from mecano.solve.events.events import Watch
+from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
 LARGEST = 4000  # equations, solved by dense least squares
@@ -75,7 +75,7 @@ class Steady:
         self.along = np.zeros(of.n_all)
         for first in np.unique(of.x[of.x < self.n_q]):
             self.along[first : first + 3] = self.V
-        self.watch = Watch(system)
+        self.monitor = EventMonitor(system)
         self.k = None  # [N/m] mean stiffness at the start
 
     def find(self, start):
@@ -144,12 +144,18 @@ class Steady:
             matrix = sp.csr_matrix((system.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
             parts.append(matrix.toarray())
         C, K = parts
-        f, size, levels = system.residual[: self.n_q].copy(), system.size[: self.n_q].copy(), system.levels(s)
-        gap = np.where(self.of_rates, levels[:, 1] * self.length / self.speed, levels[:, 0])
+        f, size, derivatives = (
+            system.residual[: self.n_q].copy(),
+            system.size[: self.n_q].copy(),
+            system.constraint_derivatives(s),
+        )
+        gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])
         k = self.k = self.k or self._stiffness(K)
         merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
         force = float(np.abs(f / self.root).max(initial=0.0))
-        return Tangent(K, C[:, : self.n_q], k, f, size, gap, levels[:, 1], force, merit, self._excess(f, size, gap))
+        return Tangent(
+            K, C[:, : self.n_q], k, f, size, gap, derivatives[:, 1], force, merit, self._excess(f, size, gap)
+        )
 
     def _excess(self, f, size, gap):
         """What is left of the equations, over the tolerances."""
@@ -189,7 +195,7 @@ class Steady:
 
         Elements are in the modes that the state tells.
         """
-        s = self.watch.settle(s.copy())
+        s = self.monitor.settle(s.copy())
         omega, N = self._turning(s)
         s.v[: self.n_q] = self.along[: self.n_q] + omega + N @ (np.linalg.pinv(N) @ (s.v[: self.n_q] - omega))
         at = self.tangent(s)
@@ -211,7 +217,9 @@ class Steady:
             if d < self.n_q:  # of moments in inertial axes: a spin does not turn those that are out of balance
                 K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
         change = K @ self.along[: self.n_q]
-        change[self.n_q :] = np.where(self.of_rates, change[self.n_q :], -self.system.levels(running)[:, 1])
+        change[self.n_q :] = np.where(
+            self.of_rates, change[self.n_q :], -self.system.constraint_derivatives(running)[:, 1]
+        )
         scale = np.concatenate([1.0 / (at.k * self.root), np.ones(self.system.n_l)])
         U, sigma, Vt = la.svd(K[:, self.turning] * scale[:, None] / self.length, full_matrices=True)
         rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))

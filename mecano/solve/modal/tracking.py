@@ -88,10 +88,10 @@ def growing(row, spectra):
     known = np.flatnonzero(row >= 0)
     values = np.array([spectra[i].values[row[i]] for i in known])
     grows, means = unstable(values), np.abs(values) > [spectra[i].least for i in known]
-    told = np.zeros(len(row), bool)
+    reported = np.zeros(len(row), bool)
     for stretch in np.split(np.arange(len(known)), np.flatnonzero(np.diff(grows)) + 1):
-        told[known[stretch]] = np.any(grows[stretch] & means[stretch])
-    return told
+        reported[known[stretch]] = np.any(grows[stretch] & means[stretch])
+    return reported
 
 
 def track(spectra, places):

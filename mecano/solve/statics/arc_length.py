@@ -18,7 +18,7 @@ from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
-from mecano.solve.statics.static import CLOSED, MODE_CHANGES
+from mecano.solve.statics.static import CLOSED, PHASE_CHANGES
 
 WANTED = 5  # iterations of a step
 SHARPEST = 0.5  # cosine between successive tangents of the path
@@ -209,16 +209,16 @@ class Arc:
         guess = ds * self.tangent[-1] * self.rate
         guess[statics.system.n_q :] /= k
         statics.move(s, point.state, guess, k)
-        told = []
-        for _ in range(MODE_CHANGES):
+        reported = []
+        for _ in range(PHASE_CHANGES):
             mu, result = self._correct(point, s, mu, ds, k, penalty)
-            hit = statics.watch.values(s) > CLOSED * statics.length
+            hit = statics.monitor.values(s) > CLOSED * statics.length
             if not result.ok or not hit.any():
                 break
-            s, happenings = statics.watch.apply(s, hit)
-            told += happenings
+            s, event_records = statics.monitor.apply(s, hit)
+            reported += event_records
         trial = Trial(s, mu, ds, statics.judged(result, s, point.state))
-        trial.found.happenings = tuple(told)
+        trial.found.event_records = tuple(reported)
         return self._finished(trial) if trial.found.ok else trial
 
     def _finished(self, trial):
@@ -237,7 +237,7 @@ class Arc:
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
-        step = statics.step(point.state, s.modes)
+        step = statics.step(point.state, s.phases)
 
         def evaluate(tangent):
             if tangent:
@@ -253,7 +253,7 @@ class Arc:
                 if found is None:
                     return None
                 rate[:] = found
-            statics.linear.resolve(-r, x)
+            statics.linear.solve_again(-r, x)
             gap = by_q @ statics.displacement(s, point.state) + by_mu * (mu - point.parameter) - ds
             change = (-gap - by_q @ x[:n_q]) / (by_mu + by_q @ rate[:n_q])
             return x + change * rate

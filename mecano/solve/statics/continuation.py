@@ -32,7 +32,7 @@ class Point:
     rejected: int
     norms: tuple
     stability: Stability
-    happenings: tuple = ()
+    event_records: tuple = ()
 
 
 @dataclass
@@ -65,7 +65,7 @@ class Follower:
         stability = self.stability(s, p)
         statics.evaluate(s, p, 1.0, 0.0, False)
         statics.system.observe(s)
-        point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.happenings)
+        point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.event_records)
         self._watch(point, critical)
         for observer in self.observers:
             observer(point)
@@ -97,7 +97,9 @@ class Follower:
     def find(self, s0, p):
         """Equilibrium at the parameter p near ``s0``: (state, Found), where the tangent is singular too."""
         s, found = self.statics.correct(s0, p)
-        return self.statics.lean(s0, p) if found.failure is Failure.SINGULAR and not found.ok else (s, found)
+        return (
+            self.statics.correct_singular(s0, p) if found.failure is Failure.SINGULAR and not found.ok else (s, found)
+        )
 
     def start(self, s, p):
         """The first Point, at the parameter p: ``s`` or the equilibrium next to it. Raises ConvergenceError."""

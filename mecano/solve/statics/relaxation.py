@@ -33,7 +33,7 @@ class Work:
 
     iterations: int = 0
     rejected: int = 0
-    happenings: list = field(default_factory=list)
+    event_records: list = field(default_factory=list)
 
 
 @dataclass
@@ -88,7 +88,7 @@ class Relaxation:
         found_s, found = follower.find(s, self.end)
         if not found.ok:
             raise follower.failure(self.end, found, s, self.end, self.hint)
-        work.happenings += found.happenings
+        work.event_records += found.event_records
         follower.refuse(found_s, self.end)
         return found_s, found, follower.stability(found_s, self.end)
 
@@ -111,7 +111,7 @@ class Relaxation:
                 drag, work.rejected = drag / SHRINK, work.rejected + 1
                 if drag > STIFFEST * first:
                     raise follower.failure(self.end, found, s, self.end, self.hint)
-            work.happenings += found.happenings
+            work.event_records += found.event_records
             moved, s = statics.displacement(new, s), new
         found.message = f"it still moves after {MOST_CREEPS} steps: {words(statics.system, s, moved, statics.length)}"
         raise follower.failure(self.end, found, s, self.end, self.hint)
@@ -131,7 +131,7 @@ class Relaxation:
 
     def _accepted(self, follower, s, found, work):
         found.iterations += work.iterations
-        found.happenings = tuple(work.happenings)
+        found.event_records = tuple(work.event_records)
         return follower.accept(s, self.end, self.end, self.end, found, work.rejected)
 
     def _departure(self, follower, s, stability):

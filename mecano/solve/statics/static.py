@@ -14,13 +14,13 @@ from mecano.errors import Failure
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.scales import Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
-from mecano.solve.events.events import Watch
+from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
 from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
 from mecano.solve.time.increments import correct, tangents
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
-MODE_CHANGES = 10  # rounds in which elements may change their mode at one point
+PHASE_CHANGES = 10  # rounds in which elements may change their mode at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
 POLISH = 4  # iterations beyond the tolerance, as long as they help
 LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
@@ -37,7 +37,7 @@ class Found:
     change: float = 0.0  # largest displacement over the length, or rotation [rad]
     first: float = np.inf  # the same of the first iteration: what the tangent predicts
     message: str = ""
-    happenings: tuple = ()
+    event_records: tuple = ()
     failure: Failure = Failure.NOT_CONVERGED  # where not ok
 
 
@@ -45,11 +45,12 @@ class Statics:
     """Equations at rest under one ``loading``; the solver of one point. Holds no motion."""
 
     def __init__(
-        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None, watch=None
+        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None,
+        monitor=None,
     ):  # fmt: skip
         self.system, self.linear, self.loading, self.length = system, linear, loading, length
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
-        self.watch = watch or Watch(system)
+        self.monitor = monitor or EventMonitor(system)
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
         self._increment = np.zeros(system.n)
@@ -79,7 +80,7 @@ class Statics:
         ``step``: where the displacement begins that constraints on velocities hold, see there; without it at ``s``.
         """
         system, of = self.system, self.system.numbering
-        s0, held = step or self.step(s, s.modes)
+        s0, held = step or self.step(s, s.phases)
         if tangent:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
         self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T)
@@ -93,9 +94,9 @@ class Statics:
                 self.compliance.soften_tangent(k, system.data, self.compliance.values)
         return self.norms(s, k)
 
-    def step(self, s0, modes):
-        """The beginning ``s0`` of a step with the Held there, of elements in the ``modes``."""
-        return s0, self.rolling.at(replace(s0, modes=modes))
+    def step(self, s0, phases):
+        """The beginning ``s0`` of a step with the Held there, of elements in the ``phases``."""
+        return s0, self.rolling.at(replace(s0, phases=phases))
 
     def norms(self, s, k):
         """Norms of the residual in ``system.residual`` over their tolerances: (forces, constraints)."""
@@ -133,41 +134,41 @@ class Statics:
         Elements whose event values are crossed change their mode, and the search goes on from there. A wheel that comes
         to roll so rolls from ``s0`` on.
         """
-        s, iterations, first, told = s0, 0, None, []
-        for _ in range(MODE_CHANGES):
+        s, iterations, first, reported = s0, 0, None, []
+        for _ in range(PHASE_CHANGES):
             s, found = self._newton(s, s0, p, drag)
             iterations += found.iterations
             first = found.first if first is None else first
             if not found.ok:
                 break
-            hit = self.watch.values(s) > CLOSED * self.length
+            hit = self.monitor.values(s) > CLOSED * self.length
             if not hit.any():
                 break
-            s, happenings = self.watch.apply(s, hit)
-            told += happenings
+            s, event_records = self.monitor.apply(s, hit)
+            reported += event_records
         else:
-            names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in happenings))
+            names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in event_records))
             return s, Found(False, iterations, found.norms, message=f"contacts do not settle: {names}")
         return s, Found(
-            found.ok, iterations, found.norms, found.change, first, found.message, tuple(told), found.failure
+            found.ok, iterations, found.norms, found.change, first, found.message, tuple(reported), found.failure
         )
 
-    def lean(self, s0, p):
+    def correct_singular(self, s0, p):
         """Equilibrium near ``s0`` where the tangent is singular, with a drag too small to matter: (state, Found).
 
         It exists where no force acts along the motions that are free.
         """
-        s, iterations, told = s0, 0, []
+        s, iterations, reported = s0, 0, []
         for _ in range(LEANS):
             k, _ = self.scales(self.begin(s))
             s, found = self.correct(s, p, LEAN * k)
             iterations += found.iterations
-            told += found.happenings
+            reported += found.event_records
             if not found.ok or found.change > FARTHEST_LEAN:
                 break
             norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
             if max(norms_) <= 1.0:
-                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(told))
+                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(reported))
         text = "the tangent is singular, and forces act along a motion that is free"
         return s, Found(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
@@ -176,7 +177,7 @@ class Statics:
         system, n, n_q = self.system, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
         k, penalty = self.scales(s)
-        creep, steps, step = drag * self.weight, [], self.step(s0, s.modes)
+        creep, steps, step = drag * self.weight, [], self.step(s0, s.phases)
 
         def evaluate(tangent):
             self.evaluate(s, p, k, penalty, tangent, step)
@@ -190,7 +191,7 @@ class Statics:
             b, x = -system.residual[:n], self._increment
             if fresh:
                 return self.factor(b)
-            self.linear.resolve(b, x)
+            self.linear.solve_again(b, x)
             return x
 
         def move(dz):
@@ -220,7 +221,7 @@ class Statics:
         """The equilibrium ``s`` with as little residual as rounding allows."""
         best, s0 = s, s
         k, penalty = self.scales(self.begin(s))
-        trial, step = self.begin(s), self.step(s, s.modes)
+        trial, step = self.begin(s), self.step(s, s.phases)
         least = max(self.evaluate(trial, p, k, penalty, True, step))
         for _ in range(POLISH):
             x = self.factor(-self.system.residual[: self.system.n])

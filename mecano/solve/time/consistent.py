@@ -47,12 +47,12 @@ class Consistent:
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
         # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
-        self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
-        self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
-        if len(self.relaxing):
-            relaxing = np.zeros(system.n, bool)
-            relaxing[self.relaxing] = True
-            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
+        self.loose = loose & ((diagonal <= 0.0) | system.massless)
+        self.massless = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
+        if len(self.massless):
+            massless = np.zeros(system.n, bool)
+            massless[self.massless] = True
+            data[:-1][massless[system.rows] | massless[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -78,7 +78,7 @@ class Consistent:
             )
         return x
 
-    def _resolve(self, top, bottom):
+    def _solve_again(self, top, bottom):
         n_q, x = self.system.n_q, self._solution(top, bottom)
         if self.compliance is not None and len(self.compliance.released):
             x = self._solution(top, self.compliance.sharing(self.k, bottom, x[n_q:]))
@@ -86,29 +86,29 @@ class Consistent:
 
     def _solution(self, top, bottom):
         x = np.zeros(self.system.n)
-        self.linear.resolve(np.concatenate([top, bottom]), x)
+        self.linear.solve_again(np.concatenate([top, bottom]), x)
         return x
 
     def change(self, rate):
         """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
-        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)[0]
+        return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)[0]
 
     def respond(self, forces):
         """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
-        return self._resolve(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
+        return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
     def exchange(self, rate):
         """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
-        return self._resolve(np.zeros(self.system.n_q), -self.k * rate)
+        return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def project_velocity(self, s, target=0.0):
         """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
-        rate = self.system.levels(s)[:, 1]
+        rate = self.system.constraint_derivatives(s)[:, 1]
         s.v[: self.system.n_q] += self.change(target - rate)
 
     def settle_rates(self, s):
         """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
-        own, system, reach = self.relaxing, self.system, FIRST_REACH
+        own, system, reach = self.massless, self.system, FIRST_REACH
         if not len(own):
             return
         best = None
@@ -136,7 +136,7 @@ class Consistent:
         far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
         keep them fulfilled while all velocities stay.
         """
-        own, of = self.relaxing, self.system.numbering
+        own, of = self.massless, self.system.numbering
         for _ in range(SETTLING if len(own) else 0):
             self.settle_rates(s)
             fast = self._fast(s, FAST * h)
@@ -168,42 +168,42 @@ class Consistent:
     def _block(self):
         """Rows and columns of the scalars without inertia in the tangent that was assembled, dense."""
         entries, places = self._of_block
-        n = len(self.relaxing)
+        n = len(self.massless)
         return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
 
     @cached_property
     def _of_block(self):
         """Which entries of the tangent belong to the scalars without inertia, and their places in the dense block."""
         own = np.full(self.system.n, -1)
-        own[self.relaxing] = np.arange(len(self.relaxing))
+        own[self.massless] = np.arange(len(self.massless))
         rows, columns = own[self.system.rows], own[self.system.cols]
         entries = np.flatnonzero((rows >= 0) & (columns >= 0))
-        return entries, rows[entries] * len(self.relaxing) + columns[entries]
+        return entries, rows[entries] * len(self.massless) + columns[entries]
 
     def _unbalanced(self, s):
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        return self.system.residual[self.relaxing].copy()
+        return self.system.residual[self.massless].copy()
 
     def project_acceleration(self, s, a, target=0.0):
         """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
         here = _with(self.bare, s.v, a)
-        a[: self.system.n_q] += self.change(target - self.system.levels(here)[:, 2])
+        a[: self.system.n_q] += self.change(target - self.system.constraint_derivatives(here)[:, 2])
 
     def accelerate(self, s):
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
-        gamma = system.levels(bare)[:, 2]
+        gamma = system.constraint_derivatives(bare)[:, 2]
         system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
         top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
-        a, reaction = self._resolve(top, self.k * gamma)
+        a, reaction = self._solve_again(top, self.k * gamma)
         s.a[:] = 0.0
         s.a[: system.n_q] = a
         s.z[system.n_q : system.n] = reaction + self.k * gamma
-        if len(system.borrowed):
-            self._rub(s)
+        if len(system.coupled_multipliers):
+            self._apply_coupled_friction(s)
 
-    def _rub(self, s):
+    def _apply_coupled_friction(self, s):
         """Let accelerations and multipliers of ``s`` fit the forces that depend on the multipliers (Newton).
 
         The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
@@ -216,7 +216,7 @@ class Consistent:
             system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0)
             unbalanced = np.where(self.loose, 0.0, -system.residual[:n_q])
             data = self.data.copy()
-            system.add_borrowed(here, self.k, data)
+            system.add_coupled_multipliers(here, self.k, data)
             change = self._solve(data, np.concatenate([unbalanced, np.zeros(system.n_l)]))
             s.a[:n_q] += change[:n_q]
             s.z[n_q:n] += self.k * change[n_q:]
@@ -224,10 +224,10 @@ class Consistent:
                 break
         self._solve(self.data, np.zeros(n))
 
-    def give_way(self, s, compliance):
+    def apply_compliance(self, s, compliance):
         """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
         n_q, n = self.system.n_q, self.system.n
-        gap = self.system.levels(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
+        gap = self.system.constraint_derivatives(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
@@ -238,7 +238,7 @@ class Consistent:
         (a law of time may have a corner there). Only geometry enters, no force, so stiff laws do no harm.
         """
         dt, of = DIFFERENCE * h, self.system.numbering
-        now, next_, last = (self.system.levels(moved(s, i * dt, of))[:, 2] for i in range(3))
+        now, next_, last = (self.system.constraint_derivatives(moved(s, i * dt, of))[:, 2] for i in range(3))
         return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
 
     def turning_rate(self, s):
@@ -246,7 +246,7 @@ class Consistent:
         of, turning = self.system.numbering, s.copy()
         at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
         turning.v[at] += np.cross(s.v[at], s.a[at])
-        return self.system.levels(turning)[:, 1] - self.system.levels(s)[:, 1]
+        return self.system.constraint_derivatives(turning)[:, 1] - self.system.constraint_derivatives(s)[:, 1]
 
 
 def _with(s, v, a):

@@ -20,7 +20,7 @@ from mecano.model.loops import residual, tangent
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, TRANSLATION
 from mecano.model.state import History
 from mecano.solve.diagnostics.analysis import analyse
-from mecano.solve.diagnostics.apart import redundant_groups
+from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.diagnostics.scales import Tolerances, balance
 from mecano.solve.events.compliance import NO_ROWS, soften
 from mecano.solve.linear import multifrontal
@@ -39,7 +39,7 @@ from mecano.solve.linear.newton import (
 )
 from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.increments import largest_change, tangents
-from mecano.solve.time.resolved import resolver
+from mecano.solve.time.modal_filter import modal_filter
 from mecano.solve.time.step import attempt
 from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, Workspace
 
@@ -120,9 +120,9 @@ class GeneralizedAlpha:
         self.k, self.penalty, self.duration = k, penalty, duration
         self.patience = PATIENCE
         self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
-        self._relaxing = np.flatnonzero(system.relaxing)
+        self._massless = np.flatnonzero(system.massless)
         self._kind = system.numbering.kind.copy()
-        self._kind[self._relaxing] = MASSLESS
+        self._kind[self._massless] = MASSLESS
         self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
@@ -164,7 +164,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
-            most=to.max_iterations, n_relaxing=len(self._relaxing), relaxing=self._relaxing,
+            most=to.max_iterations, n_massless=len(self._massless), massless=self._massless,
             n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
             tangent_batches=tangent_batches, residual=self.system.residual, size=self.system.size,
             increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
@@ -184,7 +184,7 @@ class GeneralizedAlpha:
         returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
         Raises AssemblyError where constraints contradict one another.
 
-        The accelerations of the history are those that a step of h can follow (resolved.py): those of a member that
+        The accelerations of the history are those that a step of h can follow (modal_filter.py): those of a member that
         swings much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
         s = s.copy()
@@ -194,15 +194,17 @@ class GeneralizedAlpha:
             (self.released, "those on positions leave a slip"),
             (self._soft, "the others leave a rate"),
         ):
-            if len(rows) and (text := self._contradiction(s, h, rows, self.system.levels(s)[:, 1], CONTRADICTS)):
+            if len(rows) and (
+                text := self._contradiction(s, h, rows, self.system.constraint_derivatives(s)[:, 1], CONTRADICTS)
+            ):
                 raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}", Failure.CONTRADICTION)
         consistent.settle(s, h)
         consistent.accelerate(s)
-        if len(consistent.relaxing) and self.system.n_l:  # reactions may act on the scalars without inertia
+        if len(consistent.massless) and self.system.n_l:  # reactions may act on the scalars without inertia
             consistent.settle(s, h)
             consistent.accelerate(s)
         if self.compliance is not None:
-            s = consistent.give_way(s, self.compliance)
+            s = consistent.apply_compliance(s, self.compliance)
         nothing = np.zeros(self.system.n)
         return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
 
@@ -244,23 +246,23 @@ class GeneralizedAlpha:
         cC, cM = self._weights(h)
         history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
         if added:
-            a[:n_q] += self._followed(s, (whole - a)[:n_q], self._scales(history, h))
+            a[:n_q] += self._resolved_part(s, (whole - a)[:n_q], self._scales(history, h))
         return history
 
-    def _followed(self, s, a, scales):
+    def _resolved_part(self, s, a, scales):
         """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
-        resolved = self._resolver(s, scales)
-        if resolved is None:
+        modal_filter = self._modal_filter(s, scales)
+        if modal_filter is None:
             return a
-        part = np.where(self.system.relaxing, a, resolved(a))  # scalars without inertia swing with nothing
+        part = np.where(self.system.massless, a, modal_filter(a))  # scalars without inertia swing with nothing
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
-    def _resolver(self, s, scales):
-        """The function of resolved.py at ``s``; None where the tangent is singular."""
+    def _modal_filter(self, s, scales):
+        """The function of modal_filter.py at ``s``; None where the tangent is singular."""
         here = s.copy()
         if not self._factor(here, scales).ok:
             return None
-        return resolver(self.system, self.linear, here, scales[-1])
+        return modal_filter(self.system, self.linear, here, scales[-1])
 
     def _size(self, a):
         """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
@@ -281,7 +283,7 @@ class GeneralizedAlpha:
 
     def _gap(self, s):
         """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
-        off = self.system.levels(s)[:, 0]
+        off = self.system.constraint_derivatives(s)[:, 0]
         size = off * self.share_of_gap
         if size @ size <= 1.0:
             return ()
@@ -300,7 +302,7 @@ class GeneralizedAlpha:
 
     def _lag(self, h, a0, a):
         """Largest local error of a scalar without inertia, over the length scale."""
-        of = self._relaxing
+        of = self._massless
         return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
 
     def bounded_error(self, s, history, info):
@@ -327,8 +329,8 @@ class GeneralizedAlpha:
 
     def _below(self, s, history, limit):
         """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
-        resolved = self._resolver(s, (*self._scales(history, history.h)[:2], 0.0, limit))
-        return resolved, int(np.sum(self.linear.pivots() < 0.0)) if resolved else -1
+        modal_filter = self._modal_filter(s, (*self._scales(history, history.h)[:2], 0.0, limit))
+        return modal_filter, int(np.sum(self.linear.pivots() < 0.0)) if modal_filter else -1
 
     def longest(self, s):
         """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
@@ -378,7 +380,7 @@ class GeneralizedAlpha:
         """The step in the workspace, from ``s0`` with ``history``: (state, history, StepInfo)."""
         w, h, report = self.workspace, self.workspace.record["h"][0], self.workspace.report
         code, reached = int(w.record["code"][0]), tuple(report[FORCES : INCREMENT + 1].tolist())
-        s = w.state(TRIAL, s0.modes, s0.memory)
+        s = w.state(TRIAL, s0.phases, s0.memory)
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
@@ -422,14 +424,14 @@ class GeneralizedAlpha:
             renewed = bool(r["renewed"][0])
             attempt(r)
             if r["renewed"][0] and not renewed:
-                self.linear.solved(w.state(RENEWED, w.modes.copy()))
+                self.linear.solved(w.state(RENEWED, w.phases.copy()))
             code = int(r["code"][0])
             if code == OTHERWISE:
-                code = self._solve_otherwise()
+                code = self._solve_with_superlu()
             if code not in (PAUSE, STALE):
                 return code
 
-    def _solve_otherwise(self):
+    def _solve_with_superlu(self):
         """Solve the equations that stand in the system with row exchanges everywhere: STALE, or SINGULAR."""
         r = self.workspace.record
         solved = self.linear.solve(self.system.data, self._equations, self._increment, self.linear.label)

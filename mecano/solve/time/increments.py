@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from mecano.compiled.entry import Indices, Matrices, Vector, entry
-from mecano.compiled.kernel import kernel
+from mecano.jit.entry import Indices, Matrices, Vector, entry
+from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR

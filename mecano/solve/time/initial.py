@@ -6,8 +6,8 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
-from mecano.solve.diagnostics.apart import contradicting
-from mecano.solve.events.events import Watch
+from mecano.solve.diagnostics.joint_redundancy import contradicting
+from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
 MAX_ITERATIONS = 50
@@ -22,8 +22,8 @@ def assemble_start(system, linear, s, length):
     found, moved = assemble_positions(system, linear, s, length)
     if not system.has_events:
         return found, moved
-    settled = Watch(system).settle(replace(found, memory=system.commit(found)))
-    if np.all(np.abs(system.levels(settled)[:, 0]) <= FULFILLED * _scale(system, length)):
+    settled = EventMonitor(system).settle(replace(found, memory=system.commit(found)))
+    if np.all(np.abs(system.constraint_derivatives(settled)[:, 0]) <= FULFILLED * _scale(system, length)):
         return found, moved
     found, again = assemble_positions(system, linear, settled, length)
     return found, moved + again
@@ -39,7 +39,7 @@ def assemble_positions(system, linear, s, length):
     scale = _scale(system, length)
     weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
     for _ in range(MAX_ITERATIONS):
-        phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+        phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
         error = np.abs(phi) / scale
         if not len(phi) or error.max() <= TOLERANCE:
             break
@@ -48,7 +48,7 @@ def assemble_positions(system, linear, s, length):
             break
         limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
         s = displaced(s, dq / limit, of)
-    phi = system.levels(s)[:, 0] if system.n_l else np.zeros(0)
+    phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
     error = np.abs(phi) / scale
     if len(phi) and not error.max() <= FULFILLED:
         raise AssemblyError(_refusal(system, s, phi, error, length))

@@ -1,6 +1,6 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
-from mecano.compiled.entry import Indices, Matrices, Vector, entry
+from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.maths.hermite import hermite
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse
 from mecano.maths.vector import Vec3, mat, put, vec
@@ -15,7 +15,7 @@ def interpolate(s0, s1, t, of):
     and memory are those of the step, i.e. of ``s0``.
     """
     out = s1.copy()
-    out.t, out.modes, out.memory = t, s0.modes, s0.memory
+    out.t, out.phases, out.memory = t, s0.phases, s0.memory
     u, h = (t - s0.t) / (s1.t - s0.t), s1.t - s0.t
     between_states(
         u, h, s0.z, s0.v, s0.a, s0.R, s1.z, s1.v, s1.a, s1.R, of.kind, of.rotation_dof, of.n_q,

@@ -5,19 +5,19 @@ Compiled code collects them in buffers, which Python empties when they are full 
 
 import numpy as np
 
-from mecano.compiled.entry import Records, entry
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import floats, integers
+from mecano.jit.entry import Records, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats, integers
 from mecano.model.extremes import update
 from mecano.model.loops import fields, record
 from mecano.model.sampler import blend, fill, node_rows
 from mecano.solve.time.interpolate import between_states
-from mecano.solve.time.ringing import count_changes
+from mecano.solve.time.unresolved_oscillation import count_changes
 from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, motion_of, time_of
 
 DONE, FULL, NOT_FINITE, ENDED = range(4)
 SAMPLE, ENTER, SAVE = range(3)
-SLIVER = 1e-9  # of the interval between saved times: times so near are the same
+NEGLIGIBLE_TIME = 1e-9  # of the interval between saved times: times so near are the same
 NUMBERS = 2**17  # in a buffer
 STEP_NUMBERS = 9  # time, size, iterations, error, its share, rejected trials, three norms
 
@@ -55,7 +55,7 @@ def record_step(output: Records(OUTPUT), work: Records(STEP)):
         o.code = FULL
         return
     o.stage = SAMPLE
-    watch(o, t, row0, row)
+    monitor(o, t, row0, row)
     for i in range(o.row_size):
         row0[i] = row[i]
     o.which = ended(o, row)
@@ -106,11 +106,11 @@ def save(o, w, t, row0, row):
     """
     if o.every == 0.0:
         return append(o, t, row)
-    while o.saved >= 0 and next_time(o) <= t + SLIVER * o.every:
+    while o.saved >= 0 and next_time(o) <= t + NEGLIGIBLE_TIME * o.every:
         if o.n_rows == o.most_rows:
             return False
         wanted = next_time(o)
-        if wanted > t - SLIVER * o.every:
+        if wanted > t - NEGLIGIBLE_TIME * o.every:
             append(o, wanted, row)
         else:
             found = floats(o.between, o.row_size)
@@ -151,8 +151,8 @@ def interpolate_row(o, w, t, row0, row, out):
 
 
 @kernel
-def watch(o, t, row0, row):
-    """Count how often forces change their direction (ringing.py)."""
+def monitor(o, t, row0, row):
+    """Count how often forces change their direction (unresolved_oscillation.py)."""
     n = o.n_forces
     count_changes(
         floats(o.difference, n), integers(o.signs, n), floats(o.swing, n), floats(o.swing_time, n),
@@ -177,7 +177,7 @@ class Output:
     ----------
     sampler : Sampler
     extremes : Extremes
-    ringing : RingingWatch
+    ringing : OscillationMonitor
     times : tuple
         Start and end of the run, and the interval between saved times [s], 0 to save every step.
     ends : list

@@ -5,6 +5,8 @@ from dataclasses import dataclass, fields
 from mecano.model.state import History, State
 from mecano.solve.events.compliance import Compliance
 
+STORED = {"phases": "modes"}  # names of fields in results files, where they differ
+
 
 @dataclass(slots=True)
 class RunState:
@@ -44,13 +46,17 @@ def to_plain(run):
 def from_plain(plain):
     """The RunState of ``to_plain``."""
     history = dict(plain["history"])
-    history["tangent"] = history["tangent"] and State(**history["tangent"])
+    history["tangent"] = history["tangent"] and _state(history["tangent"])
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
-    motion = State(**plain["motion"])
+    motion = _state(plain["motion"])
     soft = plain["compliance"] and Compliance.from_plain(plain["compliance"])
     plain = plain | {"compliance": soft}
     return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
 
 
 def _values(record):
-    return {field.name: getattr(record, field.name) for field in fields(record)}
+    return {STORED.get(field.name, field.name): getattr(record, field.name) for field in fields(record)}
+
+
+def _state(plain):
+    return State(**{field.name: plain[STORED.get(field.name, field.name)] for field in fields(State)})

@@ -1,10 +1,10 @@
 """One step of generalized-alpha in one compiled call: prediction, Newton's iterations, error estimate."""
 
-from mecano.compiled.entry import Records, entry
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import floats, integers
-from mecano.solve.linear.kept_tangent import keep
+from mecano.jit.entry import Records, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats, integers
 from mecano.solve.linear.newton import CONVERGED, newton
+from mecano.solve.linear.refactorization import choose_tangent
 from mecano.solve.time.increments import finish, predict
 from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, copy_state, history_of, motion_of, time_of
 
@@ -58,9 +58,9 @@ def complete(w):
         w.am, w.af, w.length, w.duration, kind, rotation_dof, w.n_q, w.n, w.h, before, slope, w.known,
         a0, z0, a, z, v, algorithmic, new_slope, new_bend,
     )  # fmt: skip
-    largest, relaxing = 0.0, integers(w.relaxing, w.n_relaxing)
-    for i in range(w.n_relaxing):
-        largest = max(largest, abs(algorithmic[relaxing[i]] - before[relaxing[i]]))
+    largest, massless = 0.0, integers(w.massless, w.n_massless)
+    for i in range(w.n_massless):
+        largest = max(largest, abs(algorithmic[massless[i]] - before[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
-    w.next_has, w.next_age, w.next_drift = keep(w.has, w.age, w.drift, w.renewed, floats(w.report, 8))
+    w.next_has, w.next_age, w.next_drift = choose_tangent(w.has, w.age, w.drift, w.renewed, floats(w.report, 8))

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 
 SAFETY = 0.9
 GROWTH = 2.0

@@ -8,10 +8,10 @@ import time as clock
 
 import numpy as np
 
-from mecano.compiled.entry import Records, entry
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import call, floats, integers, items
-from mecano.model import conduct, loops
+from mecano.jit.entry import Records, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
+from mecano.model import assembly_driver, loops
 from mecano.model.loops import BATCH, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
@@ -47,20 +47,20 @@ STRIDE = fields(
     words="phase steps done most iterations renewed_tangents attempt attempt_words records record record_words "
     "n_events n_event_batches events event_batches event_values before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "n_constraints constraints constraint_batches levels "
+    "n_constraints constraints constraint_batches constraint_derivatives "
     "share_of_gap energy",
 )
 
 
 @entry
-def stride(march: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
+def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
     """Step on from BEGIN.
 
     ENOUGH: the steps wanted are made, or the next one needs another size. DECIDE: TRIAL is a step to be judged. REPEAT:
     the step from BEGIN is to be made by Python. WAIT: signals are to be looked at, and the call repeated. RECORDED: as
     the code in ``output`` says, its buffers are full, or the run cannot go on.
     """
-    m, w, o = march[0], work[0], output[0]
+    m, w, o = integrator[0], work[0], output[0]
     while True:
         if m.phase == READY:
             if m.done == m.most or m.planned != w.h or m.until - time_of(w, BEGIN)[0] < STRETCH * w.h:
@@ -107,9 +107,9 @@ def begin(m, w):
 def evaluate_events(m, w, which, out):
     """Write the values of all events at BEGIN or TRIAL."""
     batches, found = items(m.event_batches, m.n_event_batches, BATCH), floats(m.event_values, m.n_events)
-    conduct.event_values(
+    assembly_driver.event_values(
         integers(m.events, m.n_event_batches), batches, system_of(w), time_of(w, which)[0], *motion_of(w, which),
-        integers(w.modes, w.n_modes), memory_of(w, which),
+        integers(w.phases, w.n_phases), memory_of(w, which),
     )  # fmt: skip
     for i in range(m.n_events):
         out[i] = found[i]
@@ -144,10 +144,10 @@ def parts(m, w):
     if not m.n_constraints:
         return False
     n = w.n - w.n_q
-    g, weight = floats(m.levels, (n, 3)), floats(m.share_of_gap, n)
-    conduct.levels(
+    g, weight = floats(m.constraint_derivatives, (n, 3)), floats(m.share_of_gap, n)
+    assembly_driver.constraint_derivatives(
         integers(m.constraints, m.n_constraints), items(m.constraint_batches, m.n_constraints, BATCH), system_of(w),
-        time_of(w, TRIAL)[0], *motion_of(w, TRIAL), integers(w.modes, w.n_modes), memory_of(w, TRIAL), g,
+        time_of(w, TRIAL)[0], *motion_of(w, TRIAL), integers(w.phases, w.n_phases), memory_of(w, TRIAL), g,
     )  # fmt: skip
     largest = 0.0
     for i in range(n):
@@ -183,14 +183,14 @@ def accept(m, w, o, error, share):
 @kernel
 def observe(m, w):
     """Commit the memories at TRIAL, and write outputs and energies there."""
-    t, modes, system = time_of(w, TRIAL)[0], integers(w.modes, w.n_modes), system_of(w)
+    t, phases, system = time_of(w, TRIAL)[0], integers(w.phases, w.n_phases), system_of(w)
     z, v, a, R = motion_of(w, TRIAL)
     memory = memory_of(w, TRIAL)
     if w.n_memory:
         loops, batches = integers(m.committed, m.n_committed), items(m.committed_batches, m.n_committed, BATCH)
-        conduct.commit(loops, batches, system, t, z, v, a, R, modes, memory_of(w, BEGIN), memory)
+        assembly_driver.commit(loops, batches, system, t, z, v, a, R, phases, memory_of(w, BEGIN), memory)
     loops, batches = integers(m.observed, m.n_observed), items(m.observed_batches, m.n_observed, BATCH)
-    conduct.observe(loops, batches, system, t, z, v, a, R, modes, memory)
+    assembly_driver.observe(loops, batches, system, t, z, v, a, R, phases, memory)
 
 
 @kernel
@@ -246,9 +246,12 @@ class Strides:
         self.system, self.method, self.control, self.recorder = system, method, control, recorder
         self.workspace, self.linear = method.workspace, method.linear
         self._output = record(OUTPUT) if recorder is None else recorder.output.record
-        departing = np.array([c.event for c in shocks.catches if c.opened >= 0], np.int64)
-        self._levels, self._values = np.zeros((system.n_l, 3)), np.zeros((2, len(system.values_of_events)))
-        self._constraints = system.loops(loops.levels)
+        departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
+        self._constraint_derivatives, self._values = (
+            np.zeros((system.n_l, 3)),
+            np.zeros((2, len(system.values_of_events))),
+        )
+        self._constraints = system.loops(loops.constraint_derivatives)
         found = {
             "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
             "committed": system.loops(loops.commit), "constraints": self._constraints,
@@ -257,7 +260,11 @@ class Strides:
         if recorder is not None:
             calls["record"] = record_step.call_from_compiled_code(self._output, self.workspace.record)
         self._kept = departing, found, calls  # their addresses stand in the record
-        addresses = {"departing": departing, "levels": self._levels, "before_values": self._values}
+        addresses = {
+            "departing": departing,
+            "constraint_derivatives": self._constraint_derivatives,
+            "before_values": self._values,
+        }
         addresses |= {"event_values": system.values_of_events, "energy": system.energy}
         addresses |= {name: addressed for name, (addressed, _) in found.items()}
         addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
@@ -315,7 +322,7 @@ class Strides:
         if history.h != run.h:
             history = self.method.restart(run.motion, history, run.h)
         self.method.prepare(run.motion, history, run.h)
-        self._modes, self._tangent = run.motion.modes, history.tangent
+        self._phases, self._tangent = run.motion.phases, history.tangent
         r = self.record[0]
         r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
         r["dissipated"], r["given"] = run.dissipated, run.given
@@ -326,15 +333,15 @@ class Strides:
     def _note_tangents(self, before):
         """Keep the States of tangents that were evaluated, for the factor that the solver holds."""
         if self.record["renewed_tangents"][0] != before:
-            self._tangent = self.workspace.state(TANGENT, self._modes)
+            self._tangent = self.workspace.state(TANGENT, self._phases)
             self.linear.solved(self._tangent)
         if self.workspace.record["renewed"][0]:
-            self.linear.solved(self.workspace.state(RENEWED, self._modes))
+            self.linear.solved(self.workspace.state(RENEWED, self._phases))
 
     def _run(self, run):
         """The RunState at BEGIN, after steps from ``run``."""
         r, w = self.record[0], self.workspace
-        s = w.state(BEGIN, self._modes, None if len(run.motion.memory) else run.motion.memory)
+        s = w.state(BEGIN, self._phases, None if len(run.motion.memory) else run.motion.memory)
         return RunState(
             motion=s, history=w.new_history(BEGIN, np.zeros(len(s.v)), self._tangent), h=float(r["planned"]),
             steps=int(r["steps"]), rejected=run.rejected, iterations=int(r["iterations"]),

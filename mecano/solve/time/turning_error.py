@@ -13,7 +13,7 @@ acceleration turns in space, at the rate :math:`\nu = |\ddot\omega + \omega \tim
 the tolerance (tests/test_adaptive.py).
 """
 
-from mecano.compiled.kernel import kernel
+from mecano.jit.kernel import kernel
 from mecano.maths.vector import cross, norm, vec
 
 

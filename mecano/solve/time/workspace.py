@@ -9,8 +9,8 @@ import time
 
 import numpy as np
 
-from mecano.compiled.kernel import kernel
-from mecano.compiled.memory import call, floats, integers, items
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loops import SYSTEM, fields, record
 from mecano.model.state import History, State
 
@@ -21,11 +21,11 @@ STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h k penalty cC cM stiffness reach change lag turn turning drift next_drift",
     words="code begun paused has kept usable stale pending renewed age known next_has next_age next_known most "
-    "n_q n n_all n_rotations n_memory n_modes n_relaxing n_entries state_size "
+    "n_q n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
-    "relaxing soft_starts soft_columns soft_values entry_places entry_values "
+    "massless soft_starts soft_columns soft_values entry_places entry_values "
     "solve solve_words solve_results substitute substitute_words clock clock_id now "
-    "states modes history guess v_shift report",
+    "states phases history guess v_shift report",
 )
 
 
@@ -79,7 +79,7 @@ def aim_at(w, which):
     at = w.states + 8 * which * w.state_size
     s.t = time_of(w, which)[0]
     s.z, s.v, s.a, s.R = at, at + 8 * n, at + 16 * n, at + 24 * n
-    s.modes, s.memory = w.modes, at + 8 * (3 * n + 9 * w.n_rotations)
+    s.phases, s.memory = w.phases, at + 8 * (3 * n + 9 * w.n_rotations)
 
 
 @kernel
@@ -106,15 +106,15 @@ class Workspace:
         state = system.initial_state()
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
         self.states = np.zeros((5, 3 * n_all + 9 * n_rotations + n_memory + 1))
-        self.modes = np.zeros(len(state.modes), np.int64)
+        self.phases = np.zeros(len(state.phases), np.int64)
         self.history = np.zeros((2, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
-        own = ("states", "modes", "history", "guess", "v_shift", "report")
+        own = ("states", "phases", "history", "guess", "v_shift", "report")
         self.held = None  # RunState from which compiled code can step on without anything being entered
         self._kept = {"now": np.zeros(2, np.int64)}  # what the record points to
         self.record = record(
             STEP, n_q=of.n_q, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
-            n_modes=len(state.modes), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
+            n_phases=len(state.phases), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
             now=self._kept["now"].ctypes.data, system=system.record.ctypes.data,
             **{name: getattr(self, name).ctypes.data for name in own},
         )  # fmt: skip
@@ -139,7 +139,7 @@ class Workspace:
         for place, values in zip(self.parts(which), (s.z, s.v, s.a, s.R, s.memory), strict=True):
             place[...] = values
         self.states[which, -1] = s.t
-        self.modes[:] = s.modes
+        self.phases[:] = s.phases
 
     def put_step(self, before, after):
         """Enter the states between which a step was made."""
@@ -147,10 +147,10 @@ class Workspace:
         self.put_state(BEGIN, before)
         self.put_state(TRIAL, after)
 
-    def state(self, which, modes, memory=None):
+    def state(self, which, phases, memory=None):
         """Return one of the states as a State with these modes, which are not copied."""
         z, v, a, R, own = (part.copy() for part in self.parts(which))
-        return State(float(self.states[which, -1]), z, v, a, R, modes, own if memory is None else memory)
+        return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory)
 
     def put_history(self, history):
         """Enter the History with which a step begins."""

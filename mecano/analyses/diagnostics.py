@@ -1,0 +1,115 @@
+"""What a user should know of a march that has come to its end, or failed: warnings and remedies, one text each."""
+
+from bisect import bisect_right
+
+import numpy as np
+
+from mecano.analyses.prepare import some
+from mecano.analyses.recorder import FORCES
+from mecano.element_interface import SECTIONS
+from mecano.elements import KINDS
+from mecano.model.output_limits import watched_outputs
+
+MOST_LATCHES = 8  # named in a warning
+MOST_FORCES = 4
+MOST_NAMED = 4  # elements that the same remedies are for
+LEAST_SWING = 0.01  # of the largest force or moment of the model: smaller ones are noise
+NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
+EXCHANGED = ("kinetic", "potential", "dissipated", "given")
+UNBALANCED = 0.01  # of the largest change of an energy, from which on the balance is told
+NOISE = 1e-5  # of the largest energy: an error of less says nothing, however little is exchanged
+
+
+def cut_short(values, cuts, final):
+    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
+    if values["adaptive"] or len(cuts) <= NOTED * final.steps:
+        return
+    since, smallest = cuts[0][0], min(h for _, h in cuts)
+    yield (
+        f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
+        f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
+        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
+    )
+
+
+def unbalanced(values, sampler, extremes):
+    """Warning that energy was lost or came from nothing, from the ``time`` of the deck and the extremes; or nothing."""
+    at = {column.path: column.start for column in sampler.columns}
+    high, low, balance = extremes.high, extremes.low, at["energy/balance"]
+    energies = [at[f"energy/{name}"] for name in EXCHANGED]
+    off, exchanged = high[balance] - low[balance], max(high[i] - low[i] for i in energies)
+    if not off > max(UNBALANCED * exchanged, NOISE * max(max(high[i], -low[i]) for i in energies)):
+        return
+    first, last = extremes.high_time[balance], extremes.low_time[balance]
+    what = "Energy comes from nothing, by errors of the steps"
+    if last > first:
+        rho = values["rho_inf"]
+        damping = f"the numerical damping of what is too fast for the steps (time.rho_inf = {rho:g}) or by "
+        what = f"Energy is lost, by {damping if rho < 1.0 else ''}errors of the steps"
+    yield (
+        f"the energy balance varies by {off:.3g} J, {100 * off / exchanged:.3g} % of the largest change of an energy: "
+        f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
+        f"'time.{'adaptive.tolerance' if values['adaptive'] else 'step'}'"
+    )
+
+
+def unresolved(values, sampler, ringing):
+    """Warning that forces alternate from step to step, from the OscillationMonitor of the run; or nothing."""
+    columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
+    starts = [column.start for column in columns]
+    of = [columns[bisect_right(starts, place) - 1] for place in ringing.columns]
+    largest = {unit: max((x for c, x in zip(of, ringing.largest, strict=True) if c.unit == unit), default=0.0)
+               for unit in FORCES}  # fmt: skip
+    found = ringing.found(np.array([LEAST_SWING * largest[c.unit] for c in of]))
+    if not found:
+        return
+    names = {}
+    for one in found:
+        column = columns[bisect_right(starts, one.column) - 1]
+        names.setdefault(column.path.replace("/", "."), (one, column.unit))
+    worst = [
+        f"{name} by {one.swing:.3g} of {one.largest:.3g} {unit} at t = {one.time:.4g} s"
+        for name, (one, unit) in names.items()
+    ]
+    smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
+    yield (
+        f"the steps do not resolve {len(worst)} force(s), which swing from step to step: {some(worst, MOST_FORCES)}. "
+        f"Their values are not those of the model; take a smaller {smaller}, or give what swings its damping"
+    )
+
+
+def exceeded(deck, sampler, extremes):
+    """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
+    high, when = extremes.high, extremes.high_time
+    return [
+        f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
+        for name, d, output, i, limit, text in watched_outputs(deck.values, sampler, "limits")
+        if high[i] > limit
+    ]
+
+
+def explained(error, deck, warnings):
+    """Return the text of an ``error``, what to try in the elements that failed, and the ``warnings`` on them."""
+    remedies = {}
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            title = f"{d['type']} '{name}'"
+            if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
+                remedies.setdefault("; ".join(found), []).append(title)
+    tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]
+    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(title in one for title in error.elements)]
+    return "\n".join([str(error), *tries, *known])
+
+
+def open_latches(deck, row, sampler):
+    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
+    columns, found = {column.path: column.start for column in sampler.columns}, []
+    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
+    for name, d in latched.items():
+        if not row[columns[f"joints/{name}/latched"]]:
+            ((quantity, wanted),) = d["latch"].items()
+            rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
+            at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
+            found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
+    if found:
+        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"

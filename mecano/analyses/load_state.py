@@ -1,0 +1,136 @@
+"""The state of a model at a saved time of a results file."""
+
+import numpy as np
+
+from mecano.analyses.equilibria import loaded, rest
+from mecano.analyses.prepare import integrator_of
+from mecano.errors import ResultsError, UsageError
+from mecano.results.checked import blaming
+from mecano.results.reader import open_results
+from mecano.solve.events.events import EventMonitor
+
+
+def parse(text):
+    """(path, time) of "results.h5:1.25"; the last saved time when there is none. Raises UsageError."""
+    path, colon, time = text.rpartition(":")
+    if not colon:
+        return text, None
+    try:
+        return path, float(time)
+    except ValueError:
+        if time.endswith(".h5"):
+            return text, None
+        raise UsageError(f"'{text}' cannot be understood; write results.h5:time, such as results.h5:1.25") from None
+
+
+def state_at(prepared, text):
+    """(State, assemble, words) of the saved time nearest to the one asked for, "results.h5:time".
+
+    Velocities, accelerations and reactions are made consistent; elements are in the modes that the state tells.
+    ``assemble`` takes the place of that of the system: with the load factor of a static result. Raises UsageError,
+    ResultsError when the results do not belong to the deck or lack unknowns of it.
+    """
+    state, factor, words = _saved(prepared, text)
+    if factor is None:
+        return _moving(prepared, state), None, words
+    return *_resting(prepared, state, factor), words
+
+
+def rest_at(prepared, text):
+    """(State, words, remarks) of the body at rest near the saved time, see ``statics.rest``. Raises as ``state_at``."""
+    state, factor, words = _saved(prepared, text)
+    if factor is not None:
+        raise UsageError("the results are those of statics: the body is at rest there, without --at-rest")
+    state, warnings = rest(prepared, _moving(prepared, state))
+    return state, f"equilibrium at rest near {words}", warnings
+
+
+def _saved(prepared, text):
+    """(State, load factor, words) of a saved time; None in the place of the load factor of a march."""
+    path, time = parse(text)
+    with blaming(path), open_results(path) as results:
+        if not len(results.time):
+            raise ResultsError(f"{path}: no saved times yet")
+        row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))
+        state = _placed(prepared, results, row)
+        axis = results.axis
+        words = f"{path} at {axis.path} {results.time[row]:.6g} {axis.unit}".rstrip()
+        if "static/load_factor" not in results.series:
+            state.t = float(results.time[row])
+            return state, None, words
+        factor = results["static/load_factor"].values[row]
+        state.t = float(results.time[row]) if results.axis.unit == "s" else state.t
+    return state, factor, words
+
+
+def _placed(prepared, results, row):
+    """Positions, rotations and velocities of a row, memories by going through all rows before it."""
+    system = prepared.system
+    first = row if not any(b.kind.memory for b in system.batches) else 0
+    nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
+    columns = ("position", "rotation", "velocity", "angular_velocity")
+    missing = [name for _, name in nodes if f"nodes/{name}/position" not in results.series]
+    if missing:
+        raise ResultsError(f"{results.path} does not belong to this deck: it has no node '{missing[0]}'")
+    scalars = list(_scalars(system, results))
+    traces = {name: [results.find(f"nodes/{name}/{c}").values for c in columns] for _, name in nodes}
+    monitor, state = EventMonitor(system), prepared.state.copy()
+    events = [event for event in results.events if event.time <= results.time[row]]
+    for r in range(first, row + 1):
+        for i, name in nodes:
+            _place_node(system, state, i, *(values[r] for values in traces[name]))
+        for place, value, rate in scalars:
+            state.z[place], state.v[place] = value[r], rate[r]
+        state.memory = system.commit(state)
+        state = monitor.settle(state)
+        while events and events[0].time <= results.time[r]:  # which closed and which opened positions cannot tell
+            state = monitor.entered(state, events.pop(0))
+    return state
+
+
+def _scalars(system, results):
+    """(entry of z, values, rates) of all own unknowns of elements: outputs of their names, and with "_rate"."""
+    for b in system.batches:
+        first = 3 * len(b.kind.layout)
+        for owner, dofs in zip(b.names if b.kind.scalars else (), b.dofs, strict=False):
+            path = f"{b.kind.section}/{owner.split(chr(39))[1]}"
+            for i, name in enumerate(b.kind.scalars):
+                if f"{path}/{name}" not in results.series or f"{path}/{name}_rate" not in results.series:
+                    raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
+                traces = (results[f"{path}/{name}"].values, results[f"{path}/{name}_rate"].values)
+                yield dofs[first + i], *traces
+
+
+def _place_node(system, s, i, position, quaternion, velocity, omega):
+    of = system.numbering
+    x, r = of.x[i], of.r[i]
+    R = _matrix(quaternion)
+    s.z[x : x + 3], s.v[x : x + 3] = position, velocity
+    s.R[of.rotation[i]] = R
+    s.z[r : r + 3], s.v[r : r + 3] = 0.0, R.T @ omega
+
+
+def _matrix(q):
+    """Rotation matrix of a unit quaternion (w, x, y, z)."""
+    w, u = q[0], q[1:]
+    H = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    return np.eye(3) + 2.0 * w * H + 2.0 * H @ H
+
+
+def _moving(prepared, state):
+    """Consistent velocities, accelerations and reactions of a march."""
+    if prepared.deck.values["time"] is None:
+        raise UsageError("the results are those of a march, the deck is one of statics")
+    return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
+
+
+def _resting(prepared, state, factor):
+    """The equilibrium at a load factor with its reactions, and how it is assembled."""
+    if prepared.deck.values["static"] is None:
+        raise UsageError("the results are those of statics, the deck is one of a march")
+    statics = loaded(prepared, prepared.deck.values["static"])
+    s, found = statics.correct(state, float(factor))
+    if not found.ok:
+        raise ResultsError(f"the saved state is no equilibrium of this deck: {found.message}")
+    statics.evaluate(s, float(factor), 1.0, 0.0, False)
+    return s, lambda s, k, penalty, *weights: statics.loading.assemble(s, float(factor), k, penalty, *weights)

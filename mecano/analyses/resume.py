@@ -1,0 +1,135 @@
+"""What a run that did not come to its end has left: whether it can be gone on with, and the rows to begin with."""
+
+import json
+import os
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from mecano.errors import ResultsError, UsageError
+from mecano.results.checked import blaming
+from mecano.results.layout import FORMAT_VERSION
+from mecano.results.provenance import provenance, to_json
+from mecano.results.reader import open_results
+
+COMPLETE = "{} is complete: there is nothing to go on with"
+AT_ONCE = 2**21  # numbers copied at once, 16 MB
+MOST = 5  # differences named
+SURROUNDINGS = {"processor": "processor", "machine": "machine", "threads": "number of threads"}  # and the versions
+
+
+class InterruptedRun:
+    """The results file of a stopped run of ``deck``, open until ``close``.
+
+    Raises UsageError when it is of another deck, ResultsError when it cannot be read or is being written.
+
+    Attributes
+    ----------
+    complete : bool
+        The run came to its end.
+    checkpoint : dict or None
+        What ``Writer.checkpoint`` was given, with where the file was then.
+    automatic : dict
+        What stood for values that the deck leaves automatic.
+    model : dict
+        What was told of the model.
+    remarks : list of str
+        What the user was told before.
+    """
+
+    def __init__(self, path, deck):
+        self.path, self.results = path, open_results(path)
+        try:
+            with blaming(path):
+                self._check(deck)
+                self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
+                self.automatic, self.model = self.results.automatic, self.results.model
+                self.warnings = self.results.warnings
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self):
+        """Close the file."""
+        self.results.close()
+
+    def _check(self, deck):
+        found = list(differences(self.results.resolved, json.loads(to_json(deck.resolved()))))
+        if found:
+            more = f"\n  and {len(found) - MOST} more" if len(found) > MOST else ""
+            raise UsageError(
+                f"{self.path} is of another deck and cannot be gone on with; it has\n  "
+                + "\n  ".join(found[:MOST]) + more
+            )  # fmt: skip
+        version = self.results.format_version
+        if version != FORMAT_VERSION:
+            raise ResultsError(
+                f"{self.path} has format {version} of another version of mecano and cannot be resumed by this one, "
+                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or use --force"
+            )
+        process = self.results.metadata["process"]
+        if self.results.status == "running" and self.results.written_here and process != os.getpid():
+            raise ResultsError(f"{self.path} is still being written, by process {process}")
+
+    def note(self, t):
+        """What is said of going on from t [s], and of what differs from where the run was before."""
+        reported = f"resumed at t = {t:.9g} s, {datetime.now(UTC).isoformat(timespec='seconds')}"
+        was, now = self.results.metadata, provenance()
+        names = SURROUNDINGS | {key: key.replace("_", " of ") for key in now if key.startswith("version_")}
+        pairs = [(name, was.get(key), now[key]) for key, name in names.items()]
+        changed = ", ".join(f"{name} ({before}, now {after})" for name, before, after in pairs if before != after)
+        doubt = "results may differ in their last digits from those of a run that was never stopped"
+        return f"{reported}; {doubt}, for other is: {changed}" if changed else reported
+
+    def check_layout(self, layout):
+        """Raise ResultsError unless the rows of the file have the ``layout`` of the run that is to go on."""
+        if layout.to_json() != self.results.layout.to_json():
+            raise ResultsError(f"{self.path} holds other outputs; it is of another version of mecano")
+
+    def copy_to(self, writer, interruption):
+        """Let a new writer be where the checkpoint is, and close.
+
+        Raises ResultsError, also for rows that changed, and what ``Interruption.check`` raises.
+        """
+        size = Path(self.path).stat().st_size
+        what, done, begun = f"taking up {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
+        for table, rows in self._rows():
+            writer.extend(table, rows)
+            done += rows.nbytes
+            more = max(size / done - 1.0, 0.0)
+            interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
+        events = int(self.checkpoint["file"]["rows"][2])
+        for e in self.results.events[:events]:
+            writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)
+        writer.resume_at(self.checkpoint)
+        self.close()
+
+    def _rows(self):
+        """All rows before the checkpoint, in blocks: (table, (n, width) array)."""
+        for table, count in zip(("output", "solver"), map(int, self.checkpoint["file"]["rows"]), strict=False):
+            width = 1 + (self.results.layout.size if table == "output" else len(self.results.layout.steps))
+            at_once = max(AT_ONCE // width // 1024, 1) * 1024  # whole chunks
+            for first in range(0, count, at_once):
+                yield table, self.results.rows(table, first, min(first + at_once, count))
+
+
+def differences(was, now, path=""):
+    """Yield what differs between two trees of plain data, as texts: where, what was and what is."""
+    if isinstance(was, dict) and isinstance(now, dict):
+        for key in dict.fromkeys([*was, *now]):
+            yield from differences(was.get(key, ABSENT), now.get(key, ABSENT), f"{path}.{key}" if path else key)
+    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
+        for i, pair in enumerate(zip(was, now, strict=True)):
+            yield from differences(*pair, f"{path}.{i}")
+    elif was != now:
+        yield f"{path}: {_short(was)}, and the deck {_short(now)}"
+
+
+ABSENT = object()
+
+
+def _short(value):
+    if value is ABSENT:
+        return "nothing"
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,128 @@
+"""Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
+
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.element_interface import Kind, Output, Row, record
+from mecano.jit.kernel import kernel
+from mecano.laws.friction import friction
+from mecano.laws.probe import curve_at
+from mecano.maths.dual import sqrt
+from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
+
+FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
+PADS = r"""
+Two pads stand at the ends of the bearing or guide, of length :math:`\ell`, around node b. With the force F across the
+axis and the couple that the joint transmits, written as the vector m of the multipliers that hold the axis
+(:math:`m_i` works along :math:`\mu_i \cdot \xi_3`), they bear together
+
+.. math::  N = |F/2 + m/\ell| + |F/2 - m/\ell|
+
+which is :math:`|F|` where no length is given.
+"""
+REGULARIZED = r"""
+The friction is regularized at rest after Oden & Martins 1985: :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for
+sliding speeds :math:`u < \epsilon`, 1 beyond. A joint that sticks creeps at the speed at which its friction is what the
+load asks for. :math:`\mu` may depend on the speed. The sizes of forces are exact, with a corner where they vanish; the
+derivative is taken as zero there.
+"""
+AXIS_ROWS = (
+    Row("moment that keeps the axes together, of mu_1", "N m", "rad"),
+    Row("moment that keeps the axes together, of mu_2", "N m", "rad"),
+)
+FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
+FRICTION_MOMENT = Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle")
+FRICTION_FORCE = Output("friction_force", "N", "force of the friction along the axis; > 0 against a positive velocity")
+NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
+POWER = Output("dissipated_power", "W", "power lost by friction")
+
+
+@kernel
+def pads(F_1, F_2, m_1, m_2, inverse_length):
+    """N [N] of both pads."""
+    a_1, a_2 = 0.5 * F_1 + inverse_length * m_1, 0.5 * F_2 + inverse_length * m_2
+    b_1, b_2 = 0.5 * F_1 - inverse_length * m_1, 0.5 * F_2 - inverse_length * m_2
+    return sqrt(a_1 * a_1 + a_2 * a_2) + sqrt(b_1 * b_1 + b_2 * b_2)
+
+
+@kernel
+def drag(p, laws, velocity):
+    """Friction over normal force, odd in the sliding velocity [m/s]."""
+    return friction(laws, p.coefficient, p.regularization, abs(velocity)) * velocity
+
+
+def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, load):
+    """Return the Kind of a friction along one coordinate.
+
+    ``load(p, at, rate)`` gives the force against a rate of the coordinate and the normal force that causes it [N, N m];
+    ``values`` are the fields of the record beside the axes and FRICTION_RECORD, ``output`` is the force.
+    """
+    gradient = coordinate.gradient
+
+    @kernel
+    def residual(p, at, f):
+        along = gradient(p, at)
+        add_along(f, load(p, at, rate_of(along, at.v))[0], along)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        rate = rate_of(gradient(p, at), at.v)
+        y[0], y[1] = load(p, at, rate)
+        y[2] = y[0] * rate
+        e[2] = y[2]
+
+    return Kind(
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **values, **FRICTION_RECORD),
+        layout=coordinate.layout, coupled_multipliers=coupled_multipliers, outputs=(output, NORMAL_FORCE, POWER),
+        residual=residual, observe=observe,
+    )  # fmt: skip
+
+
+def friction_fields(*geometry):
+    """The mapping ``friction`` of a joint; ``geometry`` are the fields that the joint adds."""
+    given = (
+        Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
+        Field(
+            "regularization", NUMBER, "m/s",
+            "sliding speed at which the friction is fully reached; a joint that sticks creeps below it", check=positive,
+        ),
+        *geometry,
+    )  # fmt: skip
+    doc = "Coulomb friction driven by the reactions of the joint; there is none when absent"
+    return Field("friction", mapping(*given), "-", doc, None)
+
+
+def radius(name, doc, default=None):
+    """A radius at which friction acts; required without a default."""
+    given = {} if default is None else {"default": default}
+    return Field(name, NUMBER, "m", doc, check=not_negative if default == 0.0 else positive, **given)
+
+
+LENGTH = Field(
+    "length", NUMBER, "m",
+    "length of the bearing or guide, centred at node b, whose ends carry the couple; when absent the couple causes no "
+    "friction", None, positive,
+)  # fmt: skip
+
+
+def friction_record(friction, context):
+    """Values of ``FRICTION_RECORD`` from the deck."""
+    length = friction.get("length")
+    return {
+        "coefficient": context.laws.add(friction["coefficient"]),
+        "regularization": friction["regularization"],
+        "inverse_length": 0.0 if length is None else 1.0 / length,
+    }
+
+
+def check_friction(d):
+    """Texts on a joint with the fields ``friction`` and ``compliance``."""
+    if d["friction"] is None:
+        return []
+    texts = []
+    if curve_at(d["friction"]["coefficient"], 0.0)[0] < 0.0:
+        texts.append("'friction' needs a coefficient that is not negative")
+    if d.get("compliance"):
+        texts.append(
+            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that "
+            "to a second joint, with a node between both"
+        )
+    return texts

@@ -1,0 +1,181 @@
+r"""Latches and stops of a joint coordinate c: constraints that begin to hold at a located event, with a shock.
+
+A latch is met by c on its way to a value, from where it was at the start, and holds it for good. A stop is met at the
+``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient
+of ``restitution``, and lets go where its reaction falls to zero.
+
+What is held, :math:`c_0`, is the value at the end of the last step before it was met, the memory of the part: so
+several that are met together hold what fits together, to the last bit. Docs: docs/shocks.md.
+"""
+
+from math import inf
+
+from mecano.constraints.along_coordinate.hold import holding
+from mecano.constraints.along_coordinate.law import counted
+from mecano.constraints.augmented_lagrangian import deactivate
+from mecano.constraints.stop_phases import FAR
+from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
+from mecano.jit.kernel import kernel
+from mecano.schema import NUMBER, Field, mapping, share
+
+LATCH_RECORD = {"value": (), "direction": ()}
+STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
+FREE, LOCKED = 0, 1
+BETWEEN, LOWER, UPPER = 0, 1, 2
+LATCH_PHASES = ("free", "locked")
+STOP_PHASES = ("between", "lower stop", "upper stop")
+LATCH_EVENTS = (Event("locks", "free", "locked", "the latch is met; a shock", LOCK),)
+STOP_EVENTS = (
+    Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
+          "restitution"),
+    Event("leaves lower stop", "lower stop", "between", "the reaction of the stop falls to zero"),
+    Event("meets upper stop", "between", "upper stop", "it rests on the stop or rebounds; a shock", CONTACT,
+          "restitution"),
+    Event("leaves upper stop", "upper stop", "between", "the reaction of the stop falls to zero"),
+)  # fmt: skip
+
+
+def latch_kind(name, doc, coordinate):
+    """Return the Kind of a latch of a coordinate."""
+    (hold, derivatives_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        if at.phase == LOCKED:
+            hold(p, at, 1.0, at.m[0], f, K)
+        else:
+            deactivate(f, K, row, at.k, at.q[row])
+
+    @kernel
+    def constraint_derivatives(p, at, g):
+        g[:] = 0.0
+        if at.phase == LOCKED:
+            derivatives_of(p, at, 1.0, (at.m[0], 0.0, 0.0), g)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0], y[1] = at.q[row], float(at.phase)
+
+    @kernel
+    def event_values(p, at, g):
+        g[0] = p.direction * (value(p, at) - p.value)
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = at.m[0] if at.phase == LOCKED else value(p, at)
+
+    (what, unit), of = coordinate.load, _quantity(coordinate)
+    return Kind(
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
+        outputs=(
+            Output(f"latch_{what}", unit, f"{what} of the latch on b, along growing {of}"),
+            Output("latched", "-", "1 from the locking on, 0 before"),
+        ),
+        multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
+        phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
+        force=force,
+        constraint_derivatives=constraint_derivatives, observe=observe, event_values=event_values, commit=commit,
+    )  # fmt: skip
+
+
+def stop_kind(name, doc, coordinate):
+    """Return the Kind of a pair of stops of a coordinate."""
+    (hold, derivatives_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        if at.phase == BETWEEN:
+            deactivate(f, K, row, at.k, at.q[row])
+        else:
+            hold(p, at, 1.0 if at.phase == LOWER else -1.0, at.m[0], f, K)
+
+    @kernel
+    def constraint_derivatives(p, at, g):
+        g[:] = 0.0
+        if at.phase != BETWEEN:
+            derivatives_of(p, at, 1.0 if at.phase == LOWER else -1.0, (at.m[0], 0.0, 0.0), g)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        side = 0.0 if at.phase == BETWEEN else 1.0 if at.phase == UPPER else -1.0
+        y[0], y[1] = -side * at.q[row], side
+
+    @kernel
+    def event_values(p, at, g):
+        c = value(p, at)
+        g[0], g[1] = p.lower - c, -at.q[row]
+        g[2], g[3] = c - p.upper, -at.q[row]
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = value(p, at) if at.phase == BETWEEN else at.m[0]
+
+    (what, unit), of = coordinate.load, _quantity(coordinate)
+    return Kind(
+        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
+        outputs=(
+            Output(f"stop_{what}", unit, f"{what} of the stop on b, along growing {of}"),
+            Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
+        ),
+        multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
+        phases=STOP_PHASES, events=STOP_EVENTS, memory=("held",), sample=_samples(coordinate, STOP_PHASES),
+        force=force,
+        constraint_derivatives=constraint_derivatives, observe=observe, event_values=event_values, commit=commit,
+    )  # fmt: skip
+
+
+def _quantity(coordinate):
+    return "displacement" if coordinate.sliding else "angle"
+
+
+def _samples(coordinate, phases):
+    """One in each mode."""
+    values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
+    names = LATCH_RECORD if phases is LATCH_PHASES else STOP_RECORD
+    ends = {name: values[name] for name in names}
+    return lambda rng: [({**coordinate.sample(rng), **ends}, 2, phase) for phase in phases]
+
+
+def end_fields(coordinate):
+    """Return the fields ``latch`` and ``stops`` of a joint for a coordinate."""
+    quantity, unit = _quantity(coordinate), coordinate.unit
+    latch = Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero)
+    stops = (
+        Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
+        Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
+        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
+    )
+    return (
+        Field("latch", mapping(latch), "-", "locks for good when it is met, with a shock (docs/shocks.md)", None),
+        Field("stops", mapping(*stops), "-", "rigid stops, met with a shock (docs/shocks.md)", None, _some),
+    )
+
+
+def _not_zero(value):
+    return None if value else "must not be zero: a joint that is locked from the start on is another joint"
+
+
+def _some(stops):
+    return "'lower' or 'upper' must be given" if stops["lower"] == -inf and stops["upper"] == inf else None
+
+
+def _below(value):
+    return None if value <= 0.0 else "must not be greater than zero, where the joint starts"
+
+
+def _above(value):
+    return None if value >= 0.0 else "must not be less than zero, where the joint starts"
+
+
+def end_parts(d, coordinate, axes, start, latch, stop):
+    """Return [Part] of the fields ``end_fields`` of a joint; ``axes`` of the coordinate, which starts at ``start``."""
+    parts = []
+    if d["latch"]:
+        value = d["latch"][_quantity(coordinate)]
+        ends = {"value": start + value, "direction": 1.0 if value > 0.0 else -1.0}
+        parts.append(Part(latch, (0, 1), {**axes, **ends}))
+    if d["stops"]:
+        lower, upper = max(d["stops"]["lower"], -FAR), min(d["stops"]["upper"], FAR)
+        ends = {"lower": start + lower, "upper": start + upper, "restitution": d["stops"]["restitution"]}
+        parts.append(Part(stop, (0, 1), {**axes, **ends}))
+    return parts

@@ -1,0 +1,59 @@
+r"""What every scalar constraint does with its gradient: augmented Lagrangian, bordered.
+
+With :math:`g = p\,\Phi - k\lambda` and B the gradient of Phi by blocks of three unknowns (theory.md section 1,
+equations (12)-(14) of Cardona, Geradin & Doan 1991):
+
+.. math::  f = B^T g, \quad f_\lambda = -k \Phi, \quad K = p B^T B + g\, \partial B^T/\partial q, \quad
+           K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B
+"""
+
+from mecano.jit.kernel import kernel
+from mecano.maths.vector import add_col, add_mat, add_row, add_vec, outer
+
+
+@kernel
+def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
+    """Add one constraint without its curvature; return g = penalty Phi - k lambda [N, N m].
+
+    ``blocks`` is a tuple of (local index, gradient (3,)), ``row`` the local index of the multiplier, whose value
+    ``multiplier`` is k lambda.
+    """
+    g = penalty * Phi - multiplier
+    f[row] -= k * Phi
+    for i, b in blocks:
+        add_vec(f, i, g, b)
+        add_col(K, i, row, -k, b)
+        add_row(K, row, i, -k, b)
+        for j, c in blocks:
+            add_mat(K, i, j, penalty, outer(b, c))
+    return g
+
+
+@kernel
+def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
+    """Add to a constraint of ``add_constraint``, which returned g, its part by one more unknown, at the index ``at``.
+
+    ``slope`` and ``curvature`` are its first and second derivative by that unknown.
+    """
+    f[at] += g * slope
+    K[at, at] += penalty * slope * slope + g * curvature
+    K[at, row] -= k * slope
+    K[row, at] -= k * slope
+    for i, b in blocks:
+        add_col(K, i, at, penalty * slope, b)
+        add_row(K, at, i, penalty * slope, b)
+
+
+@kernel
+def deactivate(f, K, row, k, multiplier):
+    """One constraint that does not hold in the present mode: no reaction. Its levels are not written."""
+    f[row] -= multiplier
+    K[row, row] -= k
+
+
+@kernel
+def put_derivatives(g, row, Phi, rate, second_rate):
+    """Write the three levels of one constraint."""
+    g[row, 0] = Phi
+    g[row, 1] = rate
+    g[row, 2] = second_rate

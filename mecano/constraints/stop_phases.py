@@ -1,0 +1,33 @@
+"""Modes and events that the springs share: on which side of its stops the extension of a force law is.
+
+The law itself knows its stops, so the force does not depend on the mode; the events make the steps of time end
+where the force has a corner.
+"""
+
+from mecano.element_interface import Event
+from mecano.jit.kernel import kernel
+from mecano.laws.table import kinks
+
+FAR = 1e30  # [m or rad]: a stop that is never met, in event values that must be finite
+PHASES = ("below", "between", "above")
+EVENTS = (
+    Event("lower stop closes", "between", "below", "the extension falls to the lower stop"),
+    Event("lower stop opens", "below", "between", "the extension rises from the lower stop"),
+    Event("upper stop closes", "between", "above", "the extension rises to the upper stop"),
+    Event("upper stop opens", "above", "between", "the extension falls from the upper stop"),
+)
+
+
+@kernel
+def put_stop_events(g, low, high, extension):
+    """g (4,) = values of ``EVENTS`` [m or rad]."""
+    g[0] = low - extension
+    g[1] = extension - low
+    g[2] = extension - high
+    g[3] = high - extension
+
+
+def law_record(law, context):
+    """Values of the fields law (start in the table), low and high (stops) of a record."""
+    low, high = kinks(law)
+    return {"law": context.laws.add(law), "low": max(low, -FAR), "high": min(high, FAR)}

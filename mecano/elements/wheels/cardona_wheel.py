@@ -1,0 +1,86 @@
+r"""Rigid wheel of Cardona, Geradin and Doan (1991) to the letter: for comparison, not for use.
+
+The small-inclination equations of section 3.2 of CMAME 89, kept as they stand however the wheel leans, on a plane:
+
+    (x - P).n - radius = 0           the centre keeps its height (18)
+    u.t = 0, u.l = 0                 the point x - radius n below the centre does not slip (22), (25)
+
+The contact does not move sideways over the rim as the wheel leans, so gravity does not tip the wheel: an upright
+thin disc wobbles with omega^2 = C (C + m r^2) n^2/(A (A + m r^2)) at any spin n and has no critical speed, whereas the
+exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of inertia about a diameter and the axis.
+"""
+
+import numpy as np
+
+from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, check_touching, put_outputs
+from mecano.constraints.ground import check_axle, ends, lean_of, on_the_slope, slope_below, unit
+from mecano.constraints.of_coordinates import HELD_COORDINATE
+from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
+from mecano.element_interface import Kind, Part
+from mecano.jit.kernel import kernel
+from mecano.maths.surface import directions, disc_contact
+from mecano.maths.vector import ZERO, dot, mat, vec
+
+HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
+    Rn, n = mat(at.R[0]), vec(p.normal, 0)
+    axis = Rn @ vec(p.axis, 0)
+    g = disc_contact(n, ZERO, p.radius, axis)
+    frame, arm = (n, *directions(axis, g)), -p.radius * n
+    spin, push = dot(Rn @ vec(at.v, 3), axis), (at.q[HEIGHT], at.q[DRIVING], at.q[LATERAL])
+    put_outputs(y, at.q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
+
+
+def prepare(d, nodes, context):
+    """Record: axis in the node's frame, radius, normal."""
+    normal = np.array(d["ground"]["plane"]["normal"], float)
+    return {"axis": carried_axis(d, nodes), "radius": d["radius"], "normal": normal / np.linalg.norm(normal)}
+
+
+def parts(d, nodes, context):
+    """The centre keeps its height, the point below it does not slip."""
+    p = prepare(d, nodes, context)
+    origin = np.array(d["ground"]["plane"]["point"], float) + d["radius"] * p["normal"]
+    height = {"direction": p["normal"], "origin": origin, "offset": 0.0, "law": 0}
+    return [Part(HELD_COORDINATE, (0,), height), Part(UPRIGHT_ROLLING, (0,), p)]
+
+
+def check(d, nodes):
+    """Texts on a ground that is no plane, a wheel that lies flat or starts below the ground."""
+    if d["ground"].get("profile"):
+        return ["the paper's wheel rolls on a plane only; use rigid_wheel on a ground with a profile"]
+    return check_axle(d["ground"], nodes[0][0], d["axis"]) or _check_height(d, nodes[0][0])
+
+
+def _check_height(d, x):
+    """Texts on a centre that is not at its height over the plane, the radius, and too far to be brought there."""
+    plane = d["ground"]["plane"]
+    gap = unit(plane["normal"]) @ np.subtract(x, plane["point"]) - d["radius"]
+    return check_touching(gap, gap, d["radius"])
+
+
+def sample(rng):
+    """A wheel that leans on a slope."""
+    ground, normal, level = slope_below(rng)
+    return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, on_the_slope(rng, normal), "")]
+
+
+PAPER_WHEEL = Kind(
+    name="paper_wheel",
+    section="elements",
+    doc=__doc__,
+    dtype=RECORD,
+    layout=("x0", "R0"),
+    fields=FIELDS,
+    outputs=OUTPUTS,
+    prepare=prepare,
+    parts=parts,
+    check=check,
+    ends=ends,
+    observe=observe,
+    sample=sample,
+)

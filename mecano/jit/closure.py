@@ -1,0 +1,124 @@
+"""Digest of everything that the machine code of a function depends on.
+
+The digest covers the code of the function and of all functions that it calls, without docstrings and comments, and the
+values of the globals they use: constants, types of records, compile-time types. Editing one element therefore changes
+the digests of the objects that contain it, and of no others.
+"""
+
+import dis
+import hashlib
+import types
+from functools import cache
+
+import numpy as np
+
+from mecano.jit.kernel import Kernel
+from mecano.jit.methods import Generic, methods_in
+
+OURS = "mecano"  # modules of this package are followed, those of others are known by name
+LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
+PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # whose repr is exact
+
+_digests = {}  # of functions; what a function calls does not change while the process lives
+
+
+def digest(function):
+    """Return the digest (32 hexadecimal digits) of a Python function and all that it uses.
+
+    Raises TypeError where it uses a global value whose influence on the machine code is not known.
+    """
+    known = _digests.get(function)
+    if known is None:
+        _digests[function] = "recursive"
+        known = _digests[function] = _hash(_describe_function(function))
+    return known
+
+
+def _hash(text):
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def _describe_function(function):
+    code, cells = function.__code__, function.__closure__ or ()
+    used = {name: function.__globals__[name] for name in sorted(_names(code)) if name in function.__globals__}
+    used |= dict(zip(code.co_freevars, (cell.cell_contents for cell in cells), strict=True))
+    parts = [_describe_code(code, function.__doc__), _describe(function.__defaults__, ())]
+    parts += [f"{name}: {kind!r}" for name, kind in function.__annotations__.items()]
+    parts += [f"{name}={_describe(value, code.co_names)}" for name, value in used.items()]
+    return "\n".join(parts)
+
+
+def _names(code):
+    """Names of globals that a code object and those nested in it load; attributes are other names."""
+    operations, arguments = code.co_code[::2], code.co_code[1::2]
+    found, i = set(), operations.find(LOAD_GLOBAL)
+    while i >= 0:
+        more = arguments[i - 1] << 8 if i and operations[i - 1] == EXTENDED_ARG else 0
+        found.add(code.co_names[(arguments[i] | more) >> 1])  # the last bit is a flag, since Python 3.11
+        i = operations.find(LOAD_GLOBAL, i + 1)
+    nested = [inner for inner in code.co_consts if isinstance(inner, types.CodeType)]
+    return found.union(*(_names(inner) for inner in nested))
+
+
+def _describe_code(code, doc=None):
+    constants = [
+        _describe_code(value) if isinstance(value, types.CodeType) else repr(value)
+        for value in code.co_consts
+        if doc is None or value != doc
+    ]
+    counts = f"{code.co_argcount} {code.co_kwonlyargcount} {code.co_flags}"
+    return f"{code.co_code.decode('latin-1')} {code.co_names} {counts} {constants}"
+
+
+def _describe(value, names):
+    """Text that differs where machine code that uses the ``value`` may differ; ``names`` are those used of a module."""
+    if isinstance(value, Kernel):
+        return f"{type(value).__name__ == 'Inlined'} {digest(value.__wrapped__)}"
+    if isinstance(value, Generic) or (isinstance(value, type) and hasattr(value, "has_methods")):
+        return f"{value.__name__} {_describe_methods(value.__module__)}"
+    if isinstance(value, types.FunctionType):
+        return digest(value) if value.__module__.startswith(OURS) else f"{value.__module__}.{value.__qualname__}"
+    if isinstance(value, types.ModuleType):
+        return _describe_module(value, names)
+    if callable(value):
+        return f"{getattr(value, '__module__', '')}.{value.__qualname__} {getattr(value, '_fields', '')}"
+    if isinstance(value, tuple | list):
+        return f"{type(value).__name__} {[_describe(item, names) for item in value]}"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    if isinstance(value, np.dtype):
+        return _describe_type(value)
+    if value is None or isinstance(value, PLAIN):
+        return f"{type(value).__name__} {value!r}"
+    raise TypeError(f"a compiled function uses a global {type(value).__name__}, which machine code cannot depend on")
+
+
+@cache
+def _describe_type(dtype):
+    return repr(dtype)
+
+
+def _describe_module(module, names):
+    if module.__name__.partition(".")[0] != OURS:
+        return module.__name__
+    return f"{[_describe(getattr(module, name), names) for name in names if hasattr(module, name)]}"
+
+
+@cache
+def _describe_methods(module):
+    """Digest of all methods that a module gives to operators and functions, and of the functions that they call.
+
+    Methods of one type use those of others: they are taken together, each once, whatever is asked for first.
+    """
+    found, waiting = [], methods_in(module)
+    seen = {code for _, code in waiting}
+    while waiting:
+        name, function = waiting.pop(0)
+        used = [function.__globals__[n] for n in sorted(_names(function.__code__)) if n in function.__globals__]
+        called = [value.__wrapped__ for value in used if isinstance(value, Kernel)]
+        called += [value for value in used if isinstance(value, types.FunctionType)]
+        waiting += [(f.__qualname__, f) for f in called if f.__module__ == module and f not in seen]
+        seen.update(called)
+        constants = [repr(value) for value in used if isinstance(value, PLAIN)]
+        found.append(f"{name} {_describe_code(function.__code__, function.__doc__)} {constants}")
+    return _hash("\n".join(found))

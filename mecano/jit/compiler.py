@@ -1,0 +1,410 @@
+"""How functions are compiled: numba makes optimized LLVM code of them, LLVM a piece of machine code for the store.
+
+Only this module imports numba. Division by zero gives infinities and nan, as in C; an iteration that meets them is not
+finite, and says so.
+"""
+
+import operator
+import os
+from functools import cache
+
+os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # its functions are not in the C library, where code is loaded
+
+import llvmlite.binding as llvm
+import numpy as np
+from llvmlite import ir
+from numba import carray, cfunc, njit, types
+from numba.core import cgutils
+from numba.core.datamodel.models import OpaqueModel
+from numba.core.imputils import lower_builtin, lower_getattr
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
+from numba.extending import intrinsic, overload, register_model
+
+from mecano.jit import memory, methods, symbols
+from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
+from mecano.jit.entry import Array
+from mecano.jit.null_matrix import NullMatrix, wanted
+from mecano.jit.symbols import Condition, Symbol, is_number, value_of
+from mecano.process.interrupt import abandonable
+
+# What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
+KNOWN = frozenset(
+    "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax "
+    "fmin fmod frexp hypot ldexp log log10 log1p log2 memcpy memmove memset pow remainder rint round sin sincos sinh "
+    "sqrt tan tanh trunc calloc free PyErr_BadArgument Py_FatalError".split()
+)
+# What numba calls to tell Python of an error.
+ERRORS = frozenset(
+    "numba_gil_ensure numba_gil_release numba_unpickle numba_do_raise numba_runtime_build_excinfo_struct NRT_Free "
+    "NRT_MemInfo_call_dtor PyErr_Clear PyErr_SetString PyErr_SetNone PyErr_WriteUnraisable PyUnicode_FromString "
+    "PyBytes_FromStringAndSize Py_DecRef".split()
+)
+FATAL = b"an error in compiled code of mecano, which should have none\0"
+
+
+class PlainDispatcher(types.Dispatcher):
+    """A function that is compiled once for all constants with which it is called, not for each of them."""
+
+    def get_call_type(self, context, arguments, keywords):
+        """Return the signature of a call."""
+        plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
+        return super().get_call_type(context, [types.unliteral(kind) for kind in arguments], plain)
+
+
+NUMERIC = (types.Number, types.Boolean)
+LOOP = types.void(types.int64, types.int64)
+NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
+
+
+@register_model(PlainDispatcher)
+class _PlainModel(OpaqueModel):
+    """Nothing, as of other functions."""
+
+
+def compiled(function):
+    """Return the type of numba of a function that compiled functions call; it compiles it for the types they use."""
+    dispatcher = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    found = PlainDispatcher(dispatcher)
+    found.kept = dispatcher  # to which numba's own reference is weak
+    return found
+
+
+def loop_code(function):
+    """(symbol, machine code) of a C function of two addresses that returns nothing."""
+    return _machine_code(LOOP, function)
+
+
+def entry_code(entry):
+    """(symbol, machine code) of a C function of the addresses of the words and the results of a call (entry.py).
+
+    It sets Python's TypeError when an array is not of its type, dimension and order.
+    """
+    source, names = _unpacking(entry)
+    exec(compile(source, f"<entry {entry.__qualname__}>", "exec"), names)
+    result = types.void if entry.several or not entry.returns else NUMBERS[entry.returns[0]]
+    return _machine_code(result(types.int64, types.int64), names["entry"])
+
+
+def _unpacking(entry):
+    """Source of the function that calls an entry with what stands in the words, and the names it uses."""
+    names = {"function": entry, "memory": memory, "data": data, "fits": fits, "refuse": _refuse}
+    names |= {"shape_1": shape_1, "shape_2": shape_2, "shape_3": shape_3}
+    lines, given = [], []
+    refused = "return" if entry.several or not entry.returns else "return 0"
+    for i, kind in enumerate(entry.signature, start=1):  # before the arguments stands the type of arrays
+        if isinstance(kind, Array):
+            flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if entry.is_written(i - 1) else 0)
+            letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
+            wanted = f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
+            lines += [f"if not fits(words[{i}], words[0], {wanted}):", "    refuse()", f"    {refused}"]
+            given.append(_array_at(kind, i, names))
+        else:
+            given.append({float: f"reals[{i}]", bool: f"words[{i}] != 0"}.get(kind, f"words[{i}]"))
+    call, n = f"function({', '.join(given)})", 1 + len(given)
+    lines[:0] = [f"words, reals = memory.integers(at, {n}), memory.floats(at, {n})"]
+    if entry.several:
+        out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
+        lines += [f"results = memory.floats(out, {len(entry.returns)})", f"{out} = {call}"]
+    else:
+        lines.append(f"return {call}" if entry.returns else call)
+    return "def entry(at, out):\n    " + "\n    ".join(lines) + "\n", names
+
+
+def _array_at(kind: Array, word, names):
+    """Source of the array whose object stands in a word."""
+    place, shape = f"data(words[{word}])", f"shape_{kind.dimensions}(words[{word}])"
+    if kind.dtype == np.float64:
+        return f"memory.floats({place}, {shape})"
+    if kind.dtype == np.int64:
+        return f"memory.integers({place}, {shape})"
+    names[f"dtype_{word}"] = kind.dtype
+    return f"memory.items({place}, {shape}, dtype_{word})"
+
+
+def _machine_code(signature, function):
+    """(symbol, machine code) of a function of Python as a C function of that signature of numba.
+
+    Raises SystemError if it needs what is not there. A signal need not wait for the compiler, which takes seconds.
+    """
+    return abandonable(_code_of, signature, function)
+
+
+def _code_of(signature, function):
+    _learn_methods()
+    function = cfunc(signature, error_model="numpy")(function)
+    module = llvm.parse_assembly(function.inspect_llvm())
+    missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
+    if missing - ERRORS:
+        needs = ", ".join(sorted(missing - ERRORS))
+        raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
+    variables = [variable.name for variable in module.global_variables if variable.is_declaration]
+    module.link_in(llvm.parse_assembly(str(_ending(sorted(missing), variables))))
+    for name in variables:  # no table of addresses is needed then, which a loader may put too far away
+        module.get_global_variable(name).visibility = "hidden"
+    return function.native_name, _target().emit_object(module)
+
+
+def _ending(functions, variables):
+    """What stands in for numba's telling Python of an error: the end of the program. No kernel raises any."""
+    module, pointer = ir.Module(), ir.IntType(8).as_pointer()
+    content = ir.Constant(ir.ArrayType(ir.IntType(8), len(FATAL)), bytearray(FATAL))
+    text = ir.GlobalVariable(module, content.type, "mecano_fatal")
+    text.initializer, text.linkage = content, "internal"
+    end = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer]), "Py_FatalError")
+    for name in functions:
+        stub = ir.Function(module, ir.FunctionType(ir.VoidType(), []), name)
+        stub.linkage = "weak"
+        builder = ir.IRBuilder(stub.append_basic_block())
+        builder.call(end, [builder.bitcast(text, pointer)])
+        builder.unreachable()
+    for name in variables:
+        variable = ir.GlobalVariable(module, ir.IntType(64), name)
+        variable.initializer, variable.linkage = ir.Constant(ir.IntType(64), 0), "weak"
+    return module
+
+
+def _target():
+    features = llvm.get_host_cpu_features().flatten()
+    of = llvm.Target.from_default_triple()
+    return of.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=features, opt=3, reloc="default", codemodel="jitdefault"
+    )
+
+
+@intrinsic
+def _call(typing_context, function, first, second):
+    def generate(context, builder, signature, arguments):
+        word = ir.IntType(64)
+        kind = ir.FunctionType(ir.VoidType(), [word, word])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64), generate
+
+
+@intrinsic
+def _pointer(typing_context, address):
+    """The address as a pointer, for carray."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), generate
+
+
+@overload(memory.floats)
+def _floats(address, shape):
+    return lambda address, shape: carray(_pointer(address), shape, np.float64)
+
+
+@overload(memory.integers)
+def _integers(address, shape):
+    return lambda address, shape: carray(_pointer(address), shape, np.int64)
+
+
+@overload(memory.items)
+def _items(address, n, dtype):
+    return lambda address, n, dtype: carray(_pointer(address), n, dtype)
+
+
+@overload(memory.call)
+def _call_at(function, first, second):
+    return lambda function, first, second: _call(function, first, second)
+
+
+_bad_argument = types.ExternalFunction("PyErr_BadArgument", types.int32())
+_calloc = types.ExternalFunction("calloc", types.voidptr(types.uintp, types.uintp))
+_free = types.ExternalFunction("free", types.void(types.voidptr))
+
+
+@overload(memory.take_zeros)
+def _take_zeros(shape):
+    def take(shape):
+        n = 1
+        for size in shape:
+            n *= size
+        return carray(_calloc(n, 8), shape, np.float64)
+
+    return take
+
+
+def _refuse():
+    """Set Python's TypeError."""
+
+
+@overload(_refuse)
+def _refuse_arguments():
+    return lambda: _bad_argument()
+
+
+@overload(memory.give_back)
+def _give_back(array):
+    return lambda array: _free(_pointer(array.ctypes.data))
+
+
+def _is_null_matrix(A):
+    return isinstance(A, types.BaseNamedTuple) and A.instance_class is NullMatrix
+
+
+@overload(operator.setitem)
+def _discard_write(A, index, value):
+    discards = _is_null_matrix(A) and isinstance(index, types.BaseTuple)
+    return (lambda A, index, value: None) if discards else None
+
+
+@overload(operator.getitem)
+def _zero(A, index):
+    discards = _is_null_matrix(A) and isinstance(index, types.BaseTuple)
+    return (lambda A, index: 0.0) if discards else None
+
+
+@overload(wanted)
+def _wanted(A):
+    return (lambda A: False) if _is_null_matrix(A) else (lambda A: True)
+
+
+def _kind(argument):
+    """The type by which a method is chosen, of an argument of this type of numba."""
+    if isinstance(argument, types.BaseNamedTuple):
+        return argument.instance_class
+    if isinstance(argument, types.Record):
+        return methods.kind_of_record(argument.fields)
+    return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, NUMERIC) else None
+
+
+@overload(operator.setitem)
+def _store(array, index, value):
+    """Store a Dual, or a number as a Dual that does not vary, in an array of records."""
+    if not (isinstance(array, types.Array) and isinstance(array.dtype, types.Record)):
+        return None
+    if isinstance(value, types.Number):
+        return _store_number
+    return _store_dual if _kind(value) is not None and _kind(value) is _kind(array.dtype) else None
+
+
+def _store_number(array, index, value):
+    item = array[index]
+    item.value = value
+    item.slope = 0.0
+
+
+def _store_dual(array, index, value):
+    item = array[index]
+    item.value = value.value
+    item.slope = value.slope
+
+
+IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
+OPERANDS = (types.BaseNamedTuple, types.Record, types.Float, types.Integer)
+_known = set()  # functions with methods that numba knows
+methods.Generic.primitive = staticmethod(symbols.primitive)
+
+
+def _learn_methods():
+    """Tell numba of functions with methods, and of attributes, that it does not know yet."""
+    for function in [f for f in methods.functions() if f not in _known]:
+        for named in {function, IN_PLACE.get(function, function)}:
+            _learn(function, named)
+        _known.add(function)
+    for name in [name for name in methods.attribute_names() if name not in _known]:
+        _learn_attribute(name)
+        _known.add(name)
+
+
+def _learn(function, named):
+    """Tell numba the types of a function, called under the name ``named``, and how to write its instructions."""
+
+    class Template(AbstractTemplate):
+        key = named
+
+        def generic(self, arguments, _):
+            result = _result(function, arguments)
+            return result and signature(result, *arguments)
+
+    infer_global(named, types.Function(Template))
+
+    def generate(context, builder, of, arguments):
+        given = [_symbolic(context, builder, *pair) for pair in zip(of.args, arguments, strict=True)]
+        return _instructions(context, builder, of.return_type, function(*given))
+
+    if isinstance(function, methods.Generic):
+        lower_builtin(named, types.VarArg(types.Any))(generate)
+        return
+    unary = [(kind,) for kind in OPERANDS[:2]]
+    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & set(OPERANDS[:2]))]:
+        lower_builtin(named, *operands)(generate)
+
+
+def _learn_attribute(name):
+    class Attribute(AttributeTemplate):
+        key = types.BaseNamedTuple
+
+        def generic_resolve(self, of, attribute):
+            code = methods.attribute_of(_kind(of), name) if attribute == name else None
+            return code and _type_of(code(_stand_in(of)))
+
+    infer_getattr(Attribute)
+
+    def generate(context, builder, of, value):
+        found = methods.attribute_of(_kind(of), name)(_symbolic(context, builder, of, value))
+        return _instructions(context, builder, _type_of(found), found)
+
+    lower_getattr(types.BaseNamedTuple, name)(generate)
+
+
+@cache
+def _result(function, arguments):
+    """Type of the value of a function for arguments of these types, or None where it has no code for them."""
+    kinds = set(map(_kind, arguments))
+    if None in kinds or (kinds == {float} and not isinstance(function, methods.Generic)):
+        return None
+    try:
+        return _type_of(function(*map(_stand_in, arguments)))
+    except TypeError:
+        return None
+
+
+def _stand_in(of):
+    """A value of a type of numba that has no instructions yet."""
+    kind = _kind(of)
+    if kind is float:
+        return Condition(None) if isinstance(of, types.Boolean) else Symbol(None)
+    parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types
+    return kind(*map(_stand_in, parts))
+
+
+def _type_of(value):
+    if isinstance(value, Condition | bool):
+        return types.boolean
+    if is_number(value):
+        return types.float64
+    parts = [_type_of(part) for part in value]
+    if len(set(parts)) == 1:
+        return types.NamedUniTuple(parts[0], len(parts), type(value))
+    return types.NamedTuple(parts, type(value))
+
+
+def _symbolic(context, builder, of, value):
+    """A value of compiled code as Symbols."""
+    kind = _kind(of)
+    if isinstance(of, types.Boolean):
+        return Condition(builder, context.cast(builder, value, of, types.boolean))
+    if kind is float:
+        return Symbol(builder, context.cast(builder, value, of, types.float64))
+    if isinstance(of, types.Record):
+        places = [
+            cgutils.get_record_member(builder, value, of.offset(name), cgutils.ir.DoubleType()) for name in of.fields
+        ]
+        return kind(*(Symbol(builder, builder.load(place)) for place in places))
+    parts = cgutils.unpack_tuple(builder, value, len(of))
+    return kind(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
+
+
+def _instructions(context, builder, of, value):
+    """The value that numba knows from one of Symbols."""
+    if isinstance(value, Condition | bool):
+        return value.value if isinstance(value, Condition) else context.get_constant(types.boolean, value)
+    if is_number(value):
+        return value_of(value)
+    parts = [_instructions(context, builder, *pair) for pair in zip(of.types, value, strict=True)]
+    return context.make_tuple(builder, of, parts)

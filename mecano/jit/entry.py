@@ -1,0 +1,171 @@
+"""Compiled functions that Python calls.
+
+The annotations of an entry are its signature: ``float``, ``int``, ``bool``, or a contiguous array of the types below;
+it returns nothing, a number, or several. Every call packs the addresses of its arrays, and its numbers, into words of 8
+bytes, which the compiled side takes apart (compiler.py): a microsecond for a dozen arguments. Those that stay the same
+are packed once (``Entry.bind``).
+"""
+
+import ctypes
+import struct
+from functools import cache, cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.jit.closure import digest
+from mecano.jit.kernel import Kernel
+from mecano.jit.store import address
+
+
+class Array(NamedTuple):
+    """A contiguous array with items of one type."""
+
+    dtype: np.dtype
+    dimensions: int
+
+
+Vector, Matrix, Matrices = (Array(np.dtype(np.float64), n) for n in (1, 2, 3))
+Indices, Table = (Array(np.dtype(np.int64), n) for n in (1, 2))
+Short = Array(np.dtype(np.uint32), 1)  # indices of large tables
+
+
+def Records(dtype):
+    """An array (n,) of records."""
+    return Array(dtype, 1)
+
+
+RESULT = {float: ctypes.c_double, int: ctypes.c_int64, bool: ctypes.c_int64}
+WORD = {float: "d", int: "q", bool: "?7x"}
+
+
+class PackedCall(NamedTuple):
+    """A call of an entry: the addresses are valid as long as this lives."""
+
+    function: int  # address of the C function
+    words: np.ndarray  # (n,) the packed arguments
+    arguments: tuple
+
+
+class Entry(Kernel):
+    """A compiled function for Python; other compiled functions may call it as a kernel."""
+
+    def __init__(self, function):
+        super().__init__(function)
+        signature = dict(function.__annotations__)
+        returns = signature.pop("return", None)
+        self.names, self.signature = tuple(signature), tuple(signature.values())
+        self.returns = returns if isinstance(returns, tuple) else (returns,) if returns else ()
+        self.pack = struct.Struct(_layout(self.signature, "q")).pack
+
+    def bind(self, *first):
+        """A function of the arguments behind the ``first``, as functools.partial makes it, which packs these once."""
+        n = len(first)
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, first, strict=False)]
+        head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
+        return _binding(self, n)(self, self.function, head, struct.Struct(_layout(self.signature[n:])).pack, first)
+
+    def call_from_compiled_code(self, *arguments):
+        """Return what ``memory.call`` needs for a call with these arguments, as a PackedCall."""
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, arguments, strict=True)]
+        packed = np.frombuffer(self.pack(id(np.ndarray), *words), np.int64).copy()
+        return PackedCall(self.address, packed, arguments)
+
+    @property
+    def several(self):
+        """True when a call gives a tuple."""
+        return len(self.returns) > 1
+
+    @cached_property
+    def function(self):
+        """The C function of the address of the words and, for several results, that of an array for them."""
+        result = None if self.several or not self.returns else RESULT[self.returns[0]]
+        return ctypes.PYFUNCTYPE(result, ctypes.c_char_p, ctypes.c_void_p)(self.address)
+
+    @cached_property
+    def address(self):
+        """The address of the C function."""
+        name, depends = f"{self.__module__}.{self.__qualname__}", digest(self.__wrapped__)
+        return address(name, depends, lambda compiler: compiler.entry_code(self))
+
+    def is_written(self, place):
+        """True for an argument that by its name is an array that the function writes."""
+        return self.names[place].endswith("_out")
+
+    def refusal(self, error, *arguments):
+        """A TypeError that names the arguments which are not what they must be; the ``error`` itself if all are."""
+        wrong = [
+            f"{name} must be {_wanted(kind, self.is_written(i))}"
+            for i, (name, kind, value) in enumerate(zip(self.names, self.signature, arguments, strict=True))
+            if not _fits(kind, value, self.is_written(i))
+        ]
+        return TypeError(f"{self.__name__}: {'; '.join(wrong)}") if wrong else error
+
+
+def _layout(kinds, before=""):
+    """The format of the words of arguments, behind others."""
+    return "=" + before + "".join(WORD.get(kind, "q") for kind in kinds)
+
+
+def _fits(kind, value, is_written):
+    if not isinstance(kind, Array):
+        return kind is bool or isinstance(value, (int, np.integer) if kind is int else (int, float, np.number))
+    if type(value) is not np.ndarray or (value.dtype, value.ndim) != kind:
+        return False
+    return value.flags.c_contiguous and value.flags.aligned and (value.flags.writeable or not is_written)
+
+
+def _wanted(kind, is_written):
+    if not isinstance(kind, Array):
+        return "a number" if kind is float else "a whole number"
+    what = f"a contiguous array of {kind.dtype} with {kind.dimensions} dimensions"
+    return f"{what} that can be written" if is_written else what
+
+
+CALL = """\
+def call(self, {given}):
+    function = self.function
+    try:
+        {body}
+    except (TypeError, StructError) as error:
+        raise self.refusal(error, {given}) from None
+"""
+BIND = """\
+def bind(_entry, function, _head, _pack, _first):
+    def call({given}):
+        try:
+            {body}
+        except (TypeError, StructError) as error:
+            raise _entry.refusal(error, *_first, {given}) from None
+    return call
+"""
+
+
+def entry(function):
+    """An Entry whose call is written out for its signature: what it does for each argument would take longer."""
+    call = _written_out(CALL, function.__qualname__, function.__annotations__, "self.pack(NDARRAY, {words})")
+    return type("Entry", (Entry,), {"__call__": call})(function)
+
+
+@cache
+def _binding(entry, n):
+    """The function that makes the calls of an Entry of which the first ``n`` arguments are packed."""
+    names = dict([*zip(entry.names, entry.signature, strict=True)][n:])
+    annotations = names | {"return": entry.returns if entry.several else (*entry.returns, None)[0]}
+    return _written_out(BIND, entry.__qualname__, annotations, "_head + _pack({words})")
+
+
+def _written_out(template, name, annotations, packed):
+    """The function of a template above for arguments and results with these ``annotations``."""
+    names = [name for name in annotations if name != "return"]
+    words = [f"id({name})" if isinstance(annotations[name], Array) else name for name in names]
+    returns, packed = annotations.get("return"), packed.format(words=", ".join(words))
+    scope = {"addressof": ctypes.addressof, "StructError": struct.error, "NDARRAY": id(np.ndarray)}
+    body = f"return {'bool' if returns is bool else ''}(function({packed}, None))"
+    if isinstance(returns, tuple):
+        scope["Results"] = ctypes.c_double * len(returns)
+        numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
+        body = f"results = Results(); function({packed}, addressof(results)); return {numbers}"
+    text = template.format(given=", ".join(names), body=body)
+    exec(compile(text, f"<call of {name}>", "exec"), scope)
+    return scope["bind" if template is BIND else "call"]

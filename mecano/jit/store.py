@@ -1,0 +1,222 @@
+"""Machine code on the disk, and its functions in memory.
+
+One file for each function, named by the function and by a digest of all that its code depends on (closure.py), in a
+folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A process that finds
+there what it needs imports neither numba nor LLVM's compiler.
+"""
+
+import atexit
+import hashlib
+import os
+import secrets
+import shutil
+import sys
+import tempfile
+import time
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import llvmlite
+import llvmlite.binding as llvm
+
+from mecano.jit import trust
+
+COMPILER = ("array_object", "compiler", "entry", "kernel", "memory", "methods", "null_matrix", "symbols")
+"""Modules that make code of functions."""
+DAY = 86400.0  # s
+UNUSED = 90 * DAY  # after which what nobody has used is removed, when something is added
+FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
+SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder of `mecano warmup --share`, which is only read
+
+_kept = []  # what LLVM has loaded, which lives as long as this
+_times = []  # s by the clock that each function took that this process has compiled
+_listeners = []  # called before the first function is compiled
+
+
+@cache
+def folder():
+    """Return the folder of the store; one for this process only where the usual one cannot be made.
+
+    Raises ResultsError where the usual one belongs to another user or can be written by others.
+    """
+    base = os.environ.get(FOLDER) or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    found = Path(base).absolute() / f"mecano-{_key()}"
+    if found.is_dir():
+        trust.refuse_foreign(found)
+        with suppress(OSError):
+            os.utime(found)
+        return found
+    try:
+        found.parent.mkdir(parents=True, exist_ok=True)
+        found.mkdir(exist_ok=True, mode=0o700)
+    except OSError:
+        found = Path(tempfile.mkdtemp(prefix="mecano-"))
+        atexit.register(shutil.rmtree, found, ignore_errors=True)
+        return found
+    trust.refuse_foreign(found)
+    _remove_old(found.parent.glob("mecano-" + 16 * "[0-9a-f]"))
+    return found
+
+
+@cache
+def shared_folder():
+    """Return the shared folder for this compiler and processor, or None where there is none.
+
+    Raises ResultsError where untrusted users could have written it.
+    """
+    base = os.environ.get(SHARED)
+    found = Path(base).absolute() / f"mecano-{_key()}" if base else None
+    if found is None or not found.is_dir():
+        return None
+    trust.refuse_untrusted(found)
+    return found
+
+
+@cache
+def _secret():
+    return trust.secret()
+
+
+@cache
+def _key():
+    """What tells apart the folders of compilers, processors and Pythons."""
+    here = Path(__file__).parent
+    files = [here / f"{name}.py" for name in COMPILER]
+    files.append(Path(find_spec("numba").origin).with_name("_version.py"))
+    processor = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    depends = " ".join([llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", ""), *processor])
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files) + depends.encode()).hexdigest()[:16]
+
+
+def _remove_old(paths):
+    """Remove what nobody has used for long."""
+    for path in paths:
+        with suppress(OSError):  # another process may be faster
+            if time.time() - path.stat().st_mtime > UNUSED:
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def address(name, depends, code):
+    """Return the address of the C function of this name, whose code depends on what has the digest ``depends``.
+
+    ``code(compiler) -> (symbol, machine code)`` compiles it where no store has it.
+    """
+    file = f"{name}-{depends}.o"
+    found = read(file)
+    if found is None:
+        while _listeners:
+            _listeners.pop()()
+        begun = time.monotonic()
+        from mecano.jit import compiler
+
+        symbol, machine_code = code(compiler)
+        found = symbol.encode() + b"\n" + machine_code
+        write(file, found)
+        _times.append(time.monotonic() - begun)
+    symbol, machine_code = found.split(b"\n", 1)
+    return _load(name, symbol.decode(), machine_code)
+
+
+def before_compiling(listener):
+    """Call ``listener()`` once, before this process compiles its first function."""
+    _listeners[:] = [listener]
+
+
+def compile_time():
+    """Time by the clock [s] that this process has spent on compiling."""
+    return sum(_times)
+
+
+def size():
+    """Bytes on the disk."""
+    return sum(path.stat().st_size for path in folder().iterdir() if path.is_file())
+
+
+def put(path, data):
+    """Make a file that is there as a whole or not at all, whoever else writes it; without one if there is no room."""
+    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    try:
+        own.write_bytes(data)
+        own.replace(path)
+    except OSError:
+        with suppress(OSError):
+            own.unlink()
+
+
+def read(file):
+    """Return the contents of a file of the shared or the own store, or None: there is none, or it is not as signed."""
+    shared = shared_folder()
+    found = _read(shared / file, b"", trust.is_trusted) if shared else None
+    return _read(folder() / file, _secret(), lambda _: True) if found is None else found
+
+
+def _read(path, key, is_trusted):
+    try:
+        with open(path, "rb") as file:
+            signature, data = file.read().split(b"\n", 1)
+            used = os.fstat(file.fileno()).st_mtime
+            if not (trust.is_signed(key, path.name, data, signature.decode("ascii")) and is_trusted(file)):
+                return None
+    except (OSError, ValueError):
+        return None
+    if time.time() - used > DAY:
+        with suppress(OSError):
+            os.utime(path)
+    return data
+
+
+def write(file, data):
+    """Keep ``data`` in the own store, signed."""
+    _remove_unused()
+    _write(folder() / file, _secret(), data)
+
+
+def keep_newest(pattern, most):
+    """Remove all but the ``most`` files of the own store that match the pattern and were used last."""
+    with suppress(OSError):
+        kept = sorted(folder().glob(pattern), key=lambda path: path.stat().st_mtime)
+        for path in kept[:-most]:
+            path.unlink(missing_ok=True)
+
+
+@cache
+def _remove_unused():
+    """Remove the files of the store that nobody has used for long, once in a process."""
+    _remove_old(list(folder().glob("*")))
+
+
+def _write(path, key, data):
+    put(path, trust.sign(key, path.name, data).encode() + b"\n" + data)
+
+
+def share(base):
+    """Copy the objects of the own store into a shared one below the folder ``base``; return its folder and size.
+
+    Raises OSError where it cannot be written.
+    """
+    target = Path(base).absolute() / f"mecano-{_key()}"
+    target.mkdir(parents=True, exist_ok=True, mode=0o755)
+    trust.refuse_untrusted(target)
+    for path in sorted(folder().glob("*.o")):
+        data = _read(path, _secret(), lambda _: True)
+        if data is not None:
+            _write(target / path.name, b"", data)
+            (target / path.name).chmod(0o644)
+    return target, sum(path.stat().st_size for path in target.iterdir())
+
+
+@cache
+def _linker():
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.create_lljit_compiler()
+
+
+def _load(name, symbol, code):
+    """Each function is a library of its own, for compilers in different processes give functions the same symbols."""
+    library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
+    loaded = library.link(_linker(), f"{name} {len(_kept)}")
+    _kept.append(loaded)
+    return loaded[symbol]

@@ -1,0 +1,152 @@
+"""Check sums of a file that is being written, kept in the file itself: a kill at any instant leaves all bytes checked.
+
+Of every block of BLOCK bytes a table holds the last two CRC-32. Before a block changes, the sum that it will have goes
+into the table; then the block is written. The system interrupts a write only between pages, so that whenever the
+process is killed each block is what one of its two sums says.
+
+The table lies behind all that HDF5 uses, where HDF5 does not look: that of n blocks begins at byte BLOCK n, and an END
+follows it. Before the file grows into the table, a larger one is written further behind, its END last of all. The
+numbers of blocks form a fixed sequence (``sizes``), so that a reader finds the END of the last table.
+"""
+
+import itertools
+import os
+import struct
+import zlib
+from array import array
+
+import numpy as np
+
+from mecano.results.checksums import BLOCK, block_sums, crcs
+
+END = struct.Struct("<16sQI")
+MARK = b"mecano live 1\0\0\0"
+FIRST = 64  # blocks of the smallest table
+PAIR = 8  # bytes of the two sums of a block
+AT_ONCE = 256  # blocks read at once
+_ZEROS = zlib.crc32(bytes(BLOCK))
+
+
+def sizes():
+    """Yield the numbers of blocks that tables have, ascending without end."""
+    n = FIRST
+    while True:
+        yield n
+        n += n // 4
+
+
+def end_of(n):
+    """Return the bytes of a file whose last table is of n blocks."""
+    return (BLOCK + PAIR) * n + END.size
+
+
+class LiveChecksums:
+    """The table of an open file that this process alone writes; all methods raise OSError."""
+
+    def __init__(self, descriptor):
+        self._descriptor = descriptor
+        self._blocks = 0
+        self._certain = True
+
+    def cover(self, size):
+        """Move the table behind the first ``size`` bytes, unless it lies there already."""
+        if size <= BLOCK * self._blocks:
+            return
+        before, blocks = self._blocks, next(n for n in sizes() if BLOCK * n >= size)
+        table = np.full((blocks, 2), _ZEROS, "<u4")
+        table[:before] = self._pairs(0, before)
+        for first in range(before, blocks, AT_ONCE):  # the old table, or all of a file that was written otherwise
+            content = os.pread(self._descriptor, BLOCK * min(AT_ONCE, blocks - first), BLOCK * first)
+            if not content:
+                break
+            there = block_sums(content.ljust(-(-len(content) // BLOCK) * BLOCK, b"\0"))
+            table[first : first + len(there)] = there[:, None]
+        self._put(BLOCK * blocks, table.tobytes())
+        self._put(BLOCK * blocks + table.nbytes, _end(blocks))
+        self._blocks = blocks
+        if before:  # of two, the first is no longer true
+            place = end_of(before) - END.size
+            self.announce(place, bytes(END.size))
+            self._put(place, bytes(END.size))
+
+    def announce(self, offset, data):
+        """Put the sums of the blocks that ``data`` at an ``offset`` will change into the table, before they do."""
+        first, end = offset // BLOCK, offset + len(data)
+        last = -(-end // BLOCK)
+        start, stop = BLOCK * first, BLOCK * last
+        if last == first + 1:
+            before = os.pread(self._descriptor, BLOCK, start)
+            sums = [zlib.crc32(b"".join((before[: offset - start], data, before[end - start :])))]
+        else:
+            head = os.pread(self._descriptor, offset - start, start) if offset > start else b""
+            tail = os.pread(self._descriptor, stop - end, end) if end < stop else b""
+            sums = crcs(b"".join((head, data, tail)) if head or tail else data)
+        place = BLOCK * self._blocks + PAIR * first
+        if self._certain:
+            pairs = array("I", os.pread(self._descriptor, PAIR * len(sums), place))
+            pairs[1::2] = pairs[::2]
+        else:
+            pairs = array("I", [0, 0] * len(sums))
+            pairs[1::2] = array("I", crcs(os.pread(self._descriptor, stop - start, start)))
+        pairs[::2] = array("I", sums)
+        put(self._descriptor, place, pairs.tobytes())
+
+    def doubt(self):
+        """From now on the first sum of a pair is not taken to be that of the block: a write has failed."""
+        self._certain = False
+
+    def sums(self, blocks):
+        """Return the sums (blocks,) of the first blocks, as they were written."""
+        return self._pairs(0, blocks)[:, 0]
+
+    def _pairs(self, first, last):
+        data = os.pread(self._descriptor, PAIR * (last - first), BLOCK * self._blocks + PAIR * first)
+        return np.frombuffer(data, "<u4").reshape(-1, 2)
+
+    def _put(self, offset, data):
+        put(self._descriptor, offset, data)
+
+
+class LastTable:
+    """The last table in an open file that was not closed, for readers.
+
+    Parameters
+    ----------
+    descriptor : int
+    blocks : int
+        Blocks that it covers.
+    """
+
+    def __init__(self, descriptor, blocks):
+        self._descriptor, self._blocks = descriptor, blocks
+        self.block, self.covered = BLOCK, BLOCK * blocks
+
+    def changed(self, data, first):
+        """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""
+        sums = block_sums(data)
+        place = BLOCK * self._blocks + PAIR * first
+        data = os.pread(self._descriptor, PAIR * len(sums), place)
+        pairs = np.frombuffer(data.ljust(PAIR * len(sums), b"\0"), "<u4").reshape(-1, 2)  # the table may just move
+        return first + np.flatnonzero((sums != pairs[:, 0]) & (sums != pairs[:, 1]))
+
+
+def last_table(descriptor):
+    """Return the LastTable of an open file, or None where it has none. Raises OSError."""
+    size = os.fstat(descriptor).st_size
+    possible = list(itertools.takewhile(lambda n: end_of(n) <= size, sizes()))
+    for n in reversed(possible):
+        if os.pread(descriptor, END.size, end_of(n) - END.size) == _end(n):
+            return LastTable(descriptor, n)
+    return None
+
+
+def put(descriptor, offset, data):
+    """Write all bytes at a place of an open file. Raises OSError."""
+    data = memoryview(data)
+    while len(data):
+        written = os.pwrite(descriptor, data, offset)
+        offset, data = offset + written, data[written:]
+
+
+def _end(n):
+    return END.pack(MARK, n, zlib.crc32(struct.pack("<Q", n), zlib.crc32(MARK)))

@@ -1,0 +1,127 @@
+r"""Constraint groups with the joints taken apart: all joints that take part are named, also those that share unknowns.
+
+Joints identify unknowns of their nodes (Boolean identification), and what they transmit through these has no
+multiplier. Here every node has unknowns of its own, and each identification is the constraint that it stands for,
+:math:`x_i - x_j = 0` or :math:`\delta\Theta_i - \delta\Theta_j = 0`. The constraints that are too many are as many
+as before, and those that identify twice what is one already.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.element_interface import nothing
+from mecano.laws.table import LawTable
+from mecano.model.model import Element, Model
+from mecano.model.numbering import AXES, SCALAR, Classes
+from mecano.model.system import System
+from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, dependent_rows, gradient, groups
+
+PARTS = {"x": "force {}", "R": "moment about material {}"}
+SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
+SMALL = 1e-6  # of the largest reaction: none
+
+
+def redundant_groups(system, s, length, analysis):
+    """Return the groups of redundant constraints at ``s``, with all joints that take part.
+
+    Those of the ``analysis`` of ``s``, which name no joint that shares unknowns, where more than ``DENSE_ROWS``
+    constraints stand in closed loops.
+    """
+    if not analysis.complete or not (analysis.redundant or _identified_twice(system)):
+        return analysis.redundant
+    B, _, names, group = _apart(system, s, length)
+    loops, null = dependent_rows(B, group)
+    if null is None:
+        return analysis.redundant
+    return groups(null @ null.T, [names[row] for row in loops])
+
+
+def contradicting(system, s, length, phi):
+    """Names of the constraints and joints that cannot be met together where the assembly has left the gaps ``phi``.
+
+    ``phi`` (n_l,) are then reactions in balance with those of identifications; the names are those whose reaction is
+    not small.
+    """
+    B, size, names, _ = _apart(system, s, length)
+    if B.shape[0] > DENSE_ROWS:
+        return []
+    rows, n_l = B.dense(np.arange(B.shape[0])), len(size)
+    reactions = phi * size
+    shared, *_ = np.linalg.lstsq(rows[n_l:].T, -rows[:n_l].T @ reactions, rcond=None)
+    found = np.abs(np.concatenate([reactions, shared]))
+    return list(dict.fromkeys(names[i] for i in np.flatnonzero(found > SMALL * found.max(initial=0.0))))
+
+
+def _identified_twice(system):
+    """Decide whether some identification ties what others have made one already; all fixed nodes are one."""
+    fixed = next((i for i, node in enumerate(system.nodes) if node.fixed), None)
+    classes = Classes(2 * len(system.nodes))
+    if fixed is not None:
+        for i, node in enumerate(system.nodes):
+            for part in (0, 1) if node.fixed else ():
+                classes.join(2 * fixed + part, 2 * i + part)
+    for what, i, j, _ in system.shared:
+        i, j = 2 * i + (what == "R"), 2 * j + (what == "R")
+        if classes.find(i) == classes.find(j):
+            return True
+        classes.join(i, j)
+    return False
+
+
+def _apart(system, s, length):
+    """Gradient with the joints taken apart (Entries), sizes of the rows of ``system``, names of rows, nodes of columns.
+
+    The rows of ``system`` come first, 3 for each identification follow. The columns are 6 for each node, none of them
+    of a fixed one, and the own unknowns of elements.
+    """
+    model, kinds = system.model, {}
+    elements = [Element(e.name, _unshared(e, kinds), e.nodes, e.values) for e in model.elements]
+    whole = System(Model(model.nodes, elements, LawTable(), model.gravity))
+    B, size, holds = gradient(whole, _state(system, whole, s), length)
+    columns = _columns(whole)
+    keep, names = holds[B.rows], list(whole.numbering.name[whole.n_q : whole.n])
+    rows, cols, values = [B.rows[keep]], [columns[B.cols[keep]]], [B.values[keep]]
+    for what, i, j, owner in system.shared:
+        for axis in range(3):
+            for node, sign in ((i, SIDE), (j, -SIDE)):
+                if not system.nodes[node].fixed:
+                    rows.append([len(names)])
+                    cols.append([6 * node + 3 * (what == "R") + axis])
+                    values.append([sign])
+            names.append(f"{owner}: {PARTS[what].format(AXES[axis])}")
+    n = 6 * len(system.nodes)
+    n_scalars = int(np.sum(whole.numbering.kind[: whole.n_q] == SCALAR))
+    group = np.concatenate([np.repeat(np.arange(len(system.nodes)), 6), len(system.nodes) + np.arange(n_scalars)])
+    shape = (len(names), n + n_scalars)
+    return Entries(*(np.concatenate(part) for part in (rows, cols, values)), shape), size, names, group
+
+
+def _unshared(element, kinds):
+    """The kind of an element, one object for all of a kind, without what it identifies."""
+    kind = element.kind.chosen(element.values)
+    if id(kind) not in kinds:
+        kinds[id(kind)] = replace(kind, name=element.kind.name, shares=nothing, variant=None, divide=None), kind
+    return kinds[id(kind)][0]
+
+
+def _state(system, whole, s):
+    """The state ``s`` of ``system`` for the same model with the joints taken apart."""
+    one, all_ = system.numbering, whole.numbering
+    apart = whole.initial_state(s.t)
+    three = np.arange(3)
+    apart.z[all_.x[:, None] + three] = s.z[one.x[:, None] + three]
+    apart.R[all_.rotation] = s.R[one.rotation]
+    apart.z[: whole.n_q][all_.kind[: whole.n_q] == SCALAR] = s.z[: system.n_q][one.kind[: system.n_q] == SCALAR]
+    return replace(apart, phases=s.phases, memory=s.memory)
+
+
+def _columns(whole):
+    """Columns (n_q,) of the unknowns of a model with the joints taken apart; see ``_apart``."""
+    of, n = whole.numbering, 6 * len(whole.nodes)
+    columns, scalar = np.zeros(of.n_all, np.int64), of.kind == SCALAR
+    three = np.arange(3)
+    columns[of.x[:, None] + three] = 6 * np.arange(len(whole.nodes))[:, None] + three
+    columns[of.r[:, None] + three] = 6 * np.arange(len(whole.nodes))[:, None] + 3 + three
+    columns[scalar] = n + np.arange(int(scalar.sum()))
+    return columns[: whole.n_q]

@@ -1,0 +1,97 @@
+"""Forces that the steps do not resolve: they alternate from step to step.
+
+A force swings faster than the steps where its differences change their sign nearly every time: an oscillation of which
+a period has fewer than 16/5 steps. Generalized-alpha damps such a motion, but what it gives for the force is neither
+the true swing nor its mean. Positions may still be as exact as the tolerance asks, for stiff members move little.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.jit.entry import Indices, Vector, entry
+from mecano.jit.kernel import kernel
+
+STEPS = 8  # in which the changes of sign are counted
+CHANGES = 5  # of them, from which on the force is said to alternate
+ALL = (1 << STEPS) - 1
+SHARE = 0.05  # of its size, from which on the swing of a number counts
+
+
+@dataclass(frozen=True)
+class Oscillation:
+    """A number of the row that alternates: its place, its largest swing from step to step, its size, and when."""
+
+    column: int
+    swing: float
+    largest: float  # size of the number in the run
+    time: float  # [s]
+
+
+class OscillationMonitor:
+    """Watch numbers of the row, given by their ``columns`` (n,), at the accepted steps."""
+
+    def __init__(self, columns):
+        n = len(columns)
+        self.columns = columns
+        self.difference, self.signs = np.zeros(n), np.zeros(n, np.int64)
+        self.swing, self.time, self.largest = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._take = count_changes.bind(*self.to_plain().values(), columns)
+
+    def begin(self):
+        """Begin anew behind an event, where forces may jump."""
+        self.difference[:] = 0.0
+        self.signs[:] = 0
+
+    def take(self, t, row0, row):
+        """Take the rows at the beginning of a step and at its end, at the time t [s]."""
+        self._take(t, row0, row)
+
+    def to_plain(self):
+        """Return the arrays that ``from_plain`` needs to go on."""
+        return {name: getattr(self, name) for name in ("difference", "signs", "swing", "time", "largest")}
+
+    def from_plain(self, plain):
+        """Go on where ``to_plain`` was called."""
+        for name, value in plain.items():
+            getattr(self, name)[:] = value
+
+    def found(self, least):
+        """Return as Ringing the numbers that swung by more than ``least`` (n,) and a SHARE of their size, in order."""
+        share = self.swing / np.maximum(self.largest, np.finfo(float).tiny)
+        worst = np.argsort(-share, kind="stable")
+        chosen = [i for i in worst if share[i] > SHARE and self.swing[i] > least[i]]
+        return [
+            Oscillation(int(self.columns[i]), float(self.swing[i]), float(self.largest[i]), float(self.time[i]))
+            for i in chosen
+        ]
+
+
+@kernel
+def ones(bits):
+    """Return how many bits of a number are set."""
+    count = 0
+    while bits:
+        count += bits & 1
+        bits >>= 1
+    return count
+
+
+@entry
+def count_changes(
+    difference_out: Vector, signs_out: Indices, swing_out: Vector, time_out: Vector, largest_out: Vector,
+    columns: Indices, t: float, row0: Vector, row: Vector,
+):  # fmt: skip
+    """Shift a bit for a change of sign into the ``signs``; keep the largest of the swings while they alternate."""
+    for i in range(columns.shape[0]):
+        x = row[columns[i]]
+        difference = x - row0[columns[i]]
+        alternates = difference * difference_out[i] < 0.0
+        signs = (signs_out[i] << 1 | int(alternates)) & ALL
+        swing = min(abs(difference), abs(difference_out[i]))
+        if alternates and swing > swing_out[i] and ones(signs) >= CHANGES:
+            swing_out[i] = swing
+            time_out[i] = t
+        difference_out[i] = difference
+        signs_out[i] = signs
+        largest_out[i] = max(largest_out[i], abs(x))

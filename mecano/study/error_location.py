@@ -1,0 +1,43 @@
+"""Positions of errors in the deck of a case: an error of a value from the study points to the study file."""
+
+import re
+from dataclasses import replace
+
+from mecano.deck.overrides import shown
+from mecano.errors import DeckError
+
+SET = re.compile(r"(--set .+?):1:(\d+)(?=: )")
+MOST_REPORTED = 3  # values of a case
+
+
+def in_study(error, study, case):
+    """Return the DeckError of a case with positions in the study; errors of the deck itself name the case."""
+    places = _places(study.entries(case))
+    return DeckError([_moved(problem, places, case) for problem in error.problems], error.unchecked)
+
+
+def line_in_study(said, study, case):
+    """Return an error line of `mecano run` with its position in the study."""
+    places = _places(study.entries(case))
+    return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], said)
+
+
+def _moved(problem, places, case):
+    mark = problem.mark
+    if mark and mark.file in places:
+        return replace(problem, mark=_mark(*places[mark.file], mark.column))
+    reported = [f"{path} = {value}" for path, value in case.values.items()]
+    hint = f"in case {case.number} of the study" + (
+        f" ({', '.join(reported)})" if len(reported) <= MOST_REPORTED else ""
+    )
+    return replace(problem, hint=f"{problem.hint}; {hint}" if problem.hint else hint)
+
+
+def _places(entries):
+    """Return {text shown in place of a file: (path, Entry)}."""
+    return {shown(path): (path, entry) for path, entry in entries.items()}
+
+
+def _mark(path, entry, column):
+    """Return the Mark of the path, or of the value, for a column of "path=value"."""
+    return (entry.key if column <= len(path) else entry.node).mark

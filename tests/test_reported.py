@@ -1,0 +1,293 @@
+"""What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
+
+import re
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from process import flowing, mecano_process, settings
+from time_runs import INPUTS, input_deck
+
+import mecano
+from mecano.analyses.diagnostics import cut_short, unbalanced
+from mecano.analyses.modal import about, modes
+from mecano.analyses.prepare import prepare, startup_warnings
+from mecano.analyses.progress import Progress
+from mecano.analyses.summary import summary
+from mecano.cli import commands
+from mecano.deck.read import deck_of_bytes
+from mecano.deck.run_size import result_bytes, saved_times, steps
+from mecano.jit import store
+from mecano.solve.diagnostics.scales import length_scale
+
+WARNINGS = {  # deck: overrides, what is said at the start
+    "four_bar": (
+        ["time.end=0.1"],
+        "3 redundant constraint(s) among: rigid_body 'crank_bar': force y of the rigid offset; ",
+    ),
+    "double_pendulum": (
+        ["time.end=0.01", "initial.velocities=[{nodes: [elbow], velocity: [1, 0, 0]}]"],
+        "the initial velocities do not fit the constraints and were changed to the nearest that do",
+    ),
+    "spherical_pendulum": (["time.end=0.01"], ""),
+}
+
+
+def run_of(tmp_path, name, *overrides):
+    """(errors printed, results) of a run of a deck of inputs/ that succeeds."""
+    path = tmp_path / "told.h5"
+    code, out, err = mecano_process("run", INPUTS / f"{name}.yaml", "-o", path, *settings(*overrides))
+    assert (code, out) == (0, "")
+    return err, mecano.open_results(path)
+
+
+def info(tmp_path):
+    """What `mecano info` says of the last run."""
+    code, out, _ = mecano_process("info", tmp_path / "told.h5")
+    assert code == 0
+    return flowing(out)
+
+
+def check(*overrides):
+    """What `mecano check` says of the pendulum."""
+    code, out, _ = mecano_process("check", INPUTS / "pendulum.yaml", *settings(*overrides))
+    assert code == 0
+    return flowing(out)
+
+
+@pytest.mark.parametrize("name", WARNINGS)
+def test_warnings_are_printed_once_and_stored(name, tmp_path):
+    overrides, text = WARNINGS[name]
+    err, results = run_of(tmp_path, name, *overrides)
+    warnings = results.warnings
+    if not text:
+        assert warnings == []
+        return
+    (remark,) = warnings
+    assert remark.startswith(text)
+    assert flowing(err).count(f"mecano: {remark}") == 1 and flowing(err).count(text.strip()) == 1
+    assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
+    assert f"warning {remark}" in info(tmp_path)
+    assert results.status == "complete" and results.reason == "the end was reached"
+
+
+@pytest.mark.parametrize(
+    ("name", "nodes", "motion", "reported"),
+    [
+        ("pendulum", "[pin]", "velocity: [0, 0, 1]", "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s"),  # on the ground
+        ("pendulum", "[pin]", "angular_velocity: [2, 3, 0]", "node 'pin' from [2, 3, 0] to [0, 3, 0] rad/s"),
+        ("pendulum", "[pin]", "angular_velocity: [0, 3, 0]", ""),
+        ("pendulum", "all", "velocity: [0, 0, 1]", ""),
+        ("caster_shimmy", "[hub]", "angular_velocity: [0, 0.1, 0]", ""),  # beside steady running
+    ],
+)
+def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, reported):
+    base = about(input_deck(name, f"initial.velocities=[{{nodes: {nodes}, {motion}}}]"))
+    said = [text for text in base.warnings if "initial velocities" in text]
+    assert [text.partition("(momenta kept): ")[2] for text in said] == ([reported] if reported else [])
+
+
+def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
+    """The deformation of the tyre against the validity of its law; nothing is said where it holds."""
+    name, short = "nose_gear_rigid", "time.end=0.1"
+    err, results = run_of(tmp_path, name, short, "tire_laws.nose_tire.valid_deformation=0.05")
+    highest = results.extremes["elements/wheel/deformation"]
+    wanted = f"wheel 'wheel': deformation reached {highest.maximum:.4g} at t = {highest.maximum_time:.4g} s, but "
+    assert highest.maximum > 0.05 and wanted in results.reason and wanted in flowing(err)
+    assert results.status == "complete" and results.reason.startswith("the end was reached; ")
+    assert "0.05 m" in results.reason
+    results.close()
+    (tmp_path / "told.h5").unlink()
+    err, results = run_of(tmp_path, name, short)
+    assert results.reason == "the end was reached" and "deformation" not in err
+
+
+def test_chosen_defaults_are_stored_and_shown(tmp_path):
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
+    chosen = results.automatic
+    deck = input_deck("double_pendulum")
+    assert set(chosen) == {"length_scale", "minimum_step", "maximum_step", "k", "penalty", "increment_tolerance"}
+    positions = [node["position"] for node in deck.values["nodes"].values()]
+    assert chosen["length_scale"] == length_scale([type("Node", (), {"x": x}) for x in positions])
+    assert chosen["k"] > 0 and chosen["penalty"] == chosen["k"]
+    assert chosen["maximum_step"] == deck.values["time"]["step"]
+    shown = info(tmp_path)
+    assert f"automatic length scale {chosen['length_scale']:.4g}" in shown and f"k {chosen['k']:.4g}" in shown
+
+
+def test_nodes_of_the_ground_are_no_outputs(tmp_path):
+    """A joint to the ground makes a node of its own, which no deck names."""
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
+    names = {name.split("/")[1] for name in results.names("nodes/*")}
+    assert names == set(input_deck("double_pendulum").values["nodes"])
+
+
+def test_values_of_the_deck_are_no_defaults(tmp_path):
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01", "time.scale={k: 123.0, penalty: 0.0}")
+    assert (results.automatic["k"], results.automatic["penalty"]) == (123.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "shown"),
+    [((), "[0, 0, -9.81] m/s2"), (("gravity=[0, 0, -1.62]",), "[0, 0, -1.62] m/s2"), (("gravity=none",), "none")],
+)
+def test_check_shows_the_gravity(overrides, shown):
+    assert f"gravity {shown} " in check(*overrides)
+
+
+AMOUNTS = [  # overrides of the pendulum, steps and saved times foreseen, made
+    ((), (2000, 201), (2000, 201)),
+    (("time.step=3.0e-3",), (667, 201), (667, 201)),
+    (("output.every=step",), (2000, 2001), (2000, 2001)),
+    (("output.every=0.3",), (2000, 8), (2000, 8)),
+    (("time.adaptive={tolerance: 1.0e-3}",), (None, 201), (None, 201)),
+    (("time.adaptive={tolerance: 1.0e-3}", "output.every=step"), (None, None), (None, None)),
+]
+
+
+@pytest.mark.parametrize(("overrides", "foreseen", "made"), AMOUNTS)
+def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_path):
+    values = input_deck("pendulum", *overrides).values
+    assert (steps(values), saved_times(values)) == foreseen
+    _, results = run_of(tmp_path, "pendulum", *overrides)
+    counts = len(results.steps), len(results.time)
+    assert all(wanted in (None, found) for wanted, found in zip(made, counts, strict=True)), counts
+    if None not in foreseen:
+        with h5py.File(tmp_path / "told.h5", locking=False) as file:
+            tables = [file[f"storage/{name}"] for name in ("output", "solver")]
+            row, history = (table.shape[1] for table in tables)
+            assert result_bytes(values, row, history) == sum(8 * table.size for table in tables)
+
+
+def test_absurd_amounts_are_warned_of_before_the_run():
+    out = check("time.step=1.0e-8")
+    assert "2e+08 steps of 1e-08 s are needed: is 'time.step' intended?" in out
+    assert "the results file will have some 14.4 GB" in out
+    out = check("output.every=1.0e-8")
+    assert "the results file will have some 56 GB" in out and "are asked for" not in out
+    assert "only the start and the end are saved" in check("output.every=5") and "only" not in check("output.every=2")
+    assert "warning" not in check()
+    said = startup_warnings(prepare(input_deck("pendulum", "time.step=1.0e-8")))
+    assert len(said) == 2 and said[0].startswith("2e+08 steps") and said[1].startswith("the results file")
+
+
+def test_a_fixed_step_that_newton_cannot_take_is_reported():
+    values = {"adaptive": None, "step": 0.1}
+    (text,) = cut_short(values, [(0.0, 0.025), (0.3, 0.00625)], SimpleNamespace(steps=199))
+    assert "failed in 2 trials, first at t = 0 s, and steps were cut to as little as 0.00625 s (199 steps" in text
+    assert not list(cut_short(values, [(0.0, 0.025)], SimpleNamespace(steps=100)))
+    assert not list(cut_short({**values, "adaptive": {"tolerance": 1e-4}}, [(0.0, 0.025)], SimpleNamespace(steps=5)))
+
+
+def test_energy_that_is_lost_or_comes_from_nothing_is_reported(tmp_path):
+    """Steps of a fifth of a period: numerical damping takes energy; without it, the balance only wavers."""
+    long = ("time.step=0.3", "time.end=3", "output.every=step")
+    err, results = run_of(tmp_path, "pendulum", *long)
+    balance = results.extremes["energy/balance"]
+    exchanged = max(np.ptp(results[f"energy.{name}"].values) for name in ("kinetic", "potential"))
+    share = (balance.maximum - balance.minimum) / exchanged
+    assert share > 0.01 and f"J, {100 * share:.3g} % of the largest change of an energy" in results.reason
+    first, last = f"{balance.maximum_time:.4g} s", f"{balance.minimum_time:.4g} s"
+    assert f"highest at t = {first} and lowest at t = {last}" in results.reason
+    assert "Energy is lost, by the numerical damping" in flowing(err) and "smaller 'time.step'" in flowing(err)
+
+
+@pytest.mark.parametrize(
+    ("low_at", "rho", "reported"),
+    [(2.0, 0.8, "lost, by the numerical damping of"), (2.0, 1.0, "lost, by errors of"), (0.5, 0.8, "from nothing, by")],
+)
+def test_a_balance_is_judged_by_what_comes_first(low_at, rho, reported):
+    """Kinetic and potential energy exchange 10 J, the balance is off by 0.2 J; at 0.05 J nothing is said."""
+    names = ("kinetic", "potential", "dissipated", "given", "balance")
+    sampler = SimpleNamespace(columns=[SimpleNamespace(path=f"energy/{name}", start=i) for i, name in enumerate(names)])
+    extremes = SimpleNamespace(
+        high=np.array([10.0, 0.0, 0.0, 0.0, 0.0]), low=np.array([0.0, -10.0, 0.0, 0.0, -0.2]),
+        high_time=np.full(5, 1.0), low_time=np.full(5, low_at),
+    )  # fmt: skip
+    values = {"adaptive": {"tolerance": 1e-3}, "step": 0.1, "rho_inf": rho}
+    (text,) = unbalanced(values, sampler, extremes)
+    assert reported in text and "by 0.2 J, 2 % of" in text and "smaller 'time.adaptive.tolerance'" in text
+    extremes.low[4] = -0.05
+    assert not list(unbalanced(values, sampler, extremes))
+
+
+@pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])
+def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
+    """As a run does: nothing else is said for a minute or two."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("mecano.analyses.progress.before_compiling", lambda listener: listener())
+    for quiet in ((), ("-q",)):
+        commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
+        assert ("mecano: compiling elements used for the first time" in capsys.readouterr().err) == (not quiet)
+
+
+def test_time_for_compiling_is_separate(monkeypatch, capsys):
+    """100 s before and 500 s in between, which count as if they had passed."""
+    monkeypatch.setattr(store, "_times", [100.0])
+    progress = Progress({"start": 0.0, "end": 1.0}, False, "r.h5")
+    store._times.append(500.0)
+    progress.begun -= 500.0
+    progress.finished("3 steps")
+    reported = capsys.readouterr().err
+    assert re.match(r"mecano: 3 steps, in 0\.\d\d s and 500\.00 s for compiling\n", reported)
+
+
+def test_friction_at_rest_is_reported_as_a_damper():
+    """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
+    at_rest = "joint sticks, and these are the modes with that damper"
+    rest = input_deck("friction_pendulum", "initial.velocities=[]")
+    reported = modes(rest, None)[0]
+    assert (
+        "mecano: hinge 'hinge': friction that is regularized is a strong viscous damper" in reported
+        and at_rest in reported
+    )
+    swinging = input_deck("friction_pendulum", "initial.velocities=[{nodes: [pin], angular_velocity: [0, 1, 0]}]")
+    assert at_rest not in modes(swinging, None)[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "loose"),
+    [
+        ("superelement_arm", 12, "80: 0 with flexible members held stiff, 80 deformations of these redundant 0"),
+        ("beam_spin_up", 12, "48: 0 with flexible members held stiff, 48 deformations of these redundant 0"),
+        ("flexible_pendulum", 0.0863938, "49: 1 with flexible members held stiff, 48 deformations of these mech"),
+        ("caster_shimmy", 12, "5: 2 with flexible members and tyres held stiff, 3 deformations of these 1 free, each"),
+        ("hanging_chain", 1.5, "5 3 free, each by itself: node p1: displacement y; node p2: displacement y; node p3"),
+    ],
+)
+def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
+    """Masses: 1.2 kg/m over 10 m, twice; 1100 kg/m3 in a rod of 10 mm and 1 m; 2 + 10 kg; 3 times 0.5 kg."""
+    said = flowing(summary(input_deck(name)))
+    assert f" mass {mass} kg " in said and f" mobility {loose}" in said
+
+
+def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
+    """Three points on four rods have no loops: many unknowns keep what moves from being named, not counted."""
+    monkeypatch.setattr("mecano.solve.diagnostics.analysis.DENSE_ROWS", 2)
+    chain, four_bar = input_deck("hanging_chain"), input_deck("four_bar")
+    said = summary(chain)
+    assert "mobility         5\n  what can move is not named where there are more than" in said and "loops" not in said
+    assert startup_warnings(prepare(chain)) == []
+    assert "not computed: more than 3000 constraints stand in closed loops" in summary(four_bar)
+    assert "constraints stand in closed loops: which of them are redundant" in startup_warnings(prepare(four_bar))[0]
+
+
+def test_check_names_the_first_of_many_mechanisms():
+    """Six chains of three masses, each with two motions in its plane and three across it."""
+    links = "{repeat: {c: 1..6, i: 1..4}, type: rigid_rod, nodes: [p$(c)_$(i - 1), p$(c)_$i]}"
+    deck = deck_of_bytes(f"""
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes:
+  p$(c)_$i: {{repeat: {{c: 1..6, i: 0..4}}, position: [$i, '$c', '-0.1 * $i * (4 - $i)'], fixed: false}}
+elements: {{m$(c)_$i: {{repeat: {{c: 1..6, i: 1..3}}, type: point_mass, node: p$(c)_$i, mass: 1}}}}
+joints: {{rod$(c)_$i: {links}, a$(c): {{repeat: {{c: 1..6}}, type: spherical, nodes: [ground, p$(c)_0]}},
+  b$(c): {{repeat: {{c: 1..6}}, type: spherical, nodes: [ground, p$(c)_4]}}}}
+time: {{end: 1, step: 0.1}}
+""".encode(), "chains.yaml")  # fmt: skip
+    short, long = flowing(summary(deck)), flowing(summary(deck, every=True))
+    assert "18 free, each by itself: node p1_1: displacement y; node p1_2: displacement y;" in short
+    assert "and 12 more mechanism of 2 degree(s) of freedom" in short and "more" not in long
+    assert "and 2 more mechanism(s) of 4 degree(s) of freedom together" in short
+    assert short.count("mechanism of") == 4 and long.count("mechanism of") == 6

@@ -1,0 +1,60 @@
+"""Forces that swing faster than the steps are reported by name; those that the steps resolve are not."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from time_runs import deck
+
+from mecano import open_results
+from mecano.analyses.dynamic import run
+from mecano.solve.time.unresolved_oscillation import OscillationMonitor
+
+OSCILLATOR = """
+mecano: 1
+gravity: [0, 0, 0]
+nodes:
+  wall: {{position: [0, 0, 0], fixed: true}}
+  mass: {{position: [1, 0, 0]}}
+elements:
+  body: {{type: point_mass, node: mass, mass: 1.0}}
+  spring:
+    {{type: spring_damper, nodes: [wall, mass], natural_length: 0.999, law: {{spring: {{stiffness: {stiffness}}}}}}}
+time: {{end: 1.0, step: 0.01, rho_inf: 1.0}}
+"""
+
+
+@pytest.mark.parametrize(("phase", "rings"), [(0.3, False), (10.0, True)])
+def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
+    """Circular frequency times step: 0.3 has 21 steps in a period, 10 more than one period in a step."""
+    said = []
+    run(deck(OSCILLATOR.format(stiffness=(phase / 0.01) ** 2)), tmp_path / "r.h5", announce=said.append)
+    with open_results(tmp_path / "r.h5") as results:
+        reason = results.reason
+    texts = [text for text in said if "do not resolve" in text]
+    assert len(texts) == rings and ("elements.spring.force by" in reason) == rings
+    if rings:
+        assert "take a smaller 'time.step'" in texts[0] and texts[0] in reason
+
+
+def test_swings_are_counted_from_step_to_step():
+    """Five changes of sign in eight steps; an event begins anew; the largest swing and its time are kept."""
+    watch = OscillationMonitor(np.array([1]))
+    for i, (x0, x) in enumerate(pairwise((5.0, 6.0, 4.0, 6.0, 4.0, 7.0, 4.0))):
+        assert not watch.found(np.zeros(1))
+        watch.take(0.1 * i, np.array([0.0, x0]), np.array([0.0, x]))
+    (found,) = watch.found(np.zeros(1))
+    assert (found.column, found.swing, found.largest, found.time) == (1, 3.0, 7.0, 0.5)
+    assert not watch.found(np.array([3.0]))
+    again = OscillationMonitor(np.array([1]))
+    again.from_plain(watch.to_plain())
+    assert again.found(np.zeros(1)) == [found]
+    watch.begin()
+    for i, (x0, x) in enumerate(pairwise((0.0, 9.0, 0.0, 9.0, 0.0))):
+        watch.take(1.0 + 0.1 * i, np.array([0.0, x0]), np.array([0.0, x]))
+    assert watch.found(np.zeros(1))[0].time == 0.5
+    smooth = OscillationMonitor(np.array([0]))
+    sines = [np.array([np.sin(0.5 * np.pi * i)]) for i in range(101)]  # a period of four steps
+    for i, (x0, x) in enumerate(pairwise(sines)):
+        smooth.take(0.1 * i, x0, x)
+    assert not smooth.found(np.zeros(1))
