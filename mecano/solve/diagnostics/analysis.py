@@ -1,7 +1,7 @@
-"""What the constraints do to a model: redundant groups and remaining mechanisms, by name.
+"""Mobility analysis: groups of redundant constraints and remaining mechanisms, by name.
 
 Both come from projectors of the scaled constraint gradient B, which do not depend on the choice of a basis: the
-left null space of B couples the constraints that repeat one another, its null space the unknowns that can move.
+left null space of B couples redundant constraints, its null space the unknowns that can move.
 """
 
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
-NEARLY = 0.99  # of the largest: as large
+NEARLY = 0.99  # of the largest: values above count as equal to it
 DENSE_ROWS = 3000  # beyond this many constraints in closed loops, or unknowns, no singular values are computed
 
 
 @dataclass(frozen=True)
 class Group:
-    """Constraints that repeat one another, or unknowns that move together: ``count`` of them too many, or free."""
+    """Redundant constraints, ``count`` too many, or unknowns that move together in ``count`` free motions."""
 
     count: int
     names: tuple
 
 
 class Entries(NamedTuple):
-    """A sparse matrix by its entries, each of which stands there once."""
+    """Sparse matrix in coordinate form without duplicate entries."""
 
     rows: np.ndarray
     cols: np.ndarray
@@ -35,7 +35,7 @@ class Entries(NamedTuple):
     shape: tuple
 
     def dense(self, rows):
-        """Some of the rows (m,) as a matrix (m, n)."""
+        """Return the given rows (m,) as a dense matrix (m, n)."""
         place = np.full(self.shape[0], -1)
         place[rows] = np.arange(len(rows))
         at = np.flatnonzero(place[self.rows] >= 0)

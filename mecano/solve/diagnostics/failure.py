@@ -1,4 +1,4 @@
-"""What a user is told when a march cannot go on: when, the worst equations, the elements in them, and what to try."""
+"""Messages of failed runs: time, worst equations, the elements in them, and what to try."""
 
 import numpy as np
 
@@ -6,11 +6,11 @@ from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION, motion_name
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
-REPORTED = 5  # equations named, the worst of each node, joint or element
-NEGLIGIBLE = 1e-3  # of the worst: what is less out of balance is not named
+REPORTED = 5  # equations reported, the worst of each node, joint or element
+NEGLIGIBLE = 1e-3  # of the worst residual: smaller ones are not reported
 NAMED = 6  # elements named of one equation
 NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
-MOVES = 0.1  # of the largest entry of a null vector: what moves with it
+MOVES = 0.1  # of the largest entry of a null vector: larger ones count as moving
 TRY = {
     Failure.NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); "
     "a smaller time.step or time.adaptive, if the motion so far is not what it should be",
@@ -22,7 +22,7 @@ TRY = {
 
 
 def no_step(system, info, t, h):
-    """The error when no step from ``t`` could be taken, the last try having been ``h`` [s]: worst equations by name."""
+    """Return the error of a step from ``t`` that failed down to the size ``h`` [s], naming the worst equations."""
     force, constraint, increment = info.norms
     worst = unresisted(system) if info.failure is Failure.SINGULAR else ""
     rows = [] if worst else worst_rows(system)
@@ -44,13 +44,13 @@ def _of_equations(error, system, rows):
 
 
 def no_restart(error, t):
-    """Return the error when the motion cannot go on from ``t`` after an event: why, and what to try."""
+    """Return the error of a restart that failed at ``t`` after an event: cause, and what to try."""
     text = str(error) if str(error).startswith("at t = ") else f"at t = {t:.9g} s {error}"
     return ConvergenceError(f"{text}\nwhat to try: {TRY[error.failure]}")
 
 
 def not_finite(system, data, t):
-    """Return the error where ``data``, the values of the matrix of masses and constraints, are not finite at ``t``."""
+    """Return the error for non-finite values ``data`` of the matrix of masses and constraints at ``t``."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
     places = {system.numbering.name[i].partition(": ")[0]: i for i in rows[::-1]}
     lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
@@ -59,9 +59,10 @@ def not_finite(system, data, t):
 
 
 def unresisted(system):
-    """Return the motions and reactions that the singular tangent of the last assembly leaves undetermined; or empty.
+    """Return as text the motions and reactions that the singular tangent of the last assembly leaves undetermined.
 
-    They are the null vector of the tangent which the residual drives, a line for each node, joint or element.
+    They form the null vector of the tangent excited by the residual, a line for each node, joint or element; "" if
+    there is none.
     """
     from mecano.solve.linear.scaled_superlu import (
         ScaledSuperLU,  # no ordinary run needs it (docs/architecture.md, Start)
@@ -71,7 +72,7 @@ def unresisted(system):
     try:
         matrix = ScaledSuperLU(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
         x = np.abs(matrix.driven_null_vector(system.residual[:n]))
-    except (RuntimeError, ValueError):  # exactly singular all the same, or not finite
+    except (RuntimeError, ValueError):  # still exactly singular, or not finite
         return ""
     if not np.isfinite(x).all():
         return ""
@@ -95,13 +96,13 @@ def worst_rows(system):
 
 
 def worst_equations(system):
-    """Names and residuals of the worst equations of the last assembly and what acts in them, a line for each place."""
+    """Return the names and residuals of the worst equations of the last assembly with the elements acting in them."""
     name, r = system.numbering.name, np.abs(system.residual)
     return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system))
 
 
 def _scales(system):
-    """Sizes (5,) that residuals of each kind of equation are judged by, as in ``norms``; of constraints as forces."""
+    """Return the scales (5,) of residuals of each kind of equation, as in ``norms``; constraints count as forces."""
     kind, size, length = system.numbering.kind, system.size, length_scale(system.nodes)
     force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
     f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
@@ -111,7 +112,7 @@ def _scales(system):
 
 
 def titles(system, i):
-    """Return the titles of the elements that act on the unknown ``i``; none of a constraint."""
+    """Return the titles of the elements that act on the unknown ``i``; empty for a constraint."""
     if i >= system.n_q:
         return []
     found = dict.fromkeys(
@@ -125,7 +126,7 @@ def titles(system, i):
 
 
 def acting(system, i):
-    """The elements that act on the unknown ``i``, as a clause, for the equation of a node; "" for a constraint."""
+    """Return a clause naming the elements that act on the unknown ``i``; "" for a constraint."""
     names = titles(system, i)
     if not names:
         return ""
@@ -134,7 +135,7 @@ def acting(system, i):
 
 
 def minimum_step(system, before, after, error, t, h):
-    """The error when a step of the least size, ``h`` [s], is too rough: ``error`` over its share of the tolerance.
+    """Return the error of a step of the least size ``h`` [s] whose local error is ``error`` times the allowed one.
 
     ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
     """
@@ -150,7 +151,7 @@ def minimum_step(system, before, after, error, t, h):
 
 
 def standstill(event, count, t):
-    """The error when the same event happens again and again while time stands still."""
+    """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
     return ConvergenceError(
         f"time stands still at t = {t:.9g} s: {event.element} has met '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"

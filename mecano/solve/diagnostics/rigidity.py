@@ -1,6 +1,6 @@
-r"""What can move where all that is flexible is held stiff: the mechanism behind the deformations.
+r"""Mechanisms that remain if all flexible members are held rigid.
 
-The nodes of flexible members that hang together move as one body then, with six unknowns for each,
+Connected nodes of flexible members then move as one body with six unknowns,
 :math:`\delta x = t + \varphi \times (x - o)` and :math:`\delta\Theta = R^T \varphi`, and the own unknowns of members
 and tyres rest. Unknowns that two bodies share, and those of the ground, are further constraints. Held stiff, a
 structure is judged by lengths alone; its stiffness would not do: the softest bending of 64 beams is 1e-9 of the
@@ -15,10 +15,10 @@ from mecano.solve.diagnostics.analysis import RANK_TOLERANCE, groups
 
 
 def stiff_mechanisms(system, s, length, analysis):
-    """Groups of unknowns of ``system`` at ``s`` that can move together with all that is flexible held stiff.
+    """Return the groups of unknowns of ``system`` that can move at ``s`` with all flexible members rigid.
 
-    None where nothing is flexible, or too much can move to tell. ``analysis`` is that of the constraints, in which
-    rotations count by the length scale.
+    None if nothing is flexible, or if there are too many unknowns to tell. ``analysis`` is the Analysis of the
+    constraints, in which rotations count by the length scale.
     """
     bodies, resting = _bodies(system), _resting(system)
     if not (bodies or resting.any()) or not analysis.small:

@@ -1,7 +1,7 @@
 r"""Compliances that let redundant constraints share their forces: :math:`\Phi + c \Lambda = 0`.
 
-Constraints on velocities that some on positions imply are let go: :math:`P \Lambda = 0` takes their place, with the
-projector P on the reactions that those on positions could balance. See docs/theory.md, section 3.
+Velocity constraints implied by position constraints are released: :math:`P \Lambda = 0` replaces them, with the
+projector P on the reactions that the position constraints could balance. See docs/theory.md, section 3.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
-RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: the compliance of a constraint that is let go
+RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
 TINY = 1e-300
 
 
@@ -36,31 +36,31 @@ class Compliance:
 
     @cached_property
     def released(self):
-        """Constraints (n,) that are let go."""
+        """Numbers (n,) of the released constraints."""
         return np.unique(self.matrix.tocoo().row[self.released_entries])
 
     @cached_property
     def soft(self):
-        """Constraints (n,) that give way: those that repeat one another."""
+        """Numbers (n,) of the redundant constraints, which are compliant."""
         return np.unique(self.matrix.tocoo().row[~self.released_entries])
 
     @cached_property
     def _in_tangent(self):
-        """What the tangent has of ``values``, as factors (matrix.nnz,): the identity in the place of P."""
+        """Factors (matrix.nnz,) of ``values`` in the tangent, where the identity replaces P."""
         entries = self.matrix.tocoo()
         return np.where(self.released_entries, (entries.row == entries.col) / entries.data, 1.0)
 
     def largest_penalty(self, stiffness):
-        """Above it [N/m] the penalty would take a noticeable share of the reactions of constraints that give way.
+        """Return the largest penalty [N/m] with a negligible share of the reactions of compliant constraints.
 
-        ``stiffness`` [N/m] is the mean one of the tangent.
+        ``stiffness`` [N/m] is the mean stiffness of the tangent.
         """
         softest = self.matrix.data[~self.released_entries].max(initial=TINY)
         return min(SHARE_OF_PENALTY / softest, stiffness / RELEASED_COMPLIANCE if len(self.released) else np.inf)
 
     @property
     def rows(self):
-        """c and P by rows, as ``soften`` takes them: where each begins, columns, values."""
+        """The matrices c and P in CSR form for ``soften``: (row starts, columns, values)."""
         return self.matrix.indptr.astype(np.int64), self.matrix.indices.astype(np.int64), self.values
 
     def set_step(self, lag, stiffness):
@@ -74,7 +74,7 @@ class Compliance:
         )
 
     def soften_tangent(self, k, data, values=None):
-        """Put -k^2 c into the values of the tangent, where no element adds anything but to constraints let go."""
+        """Add -k^2 c to the values of the tangent, where elements contribute to released constraints only."""
         np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
 
     def in_tangent(self, k, values):
@@ -82,10 +82,10 @@ class Compliance:
         return -k * k * values * self._in_tangent
 
     def sharing(self, k, bottom, x):
-        r"""Right-hand sides (n_l,) of constraints with which the reactions let go take their share.
+        r"""Return the right-hand sides (n_l,) of the constraints for which released reactions bear their share.
 
-        ``x`` (n_l,) solves the matrix of consistent.py for ``bottom``. A reaction there is :math:`k x - k B a`, with
-        what the penalty k bears.
+        ``x`` (n_l,) is the solution of the system of consistent.py for ``bottom``. A reaction there is
+        :math:`k x - k B a`, the share of the penalty k included.
         """
         rows, out, forces = self.released, bottom.copy(), k * x + bottom
         reached = -k * RELEASED_COMPLIANCE * x[rows] - bottom[rows]  # k B a
@@ -95,7 +95,7 @@ class Compliance:
         return out
 
     def to_plain(self):
-        """Dict of arrays that ``from_plain`` turns into the same compliances."""
+        """Return a dict of arrays from which ``from_plain`` restores the compliances."""
         c = self.matrix
         of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
         own = {"places": self.places, "of_rates": self.of_rates, "values": self.values}
@@ -103,7 +103,7 @@ class Compliance:
 
     @classmethod
     def from_plain(cls, plain):
-        """The compliances of ``to_plain``."""
+        """Restore the compliances from the dict of ``to_plain``."""
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
         n = len(plain["indptr"]) - 1
@@ -123,7 +123,7 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
 
 
 def compliance(system, s, length, analysis):
-    """Compliance of a model with the ``analysis`` (analysis.py) of its constraints, or None when none is redundant.
+    """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds meet a compliance under which
     the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or
@@ -152,7 +152,7 @@ def compliance(system, s, length, analysis):
 
 
 def _places(system, rows, cols):
-    """Where entries of multipliers stand in the values of the tangent; the place behind the last for what has none."""
+    """Return the indices of multiplier entries in the values of the tangent; nnz for entries not in the pattern."""
     codes = (system.n_q + rows) * system.n + system.n_q + cols
     pattern = system.rows * system.n + system.cols
     places = np.minimum(np.searchsorted(pattern, codes), system.nnz - 1)

@@ -1,6 +1,6 @@
-"""Events: which happened in a step, when exactly, and the modes after them.
+"""Events: detect them in a step, locate their time, and apply the change of phase.
 
-A step is pure, so an event is located by stepping again with a smaller h; no cooperation of the method is needed.
+A step has no side effects, so an event is located by repeating the step with a smaller h.
 """
 
 from dataclasses import dataclass, replace
@@ -11,16 +11,16 @@ import numpy as np
 from mecano.jit.entry import Vector, entry
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
-AT_ONCE = 1e-7  # an event in this first part of a step happens at its beginning
-TOGETHER = 1e-6  # of its change in the step: an event that lacks no more happens with the one that is located
-EQUAL = 1e-6  # of its value at the beginning of the step: what differs by less, with consistent reactions, is equal
-NEAR = 0.01  # of the step: the first place that is tried is no nearer to its ends
+AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
+TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
+EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
+NEAR = 0.01  # of the step: the first trial point is no nearer to its ends
 MAX_RESTEPS = 60
 
 
 @dataclass(frozen=True)
 class EventRecord:
-    """An event that happened: when, where, and the change of mode."""
+    """An event that happened: time, element, change of phase, and impulse if any."""
 
     t: float
     element: str
@@ -33,20 +33,20 @@ class EventRecord:
 
 
 class Located(NamedTuple):
-    """Where in a step the first event lies."""
+    """Location of the first event in a step."""
 
     h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
-    trial: tuple | None  # that step, or the one that failed in Newton, which ended the search; None when h is 0
+    trial: tuple | None  # that step, or the one in which Newton failed, which ends the search; None if h is 0
     hit: np.ndarray  # (n_events,) bool, events that happen there
 
     @property
     def ok(self):
-        """False when the search met a step that Newton cannot take."""
+        """False if Newton failed in a step of the search."""
         return self.trial is None or self.trial[2].ok
 
 
 class EventMonitor:
-    """The event functions of a system."""
+    """Event functions of a system, and the phase changes they cause."""
 
     def __init__(self, system):
         self.system = system
@@ -54,20 +54,20 @@ class EventMonitor:
         self.within = np.array(within, bool)
 
     def within_a_phase(self, hit):
-        """True when accelerations jump at some of the events ``hit`` (n_events,) bool though no mode changes."""
+        """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
 
     def values(self, s):
-        """One number for each event of each element, (n_events,); -inf for those not watched in the present mode."""
+        """Return the event values (n_events,) of all elements; -inf for events not active in the current phase."""
         return self.system.event_values(s)
 
     def together(self, hit, before, here, committed):
-        """The events ``hit`` (n_events,) bool and all others of the same instant.
+        """Return the events ``hit`` (n_events,) bool together with all others at the same instant.
 
-        ``before`` (n_events,) are the values at the beginning of the step, ``here`` at its end, with consistent
-        reactions, ``committed`` with what the step has committed. Of a step, reactions are known to the tolerance of
-        Newton's method, so that those of equal members vanish at different times; consistent ones are equal to
-        rounding.
+        ``before`` (n_events,) are the values at the beginning of the step, ``here`` at its end with consistent
+        reactions, ``committed`` after the memories of the step are committed. A step yields reactions only to the
+        tolerance of Newton's method, so that those of identical members vanish at different times; consistent
+        reactions agree to rounding.
         """
         hit, first = hit | (self.within & np.isfinite(here) & (here != committed)), 0
         for batch in self.system.batches:
@@ -81,7 +81,7 @@ class EventMonitor:
         return hit
 
     def apply(self, s, hit):
-        """The state after the events ``hit`` (n_events,) bool: (state with new modes, [EventRecord])."""
+        """Apply the events ``hit`` (n_events,) bool; return (state with new phases, [EventRecord])."""
         phases, event_records, first = s.phases.copy(), [], 0
         for batch in self.system.batches:
             n = batch.event_values.size
@@ -95,7 +95,7 @@ class EventMonitor:
         return replace(s, phases=phases), event_records
 
     def entered(self, s, event):
-        """The state after an ``event`` with an element, a name and two modes, if that element is in the first."""
+        """Return the state after a recorded ``event``, if its element is in the phase before it."""
         phases = s.phases.copy()
         for batch in self.system.batches:
             names = [(of.name, of.before, of.after) for of in batch.kind.events]
@@ -106,7 +106,7 @@ class EventMonitor:
         return replace(s, phases=phases)
 
     def settle(self, s):
-        """The state with the modes that its event values tell: for a start. Happenings of a start are not reported."""
+        """Return the initial state with its phases consistent with the event values; these changes are not recorded."""
         for _ in range(10):
             hit = self.values(s) > 0
             if not hit.any():
@@ -116,16 +116,16 @@ class EventMonitor:
 
 
 class NoEvents(EventMonitor):
-    """No events: elements stay in the modes in which they are."""
+    """Monitor that detects no events: elements keep their phases."""
 
     def values(self, s):
-        """-inf for all events of each element, (n_events,)."""
+        """Return -inf (n_events,) for all events."""
         return np.full_like(super().values(s), -np.inf)
 
 
 @entry
 def some_happened(g0: Vector, g1: Vector) -> bool:
-    """True when an event has happened between values g0 and g1 (n_events,), or had already before."""
+    """Return whether an event value crosses zero from g0 to g1 (n_events,) or stays nonnegative, ending positive."""
     for i in range(g0.shape[0]):
         if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
             return True
@@ -174,9 +174,9 @@ def locate(monitor, step, s0, g0, trial, h):
 
 
 def _share(newest, opposite, older):
-    """How far on the way from the ``newest`` place to the ``opposite`` one, (step size, value), the value is zero.
+    """Return the fraction of the way from the ``newest`` point to the ``opposite`` one at which the value vanishes.
 
-    By a parabola of the step size over the value where it is sure to be monotonous, else half of the way.
+    Points are (step size, value). By inverse quadratic interpolation where it is monotonic, else by bisection.
     """
     (a, f_a), (b, f_b), (c, f_c) = newest, opposite, older
     if not np.isfinite([f_a, f_b, f_c]).all() or f_c == f_b:

@@ -1,4 +1,4 @@
-"""What can come with a shock in a system: each event of each element that has one, with its rows and modes."""
+"""Events of a system that can cause an impact, with their constraint rows and phases."""
 
 from dataclasses import dataclass
 
@@ -9,32 +9,32 @@ from mecano.element_interface import CONTACT
 
 @dataclass(frozen=True, eq=False)
 class ImpactCandidate:
-    """One event with a shock of one element."""
+    """An event of one element that comes with an impact."""
 
     event: int  # place in the event values
-    phase: int  # place in the modes
+    phase: int  # index into the phases of a state
     before: int
     after: int
     through: int
-    opened: int  # mode after the event that opens it again; -1 for what never opens
-    rows: np.ndarray  # numbers of the multipliers of the element and of the parts that follow its mode, the lead first
+    opened: int  # phase after the event that reopens the contact; -1 if it never opens
+    rows: np.ndarray  # numbers of the multipliers of the element and of the parts that share its phase, the lead first
     unit: str  # of the impulse of the lead
-    restitution: float  # negative for what never opens
+    restitution: float  # coefficient; negative if it never opens
     element: str
-    names: tuple  # of the event, the modes before and after, the event that opens it, the mode opened
+    names: tuple  # of the event, the phases before and after it, the event that reopens it, the phase reopened
 
     @property
     def lead(self):
-        """Number of the multiplier that pushes."""
+        """Number of the multiplier along the contact normal."""
         return self.rows[0]
 
     def rests(self, phases):
-        """True for a contact that is closed, with constraints that hold; of several ways to close the first."""
+        """Return whether the contact is closed and its constraints hold; of several ways to close, the first."""
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
 def impact_candidates(system):
-    """All Catches, in the order of their event values."""
+    """Yield all impact candidates in the order of their event values."""
     first, rows = 0, _rows_by_phase(system)
     for batch in system.batches:
         events = batch.kind.events
@@ -64,7 +64,7 @@ def _impact_candidate(batch, e, event, first, number, rows):
 
 
 def _rows_by_phase(system):
-    """Place in the modes -> [(number of a multiplier, its Row)] of the element and of the parts that follow it."""
+    """Return {index of a phase: [(number of a multiplier, its Row)]} of the element and the parts that share it."""
     own, owner = {}, dict(system.followers.tolist())
     for batch in system.batches:
         for e, numbers in enumerate(batch.multipliers):

@@ -1,4 +1,4 @@
-"""Constraints that repeat others only in some modes: found when these are entered, and given compliances."""
+"""Constraints that are redundant in some phases only: detect them after a change of phase, assign compliances."""
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from mecano.solve.time.consistent import Consistent
 
 
 def consistent_in(system, linear, s, soft, length):
-    """(Consistent, Compliance or None, redundant Groups) at ``s``, whose modes may be new; ``soft`` that of the last.
+    """Return (Consistent, Compliance or None, redundant Groups) at ``s``, whose phases may have changed.
 
-    The pivots of the factorization tell whether constraints that are rigid depend on others; only then, or where
-    constraints are let go because of others, is the model analysed again. Raises AssemblyError.
+    ``soft`` is the previous Compliance. The pivots of the factorization show whether rigid constraints depend on
+    others; only then, or if constraints are released, is the model analysed again. Raises AssemblyError.
     """
     consistent, repeats = None, True
     try:
@@ -32,6 +32,6 @@ def consistent_in(system, linear, s, soft, length):
 
 
 def _missed(system, s, length, soft, analysis):
-    """True when constraints that ``soft`` lets go would hold at ``s``, and no others imply them there any more."""
+    """Return whether constraints that ``soft`` releases would be active at ``s`` and are no longer implied there."""
     would = np.intersect1d(soft.released, np.flatnonzero(gradient(system, s, length)[2]))
     return bool(np.setdiff1d(would, analysis.released).size)

@@ -1,11 +1,11 @@
-r"""Shocks: what the events of a contract with ``Event.shock`` do to velocities, modes and energy (docs/shocks.md).
+r"""Impacts: change of velocities, phases and energy at events with ``Event.shock`` (docs/shocks.md).
 
-At frozen positions, with the constraints that hold and those that begin to (rates :math:`w = B v + \Phi_t`):
+Positions are frozen; with the constraints that hold and those that become active (rates :math:`w = B v + \Phi_t`):
 
 .. math::  M (v^+ - v^-) = B^T \Lambda, \qquad w^+ = 0 \text{ (held)}, \qquad
    0 \le \Lambda \perp w^+ + e\, w^- \ge 0 \text{ (contacts that close or are closed)}
 
-What is held costs one factorization; contacts add the dense matrix of their responses to one another.
+Bilateral constraints cost one factorization; contacts add the dense matrix of their mutual responses.
 """
 
 from dataclasses import dataclass, replace
@@ -18,30 +18,30 @@ from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import impact_candidates
 from mecano.solve.events.redundancy import consistent_in
 
-TOGETHER = 1e-6  # of a step: shocks that are no farther apart are one
-NEAR = 10.0  # times the tolerance of constraints: neither are those of contacts that are no farther apart
-STILL = 1e-10  # of the largest approach: a rate that is none
-MASSLESS = 1e-14  # of the largest: a contact with less response moves nothing that has mass
-ADHESIVE = 1e-9  # of the largest: an impulse that pulls
-DEPARTING = -1e-300  # in the place of the event value of what stands at its contact and leaves
+TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
+NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
+STILL = 1e-10  # of the largest approach: a rate below this is zero
+MASSLESS = 1e-14  # of the largest: a contact with a smaller response moves no mass
+ADHESIVE = 1e-9  # of the largest: an impulse below minus this is adhesive
+DEPARTING = -1e-300  # event value of a contact that is touching and separating
 
 
 @dataclass(frozen=True)
 class Shock:
-    """What a shock left: velocities and modes, what happened, energy lost and given [J]."""
+    """Result of an impact: velocities and phases after it, events, energy lost and given [J]."""
 
     state: object
     event_records: list
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
-    consistent: object  # Consistent of this state
-    compliance: object  # Compliance of redundant constraints from now on, or None
-    redundant: tuple  # Groups of constraints that are new to it
+    consistent: object  # Consistent at this state
+    compliance: object  # Compliance of redundant constraints after the impact, or None
+    redundant: tuple  # Groups of constraints that have become redundant
 
 
 class Shocks:
-    """The shocks of a system; ``rest`` (n_l,) approach speeds below which nothing rebounds [m/s, rad/s]."""
+    """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s]."""
 
     def __init__(self, system, method, monitor, rest):
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
@@ -55,17 +55,17 @@ class Shocks:
         self.events = np.array([candidate.event for candidate in self.impact_candidates], np.int64)
 
     def suppress_rebound(self, elements):
-        """Let the contacts of some elements, and of no others, not rebound at any speed."""
+        """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
         self.rest = self._least.copy()
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
     def among(self, hit):
-        """True when some of the events ``hit`` (n_events,) bool comes with a shock."""
+        """Return whether some of the events ``hit`` (n_events,) bool cause an impact."""
         return bool(hit[self.events].any())
 
     def departing(self, s, g):
-        """Event values ``g`` at the beginning of a step, less those of contacts that have opened and move apart."""
-        if not self.impact_candidates:  # asked at every step
+        """Return the event values ``g`` at the beginning of a step, with DEPARTING for open contacts that separate."""
+        if not self.impact_candidates:  # called in every step
             return g
         at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.impact_candidates[i].opened >= 0]
         if not at:
@@ -79,9 +79,9 @@ class Shocks:
         return g
 
     def together(self, s, hit, h):
-        """The events ``hit`` and the shocks that the next millionth of a step ``h`` [s] would bring.
+        """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].
 
-        Equal parts of a model differ by the rounding of its motion: this is what lets them lock together.
+        The motions of identical parts of a model differ by rounding; this makes them lock at the same instant.
         """
         hit, g = hit.copy(), self.monitor.values(s)
         due = [c for c in self.impact_candidates if not hit[c.event] and -np.inf < g[c.event] < 0.0]
@@ -94,10 +94,11 @@ class Shocks:
         return hit
 
     def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False):
-        """The Shock of the events ``hit`` (n_events,) bool at ``s``, whose velocities fit what held before.
+        """Solve the impact of the events ``hit`` (n_events,) bool at ``s``; return a Shock.
 
-        ``h`` [s] is the step to follow: what would not part in it is not told to leave. ``at_once``: time does not go
-        on, so what does not move away fast enough to be seen has closed.
+        The velocities of ``s`` satisfy the constraints active before. ``h`` [s] is the next step: contacts that would
+        not separate within it stay closed. ``at_once``: time does not advance, so contacts that do not separate
+        noticeably count as closed.
         """
         plain = hit.copy()
         plain[self.events] = False
@@ -123,16 +124,16 @@ class Shocks:
         return solution.shock(s, closing, resting, others, h)
 
     def consistent(self, s, compliance):
-        """Consistent, Compliance and redundant Groups in the modes of ``s`` (redundancy.py)."""
+        """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""
         return consistent_in(self.system, self.linear, s, compliance, self.length)
 
     def _restitution(self, closing, w):
-        """The one coefficient of all that close together: the least of those that approach faster than at rest."""
+        """Return the common coefficient of restitution: the least of contacts approaching faster than ``rest``."""
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         return max(min((c.restitution for c in fast), default=0.0), 0.0)
 
     def in_phase(self, s, impact_candidates, which):
-        """``s`` with some elements, and the parts that follow them, in their mode ``which``."""
+        """Return ``s`` with the elements of some candidates, and their parts, in their phase ``which``."""
         phases = s.phases.copy()
         for candidate in impact_candidates:
             phases[candidate.phase] = getattr(candidate, which)
@@ -141,7 +142,7 @@ class Shocks:
 
 
 class _Solution:
-    """Velocities and impulses with the contacts ``uncoupled`` in complementarity, and everything else held."""
+    """Velocities and impulses of an impact: complementarity of the contacts ``uncoupled``, all other rows held."""
 
     def __init__(self, shocks, held, all_held, uncoupled, e, compliance):
         self.shocks, self.system, self.e = shocks, shocks.system, e
@@ -165,7 +166,7 @@ class _Solution:
             self.impulses[self.leads] = pushes
 
     def _rates(self, v):
-        """Rates (n_l,) of all constraints, contacts as if closed, at velocities v (n_all,)."""
+        """Return the rates (n_l,) of all constraints at velocities v (n_all,), with all contacts closed."""
         return self.system.constraint_derivatives(replace(self.all_held, v=v))[:, 1]
 
     def _moved(self, change):
@@ -174,9 +175,9 @@ class _Solution:
         return v
 
     def _gather_responses(self):
-        """Responses (n_q, n) of the velocities to unit impulses of the contacts, reactions (n_l, n), and W (n, n).
+        """Compute responses of velocities (n_q, n) and reactions (n_l, n) to unit contact impulses, and W (n, n).
 
-        What has neither mass nor constraint gives way to any impulse: contacts of it are ``light``.
+        Unconstrained massless unknowns yield to any impulse; contacts of such unknowns are ``light``.
         """
         system, n_q = self.system, self.system.n_q
         bare = replace(self.all_held, z=self.all_held.z.copy())
@@ -195,9 +196,9 @@ class _Solution:
         self.light = gradient[self.consistent.loose].any(axis=0)
 
     def _solve(self, b, at=None):
-        """Impulses (n,), or forces, that keep W x + b from being negative; none where there is no mass.
+        """Return impulses or forces x (n,) with x >= 0, W x + b >= 0 and x (W x + b) = 0; zero without mass.
 
-        ``at`` (n,) are the contacts that it is about; all of them when absent.
+        ``at`` (n,) are the indices of the contacts; all by default.
         """
         at = np.arange(len(self.leads)) if at is None else np.asarray(at)
         W, weight = self.W[np.ix_(at, at)], np.diag(self.W)[at]
@@ -207,11 +208,11 @@ class _Solution:
         return x
 
     def pulls(self, candidate):
-        """True when a contact that holds more than its normal direction would need an adhesive impulse."""
+        """Return whether a contact that also holds tangential directions would need an adhesive impulse."""
         return self.impulses[candidate.lead] < -ADHESIVE * np.abs(self.impulses).max()
 
     def shock(self, s, closing, resting, event_records, h):
-        """The Shock from the state ``s`` before, for steps of h [s]."""
+        """Return the Shock from the state ``s`` before it, with steps of h [s] to follow."""
         lost = -0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
@@ -233,7 +234,7 @@ class _Solution:
         return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
 
     def _stays(self, candidate, closes):
-        """True when it is closed after the shock."""
+        """Return whether the contact is closed after the impact."""
         if candidate.restitution < 0.0:
             return True
         if candidate not in self.uncoupled:
@@ -256,7 +257,7 @@ class _Solution:
         )  # fmt: skip
 
     def _leaving(self, stay, h):
-        """Of the contacts that stay closed, those that the accelerations part at once; they tell none of light ones."""
+        """Return the closed contacts, light ones excepted, that the accelerations separate at once."""
         stay = [c for c in stay if not self.light[self.uncoupled[c]]]
         if not stay:
             return []

@@ -1,4 +1,4 @@
-"""Newton iteration on any residual, conducted from Python; knows nothing of time or mechanics."""
+"""Newton iteration on any residual, driven from Python; independent of time and mechanics."""
 
 from dataclasses import dataclass
 
@@ -13,21 +13,21 @@ SINGULAR = MESSAGES[newton.SINGULAR]
 
 @dataclass(slots=True)
 class Iterated:
-    """How the iteration ended; ``norms`` are residuals and increments over their tolerances, each <= 1 when met."""
+    """Outcome of an iteration; ``norms`` are residuals and increments over their tolerances, <= 1 if converged."""
 
     ok: bool
     iterations: int
     norms: tuple
     message: str = ""
-    failure: Failure = Failure.NOT_CONVERGED  # where not ok
+    failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 
 def iterate(evaluate, solve, move, *, most):
-    """Solve r(z) = 0 at least once, until residual and increment meet their tolerances; never raises.
+    """Solve r(z) = 0 by at least one iteration until residual and increment meet their tolerances; never raise.
 
-    evaluate(tangent) -> tuple of residual norms over their tolerances, at the current z, with its tangent if asked for;
-    solve(fresh) -> increment, with the last tangent evaluated or, not fresh, with the factor kept from before, None if
-    singular; move(dz) -> norm of the increment over its tolerance; moves z. ``most`` iterations.
+    evaluate(tangent) returns a tuple of residual norms over their tolerances at the current z and, if ``tangent``,
+    evaluates the tangent; solve(fresh) returns the increment, from the last tangent or, if not fresh, from the factor
+    kept, None if singular; move(dz) moves z and returns the norm of dz over its tolerance. At most ``most`` iterations.
     """
     increment, last = np.inf, np.inf
     for iteration in range(most + 1):

@@ -166,7 +166,7 @@ def evaluate(w, which):
     T, system = floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
     tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
     loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
-    t, phases, memory = time_of(w, which)[0], integers(w.phases, w.n_modes), memory_of(w, which)
+    t, phases, memory = time_of(w, which)[0], integers(w.phases, w.n_phases), memory_of(w, which)
     assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, z, floats(w.residual, w.n_all))
     places, values = integers(w.entry_places, w.n_entries), floats(w.entry_values, w.n_entries)

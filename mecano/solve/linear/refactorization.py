@@ -1,14 +1,14 @@
-"""Whether the tangent of an earlier step will do for the next one.
+"""Decide when to refactor the Newton tangent.
 
-An iteration with a tangent of ``age`` steps leaves about the share drift * age of the residual. Two such iterations
-cost less than a factorization, so a tangent is kept as long as two are expected to do.
+An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. Two such
+iterations cost less than a factorization, so a tangent is kept as long as two are expected to converge.
 """
 
 from mecano.jit.kernel import kernel
 from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE
 
-TRUST = 0.5  # of the residual norm may be left where two iterations are expected to do
-FORGET = 0.9  # the experience with old tangents, at every step that does without
+TRUST = 0.5  # of the residual norm: expected residual after two iterations up to which a tangent is kept
+FORGET = 0.9  # factor of the drift in every step without an old tangent
 
 
 @kernel
@@ -23,7 +23,7 @@ def choose_tangent(has, age, drift, renewed, report):
         first /= SHARE
     elif first > 0.0:
         drift = report[SECOND] / first / before
-    if renewed:  # is the new one worth keeping?
+    if renewed:  # keep it if it converges quickly
         has = report[ITERATIONS] <= (2.0 if has else 1.0)
         age = 1 if has else 0
     share = drift * age

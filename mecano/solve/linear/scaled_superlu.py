@@ -1,4 +1,4 @@
-"""What stands in for the multifrontal factorization where that fails: SuperLU, with row exchanges everywhere."""
+"""Fallback of the multifrontal factorization: SuperLU of the scaled matrix with partial pivoting."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -6,7 +6,7 @@ import scipy.sparse.linalg as spla
 
 
 class ScaledSuperLU:
-    """LU by SuperLU, with row exchanges everywhere, of a matrix whose rows and columns have the largest entry 1."""
+    """LU with partial pivoting by SuperLU of a matrix scaled to a largest entry of 1 in every row and column."""
 
     def __init__(self, n, rows, cols, values, shift=0.0):
         """Factor the scaled matrix plus ``shift`` times the identity; raises RuntimeError where a pivot is zero."""
@@ -18,18 +18,21 @@ class ScaledSuperLU:
         self.lu = spla.splu(self.matrix + shift * sp.identity(n, format="csc") if shift else self.matrix)
 
     def solve(self, b):
-        """The x (n,) with A x = b."""
+        """Return the solution x (n,) of A x = b."""
         return self.col_scale * self.lu.solve(self.row_scale * b)
 
     def driven_null_vector(self, b):
-        """Return the null vector (n,), of length 1, of the scaled matrix that ``b`` (n,) drives: inverse iteration."""
+        """Return the unit null vector (n,) of the scaled matrix excited by ``b`` (n,): inverse iteration."""
         x = self.lu.solve(self.row_scale * b)
         for _ in range(2):
             x = self.lu.solve(x / np.linalg.norm(x))
         return x / np.linalg.norm(x)
 
     def reciprocal_condition(self):
-        """Estimate in the 1-norm (Higham & Tisseur 2000), of the equilibrated matrix; 0 if it overflows."""
+        """Estimate the reciprocal condition number in the 1-norm, of the scaled matrix (Higham & Tisseur 2000).
+
+        Return 0 on overflow.
+        """
         n = len(self.row_scale)
         inverse = spla.LinearOperator(
             (n, n), matvec=self.lu.solve, rmatvec=lambda b: self.lu.solve(b, trans="T"), dtype=float
@@ -39,7 +42,7 @@ class ScaledSuperLU:
 
 
 def _inverse_maxima(n, index, values):
-    """For each row (or column) number in ``index``, one over the largest of its values; 1 if all vanish."""
+    """Return (n,) one over the largest value of each row (or column) numbered in ``index``; 1 if all vanish."""
     largest = np.zeros(n)
     np.maximum.at(largest, index, values)
     return 1.0 / np.where(largest > 1e-300, largest, 1.0)

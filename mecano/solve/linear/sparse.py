@@ -96,11 +96,11 @@ class LinearSolver:
 
     @property
     def kept(self):
-        """True when the last ``solve`` left a factor there."""
+        """True if the last ``solve`` left a multifrontal factor."""
         return self._other is None
 
     def solve_again(self, b, x_out):
-        """Solve with the matrix of the last ``solve``, unguarded; b and x_out may be the same array."""
+        """Solve with the factor of the last ``solve`` without checks; b and x_out may be the same array."""
         if self._other is None:
             multifrontal.substitute(b, *self._substitute_arguments, x_out)
         else:
@@ -111,9 +111,9 @@ class LinearSolver:
         return self._original(self._vectors[PIVOT])
 
     def cancellation(self):
-        """The pivots over the largest value that elimination gave their diagonal (n,): about 1e-16 if dependent.
+        """Return the pivots over the largest intermediate value of their diagonal (n,): about 1e-16 for dependent rows.
 
-        Unlike the pivots it does not change when rows or columns of the matrix are scaled.
+        Unlike the pivots it is invariant to scaling of rows and columns.
         """
         size = self._original(self._vectors[MAGNITUDE])
         return np.abs(self.pivots()) / np.where(size > 0.0, size, 1.0)
@@ -130,7 +130,7 @@ class LinearSolver:
 
     @np.errstate(all="ignore")  # overflow shows in the backward error
     def _solve_with_superlu(self, data, b, x_out, null):
-        """What the fixed order could not solve: SuperLU with row exchanges, or a reason why not."""
+        """Solve by SuperLU with partial pivoting after the multifrontal factorization failed; return a LinearStatus."""
         values = data[: len(self._pattern[0])]
         if not (np.isfinite(values).all() and np.isfinite(b).all()):
             return LinearStatus(False, np.inf, finite=False, null_pivots=null)

@@ -21,15 +21,15 @@ from mecano.solve.time.increments import displaced
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # of the length scale, or rad: displacement in the first and in any step of creep
 MOST_CREEPS = 400
 FADES = 0.02, 0.5  # least and most of the drag that remains after a step of creep
-STIFFEST = 1e8  # of the first drag: a step that fails under more has failed
+STIFFEST = 1e8  # of the first drag: largest drag with which a step is retried
 NUDGE = 0.01  # of the length scale, or rad: displacement with which an unstable equilibrium is left
 ALIKE = 1e-6  # of the larger creep: two sides that differ by less are alike, and the positive one is taken
-DEPARTURES = 5  # unstable equilibria that are left
+DEPARTURES = 5  # unstable equilibria left before giving up
 
 
 @dataclass
 class Work:
-    """What one search has taken: Newton iterations, steps rejected, events."""
+    """Work of one search: Newton iterations, rejected steps, events."""
 
     iterations: int = 0
     rejected: int = 0

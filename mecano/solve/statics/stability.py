@@ -1,6 +1,6 @@
-r"""Is an equilibrium stable, and if not, along which motion is it free?
+r"""Stability of an equilibrium, and its softest motion.
 
-What counts is the tangent on the motions that the constraints allow, :math:`Z^T K Z` with :math:`B Z = 0`;
+Stability follows from the tangent on the motions that the constraints allow, :math:`Z^T K Z` with :math:`B Z = 0`;
 displacements are measured in metres, rotations by the length scale. Small models: eigenvalues of its symmetric part
 where it is symmetric (to rounding, at an equilibrium under conservative forces); where it is not, those of the whole,
 of which only real negative ones count (complex ones concern the motion: modes.py). Large models: the signs of the
@@ -19,7 +19,7 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.linear.sparse import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
-NEUTRAL = 1e-13  # of the largest stiffness: what is softer counts as free (dense)
+NEUTRAL = 1e-13  # of the largest stiffness: softer directions count as free (dense)
 NEUTRAL_WHERE_SOFT = 1e-10
 NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (sparse)
 SYMMETRIC = 1e-7  # of the largest entry
@@ -27,12 +27,12 @@ RANK = 1e-9
 UNKNOWN = -1
 FARTHER = 4.0  # factor of the shift to the most negative stiffness
 NAMED = 2  # nodes named of a motion
-SMALL = 0.2  # of the largest displacement: what moves less is not named
+SMALL = 0.2  # of the largest displacement: nodes that move less are not named
 
 
 @dataclass(frozen=True)
 class Stability:
-    """Unstable and neutral directions of an equilibrium; UNKNOWN (-1) where they cannot be told."""
+    """Unstable and neutral directions of an equilibrium; UNKNOWN (-1) if undetermined."""
 
     unstable: int
     neutral: int
@@ -41,22 +41,22 @@ class Stability:
 
     @property
     def stable(self):
-        """True when no direction is known to be unstable or neutral."""
+        """True if no direction is known to be unstable or neutral."""
         return self.unstable <= 0 and self.neutral <= 0
 
 
 class Judge:
-    """Tells the stability of equilibria of one system from tangents on its pattern."""
+    """Determine the stability of equilibria of one system from tangents on its pattern."""
 
     def __init__(self, system, length, soft=False):
-        """``soft``: redundant constraints give way, which may turn free motions into very soft ones."""
+        """``soft``: redundant constraints are compliant, which may turn free motions into very soft ones."""
         self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self._solver = None
 
     def __call__(self, data, drag=0.0):
-        """Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
+        """Return the Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
 
         ``drag`` [N/m] is added to the stiffness against all motions.
         """

@@ -1,8 +1,8 @@
-r"""Equilibrium at one point of a path: Newton on the residual at rest, with the modes of the elements consistent.
+r"""Equilibrium at one point of a path: Newton on the residual at rest, with consistent phases of the elements.
 
 The residual is :math:`r(q, \mu)` of loading.py, the tangent K alone, bordered by the constraints as in a step of time;
-those on velocities hold the displacement from where the search begins (velocity_constraints.py).
-A *drag* D lets a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 0`: implicit Euler of
+velocity constraints restrain the displacement from the start of the search (velocity_constraints.py).
+A *drag* D makes a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 0`: implicit Euler of
 :math:`D \dot q = -r`, pseudo-transient continuation (Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523).
 """
 
@@ -20,29 +20,29 @@ from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
 from mecano.solve.time.increments import correct, tangents
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
-PHASE_CHANGES = 10  # rounds in which elements may change their mode at one point
+PHASE_CHANGES = 10  # rounds of phase changes at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
-POLISH = 4  # iterations beyond the tolerance, as long as they help
+POLISH = 4  # iterations beyond the tolerance while the residual falls
 LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
 
 @dataclass(slots=True)
 class Found:
-    """How the search for one equilibrium ended."""
+    """Outcome of the search for one equilibrium."""
 
     ok: bool
     iterations: int
     norms: tuple  # force, constraint, increment over their tolerances
     change: float = 0.0  # largest displacement over the length, or rotation [rad]
-    first: float = np.inf  # the same of the first iteration: what the tangent predicts
+    first: float = np.inf  # the same in the first iteration: the prediction of the tangent
     message: str = ""
     event_records: tuple = ()
-    failure: Failure = Failure.NOT_CONVERGED  # where not ok
+    failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 
 class Statics:
-    """Equations at rest under one ``loading``; the solver of one point. Holds no motion."""
+    """Solver of one equilibrium under a ``loading``; holds no motion."""
 
     def __init__(
         self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None,
@@ -58,7 +58,7 @@ class Statics:
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
 
     def scales(self, s):
-        """k and penalty of the constraints [N/m] at ``s``: those given, or the mean stiffness of the tangent."""
+        """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
         mean = balance(self.system, s, 1.0, 0.0, 0.0)
         k = self.given_k or mean
         penalty = mean if self.given_penalty is None else self.given_penalty
@@ -68,16 +68,16 @@ class Statics:
         return k, min(penalty, self.compliance.largest_penalty(mean))
 
     def begin(self, s0):
-        """A copy of ``s0`` at rest whose rotation increments are zero."""
+        """Return a copy of ``s0`` at rest with zero rotation increments."""
         s = s0.copy()
         s.z[self._rotations] = 0.0
         s.v[:] = 0.0
         return s
 
     def evaluate(self, s, p, k, penalty, tangent, step=None):
-        """Assemble residual (and tangent) at the parameter p; the norms over their tolerances.
+        """Assemble residual (and tangent) at the parameter p; return the norms over their tolerances.
 
-        ``step``: where the displacement begins that constraints on velocities hold, see there; without it at ``s``.
+        ``step`` (see ``step``) is the start of the displacement that velocity constraints restrain; ``s`` by default.
         """
         system, of = self.system, self.system.numbering
         s0, held = step or self.step(s, s.phases)
@@ -95,11 +95,11 @@ class Statics:
         return self.norms(s, k)
 
     def step(self, s0, phases):
-        """The beginning ``s0`` of a step with the Held there, of elements in the ``phases``."""
+        """Return the beginning ``s0`` of a step, and its Held for elements in the ``phases``."""
         return s0, self.rolling.at(replace(s0, phases=phases))
 
     def norms(self, s, k):
-        """Norms of the residual in ``system.residual`` over their tolerances: (forces, constraints)."""
+        """Return the norms (forces, constraints) of ``system.residual`` over their tolerances."""
         system, of, limits = self.system, self.system.numbering, self.tolerances
         reach = np.abs(s.z[: system.n_q]).max(initial=0.0)
         return norms(
@@ -117,7 +117,7 @@ class Statics:
         )
 
     def move(self, s, s0, dz, k):
-        """Add the correction dz (n,) to ``s``, whose rotations count from ``s0``; its size over the tolerance."""
+        """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
         of = self.system.numbering
         largest = correct(
             self.length, of.kind, of.rotation_dof, of.n_q, of.n, -dz, k, 0.0, 0.0, s0.R, s.z, s.v, s.a, s.R
