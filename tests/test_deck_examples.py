@@ -10,6 +10,7 @@ from mecano.deck.examples import EXAMPLES
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.laws import TERMS
 
 CONTEXT = """\
@@ -41,7 +42,8 @@ tire_laws:
     lateral: {relaxation: {cornering_stiffness: 2e5, relaxation_length: 0.3}}
 time: {end: 1, step: 0.01}
 """
-OWNERS = {**KINDS, **SHAPES, **{name: None for name in TERMS}}
+OWNERS = {**KINDS, **SHAPES, **dict.fromkeys(TERMS), **dict.fromkeys(SLIP_LAWS)}
+del OWNERS["friction"]
 
 
 def test_there_is_an_example_of_everything():
@@ -73,4 +75,4 @@ def test_examples_are_right(name, folder):
     (folder / "deck.yaml").write_text(text)
     read = read_deck(folder / "deck.yaml").values[section]
     written = read[EXAMPLES[name].partition(":")[0]]
-    assert name in (dict(written) if section == "laws" else (written["type"],))
+    assert name in (dict(written) if section in ("laws", "tire_laws") else (written["type"],))

@@ -63,6 +63,9 @@ EXAMPLES = {
     "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
     "flexible_wheel": "nose: {type: flexible_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
     "adhesive_wheel": "nose: {type: adhesive_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
+    "fiala":
+        "brush: {radius: 0.3 m, radial: {linear: {slope: 200 kN/m}}, "
+        "fiala: {cornering_stiffness: 60 kN, friction: 0.8, contact_length: 120 mm}}",
     "circle": "shaft: {type: circle, diameter: 30 mm, E: 210 GPa, nu: 0.3, density: 7850}",
     "tube": "tube: {type: tube, diameter: 80 mm, thickness: 5 mm, E: 210 GPa, nu: 0.3, density: 7850}",
     "rectangle": "strip: {type: rectangle, width: 20 mm, height: 2 mm, E: 70 GPa, nu: 0.33, density: 2700}",

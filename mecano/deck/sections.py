@@ -192,7 +192,7 @@ SECTIONS = (
     Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "what wheels roll on", {}),
-    Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
+    Field("tire_laws", named(Type("mapping", "a mapping", TIRE_LAW_FIELDS)), "-", "what tyres are like", {}),
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
