@@ -1,6 +1,8 @@
 """The lines of decks that `mecano explain` shows: there is one for every kind, shape and term, and all are right."""
 
 import re
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,6 +61,7 @@ def folder(tmp_path_factory):
     lever = np.eye(6)  # the motion of the second node, 1 m along x from the first, with that of the first one
     lever[1, 5], lever[2, 4] = 1.0, -1.0
     B = np.hstack([-lever, np.eye(6)])
+    shutil.copy(Path(__file__).parent.parent / "inputs" / "passenger_car.tir", path)
     np.savez(path / "wing.npz", positions=[[0, 0, 0], [1, 0, 0]], stiffness=B.T @ spring @ B, mass=np.eye(12))
     return path
 

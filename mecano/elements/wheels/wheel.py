@@ -26,6 +26,7 @@ radius; the wheel does not lie flat (q > 0: checked at the start, finite at all 
 wheel body's: its rotation spins with the wheel.
 """
 
+import math
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -58,6 +59,11 @@ from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 MOMENT = Output(
     "slip_moment", "N m", "moment of the slip law on the wheel: overturning about t, along l, aligning about n", (3,)
 )
+SLIP = (
+    Output("slip_ratio", "-", "slip of the point of contact along t over the speed of the axle: 1 spinning, -1 locked"),
+    Output("slip_angle", "rad", "angle of the motion of the point of contact from t, positive towards l"),
+)
+SLOW = 0.1  # m/s, below which they fade
 FRICTION = SLIP_LAWS["friction"]
 
 
@@ -112,6 +118,9 @@ def compiled(law):
             M = k.ground.M
             put(y, 18, (dot(k.slip.t, M), dot(k.slip.l, M), dot(k.slip.n, M)))
             e[3] = k.ground.given
+            forward = dot(k.slip.t, k.slip.u)
+            V = math.sqrt(forward * forward + SLOW * SLOW)
+            y[21], y[22] = -dot(k.slip.t, k.slip.v) / V, math.atan(dot(k.slip.l, k.slip.v) / V)
 
     return residual, observe
 
@@ -185,7 +194,7 @@ WHEEL = Kind(
     dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION.record),
     layout=("x0", "R0"),
     fields=FIELDS,
-    outputs=(*OUTPUTS, MOMENT),
+    outputs=(*OUTPUTS, MOMENT, *SLIP),
     modes=MODES,
     events=EVENTS,
     variant=variant,
