@@ -36,6 +36,10 @@ grounds:
   road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
 tire_laws:
   tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}
+  brush:
+    radius: 0.3
+    radial: {linear: {slope: 1e5}}
+    fiala: {cornering_stiffness: 6e4, friction: 0.8, carcass_stiffness: [3e5, 2e5]}
   soft_tyre:
     radius: 0.3
     radial: {linear: {slope: 1e5}}

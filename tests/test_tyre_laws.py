@@ -9,9 +9,9 @@ from mecano.analyses.kind_trial import GRAVITY, samples, seed_of
 from mecano.contract import Context, record
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
+from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.wheel import law_samples
 from mecano.laws.table import LawTable
 from mecano.maths.vector import Vec3
 

@@ -4,8 +4,8 @@ import numpy as np
 
 from mecano.analyses.kind_trial import GRAVITY, seed_of
 from mecano.contract import Context, record
+from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip
-from mecano.elements.wheels.wheel import law_samples
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
 from mecano.maths.vector import Vec3
 

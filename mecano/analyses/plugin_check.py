@@ -5,8 +5,9 @@ from dataclasses import replace
 from mecano.analyses.kind_tests import OF_DECK_KINDS
 from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
 from mecano.contract import Kind
+from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import SlipLaw
-from mecano.elements.wheels.wheel import law_samples, with_law
+from mecano.elements.wheels.wheel import with_law
 
 
 def check_plugin(plugin):

@@ -2,7 +2,7 @@ r"""Brush tyre in steady slip (Fiala): force and aligning moment from slip stiff
 
 Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where they would bear more than mu times
 it (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity v = (v_t, v_l),
-the rolling velocity V_r = u.t - v_t and C_t, C_l the slip stiffnesses, the force without any sliding is
+the rolling velocity V_r = u.t - v_0.t and C_t, C_l the slip stiffnesses, the force without any sliding is
 
     G = -(C_t v_t, C_l v_l)/sqrt(V_r^2 + v_0^2),     x = |G|/(3 mu N)
 
@@ -81,7 +81,7 @@ def carcass(law):
 def forces(p, laws, k):
     """Return the SlipForces of the Slip ``k``."""
     v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
-    rolling = dot(k.t, k.u) - v_t
+    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     load = at_least(k.N, 0.0)
     G_t, G_l = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V

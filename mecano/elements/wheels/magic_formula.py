@@ -170,7 +170,7 @@ def forces(p, laws, k):
     V_x, V_sy = dot(k.t, k.u), dot(k.l, k.v)
     least = LEAST_LOAD * p.FNOMIN
     N = at_least(k.N, least)
-    V_sx = V_x - rolling_radius(p, N, k.spin) * k.spin
+    V_sx = dot(k.t, k.v) + (V_x - dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * k.spin
     V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
     lean = atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
     mu = 1.0 / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
@@ -205,6 +205,7 @@ EXAMPLE = {  # plausible numbers, with every term of the formula at work
     "QSX8": 0.8, "QSX9": 1.5, "QSX10": 0.2, "QSX11": 1.1, "QSX12": 0.1, "QSX13": 0.01, "QSX14": 0.02, "PPMX1": 0.1,
     "QSY1": 0.01, "QSY2": 0.02, "QSY3": 0.001, "QSY4": 1e-4, "QSY5": 0.1, "QSY6": 0.05, "QSY7": 0.85, "QSY8": -0.4,
     "BREFF": 8.0, "DREFF": 0.25, "FREFF": 0.07, "VERTICAL_STIFFNESS": 2e4, "Q_RE0": 0.995, "Q_V1": 0.001,
+    "LONGITUDINAL_STIFFNESS": 9e3, "LATERAL_STIFFNESS": 5e3,
 }  # fmt: skip
 
 MAGIC_FORMULA = SlipLaw(

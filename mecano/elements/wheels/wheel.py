@@ -26,19 +26,16 @@ radius; the wheel does not lie flat (q > 0: checked at the start, finite at all 
 wheel body's: its rotation spins with the wheel.
 """
 
-import math
 from dataclasses import replace
 from functools import cache
-from typing import NamedTuple
-
-import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.ground import GROUND_RECORD, ends, touch
-from mecano.contract import Kind, Output, record
-from mecano.elements.wheels.slip_law import Slip, SlipForces, default_values
+from mecano.constraints.ground import GROUND_RECORD, ends
+from mecano.contract import Kind, record
+from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
+from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
@@ -46,36 +43,13 @@ from mecano.elements.wheels.tire_wheel import (
     FIELDS,
     MODES,
     OUTPUTS,
-    Grip,
     check_wheel,
     large_wheel,
     prepare_wheel,
-    put_tire,
     range_of_law,
 )  # fmt: skip
-from mecano.maths.surface import Contact, directions
-from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 
-MOMENT = Output(
-    "slip_moment", "N m", "moment of the slip law on the wheel: overturning about t, along l, aligning about n", (3,)
-)
-SLIP = (
-    Output("slip_ratio", "-", "slip of the point of contact along t over the speed of the axle: 1 spinning, -1 locked"),
-    Output("slip_angle", "rad", "angle of the motion of the point of contact from t, positive towards l"),
-)
-SLOW = 0.1  # m/s, below which they fade
 FRICTION = SLIP_LAWS["friction"]
-
-
-class Forces(NamedTuple):
-    """Contact and forces of a wheel; 3-vectors in the inertial frame."""
-
-    g: Contact
-    axis: tuple
-    w1: float  # dw/dt [m/s]
-    F: float  # F_r [N]
-    slip: Slip
-    ground: SlipForces
 
 
 def compiled(law):
@@ -83,54 +57,20 @@ def compiled(law):
     forces = law.forces
 
     @kernel
-    def ground_forces(p, at, touching):
-        R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
-        axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
-        g = touch(p, at.laws, x, axis)
-        arm = g.arm if touching else p.radius * g.c
-        point = v + cross(omega, arm)
-        lift = dot(g.n, point)
-        v_C, w1 = point - lift * g.n, -lift / g.q
-        F = radial_force(p, at.laws, p.radius - g.r, w1)
-        t, l = directions(axis, g)
-        u = v - dot(g.n, v) * g.n
-        slip = Slip(F / g.q, p.radius - g.r, v_C, v_C, u, omega, dot(omega, axis), g.s, t, l, g.n)
-        return Forces(g, axis, w1, F, slip, forces(p, at.laws, slip))
-
-    @kernel
     def residual(p, at, f):
         """Add force and material moment of the ground; see the contract."""
         if at.phase == AIR:
             return
-        k = ground_forces(p, at, True)
-        push = k.ground.F + k.slip.N * k.slip.n
-        add_vec(f, 0, -1.0, push)
-        add_vec(f, 3, -1.0, mat(at.R[0]).T @ (cross(k.g.arm, push) + k.ground.M))
+        k = rolling(p, at, True)
+        add_ground(f, at, k, forces(p, at.laws, k.slip))
 
     @kernel
     def observe(p, at, F, y, e):
         """Outputs and energies; see OUTPUTS and the contract."""
-        touching = at.phase == CONTACT
-        k = ground_forces(p, at, touching)
-        arm = (k.g.r if touching else p.radius) * k.g.c
-        grip = Grip(k.F, k.ground.F, k.slip.N, k.slip.v, k.ground.lost, k.w1)
-        if put_tire(p, at.laws, touching, k.g, k.axis, arm, k.slip.spin, grip, at.q, y, e):
-            M = k.ground.M
-            put(y, 18, (dot(k.slip.t, M), dot(k.slip.l, M), dot(k.slip.n, M)))
-            e[3] = k.ground.given
-            forward = dot(k.slip.t, k.slip.u)
-            V = math.sqrt(forward * forward + SLOW * SLOW)
-            y[21], y[22] = -dot(k.slip.t, k.slip.v) / V, math.atan(dot(k.slip.l, k.slip.v) / V)
+        k = rolling(p, at, at.phase == CONTACT)
+        put_rolling(p, at, k, forces(p, at.laws, k.slip), y, e)
 
     return residual, observe
-
-
-@kernel
-def event_values(p, at, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
 
 
 @cache
@@ -176,16 +116,6 @@ def sample(rng):
     return found
 
 
-def law_samples(rng, law):
-    """Samples of a wheel with a slip law: each of the law in contact, the last one in the air too."""
-    found = []
-    for values in law.sample(rng) if law.sample else ():
-        wheel = large_wheel(rng, True, None, None, 1.0, None)
-        wheel["tire_law"][law.name] = default_values(law.type.options, values)
-        found.append((wheel, [(np.zeros(3), np.eye(3))], "contact"))
-    return [*found, *((wheel, nodes, "air") for wheel, nodes, _ in found[-1:])]
-
-
 RESIDUAL, OBSERVE = compiled(FRICTION)
 WHEEL = Kind(
     name="wheel",
@@ -194,7 +124,7 @@ WHEEL = Kind(
     dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION.record),
     layout=("x0", "R0"),
     fields=FIELDS,
-    outputs=(*OUTPUTS, MOMENT, *SLIP),
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
     modes=MODES,
     events=EVENTS,
     variant=variant,
