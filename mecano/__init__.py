@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mecano.errors import DeckError, MecanoError
     from mecano.interface.deck import Deck
+    from mecano.interface.plugins import load_plugin
     from mecano.interface.results import Results, open_results
     from mecano.interface.simulation import Simulation
     from mecano.interface.solving import check, modes, run, sweep
@@ -20,12 +21,13 @@ __version__ = "0.1.0"
 _MODULES = {  # imported when the name is used first: `mecano --help` is not to wait for them
     "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
     "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
-    "check": "mecano.interface.solving", "modes": "mecano.interface.solving",
+    "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.solving",
     "open_results": "mecano.interface.results", "run": "mecano.interface.solving", "sweep": "mecano.interface.solving",
 }  # fmt: skip
 
 __all__ = [
-    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "modes", "open_results", "run", "sweep",
+    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "load_plugin", "modes", "open_results", "run",
+    "sweep",
 ]  # fmt: skip
 
 

@@ -36,6 +36,7 @@ def commands():
     mecano info deck.h5             say what is in a file and how the run went
     mecano verify deck.h5           look for changed bytes
     mecano list, mecano explain     what a deck can contain
+    mecano check-kind my_tyre.py    try kinds and laws of your own
     mecano new pendulum             a deck to begin with
     mecano example pendulum         a deck whose answer is known
     mecano schema                   the grammar of decks, for editors
@@ -49,7 +50,7 @@ def commands():
 
 
 for _command in (
-    decks.check, decks.list_, decks.explain, decks.schema, decks.new, decks.example,
+    decks.check, decks.check_kind, decks.list_, decks.explain, decks.schema, decks.new, decks.example,
     solving.run, solving.modes, solving.reduce_,
     studies.sweep, studies.warmup,
     results.post, results.export, results.info, results.verify,

@@ -180,7 +180,7 @@ class Kind:
     check: Callable = nothing
     """(deck values, nodes) -> [text]: what is wrong with the values taken together"""
     limits: Callable = nothing
-    """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
+    """deck values -> [(output, value, text)]: a warning with the text when the output's size exceeds the value"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with the values at hand, where a run fails in its equations"""
     ends: Callable = nothing

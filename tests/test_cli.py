@@ -21,6 +21,7 @@ from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.laws import TERMS
 from mecano.process.interrupt import EXIT_CODES
 
@@ -394,7 +395,7 @@ class TestCatalogue:
         code, out, _ = call("list")
         listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
         assert code == 0 and listed == {
-            *KINDS, *TERMS, *SHAPES, *(field.name for field in (*SECTIONS, *LANGUAGE, REPEAT))
+            *KINDS, *TERMS, *SHAPES, *SLIP_LAWS, *(field.name for field in (*SECTIONS, *LANGUAGE, REPEAT))
         }  # fmt: skip
 
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])

@@ -1,6 +1,8 @@
 """The lines of decks that `mecano explain` shows: there is one for every kind, shape and term, and all are right."""
 
 import re
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from mecano.deck.examples import EXAMPLES
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.laws import TERMS
 
 CONTEXT = """\
@@ -33,6 +36,10 @@ grounds:
   road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
 tire_laws:
   tyre: {radius: 0.3, radial: {linear: {slope: 1e5}}, friction: 0.8, slip_regularization: 0.1}
+  brush:
+    radius: 0.3
+    radial: {linear: {slope: 1e5}}
+    fiala: {cornering_stiffness: 6e4, friction: 0.8, carcass_stiffness: [3e5, 2e5]}
   soft_tyre:
     radius: 0.3
     radial: {linear: {slope: 1e5}}
@@ -41,7 +48,8 @@ tire_laws:
     lateral: {relaxation: {cornering_stiffness: 2e5, relaxation_length: 0.3}}
 time: {end: 1, step: 0.01}
 """
-OWNERS = {**KINDS, **SHAPES, **{name: None for name in TERMS}}
+OWNERS = {**KINDS, **SHAPES, **dict.fromkeys(TERMS), **dict.fromkeys(SLIP_LAWS)}
+del OWNERS["friction"]
 
 
 def test_there_is_an_example_of_everything():
@@ -57,6 +65,7 @@ def folder(tmp_path_factory):
     lever = np.eye(6)  # the motion of the second node, 1 m along x from the first, with that of the first one
     lever[1, 5], lever[2, 4] = 1.0, -1.0
     B = np.hstack([-lever, np.eye(6)])
+    shutil.copy(Path(__file__).parent.parent / "inputs" / "passenger_car.tir", path)
     np.savez(path / "wing.npz", positions=[[0, 0, 0], [1, 0, 0]], stiffness=B.T @ spring @ B, mass=np.eye(12))
     return path
 
@@ -73,4 +82,4 @@ def test_examples_are_right(name, folder):
     (folder / "deck.yaml").write_text(text)
     read = read_deck(folder / "deck.yaml").values[section]
     written = read[EXAMPLES[name].partition(":")[0]]
-    assert name in (dict(written) if section == "laws" else (written["type"],))
+    assert name in (dict(written) if section in ("laws", "tire_laws") else (written["type"],))

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from instances import KINDS, turned_values
+from instances import KINDS
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, input_deck
 
+from mecano.analyses.kind_trial import turned_values
 from mecano.element_interface import SECTIONS
 
 TURN, SHIFT = Rotation.from_rotvec([0.7, -1.9, 1.1]), np.array([0.6, -0.4, 1.0])

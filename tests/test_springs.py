@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from instances import Instance
 from scipy.spatial.transform import Rotation
 
+from mecano.analyses.kind_trial import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable

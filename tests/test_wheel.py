@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from instances import Instance
 from scipy.optimize import minimize_scalar
 
+from mecano.analyses.kind_trial import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements.wheels.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at

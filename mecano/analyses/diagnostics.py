@@ -79,12 +79,14 @@ def unresolved(values, sampler, ringing):
 
 
 def exceeded(deck, sampler, extremes):
-    """Warnings on outputs that went beyond what the deck says an element is good for, one text each."""
-    high, when = extremes.high, extremes.high_time
+    """Warnings on outputs whose size went beyond what the deck says an element is good for, one text each."""
+    below = -extremes.low > extremes.high
+    worst = np.where(below, extremes.low, extremes.high)
+    when = np.where(below, extremes.low_time, extremes.high_time)
     return [
-        f"{d['type']} '{name}': {output} reached {high[i]:.4g} at t = {when[i]:.4g} s, but {text}"
+        f"{d['type']} '{name}': {output} reached {worst[i]:.4g} at t = {when[i]:.4g} s, but {text}"
         for name, d, output, i, limit, text in watched_outputs(deck.values, sampler, "limits")
-        if high[i] > limit
+        if abs(worst[i]) > limit
     ]
 
 

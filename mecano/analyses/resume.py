@@ -9,7 +9,7 @@ from pathlib import Path
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
 from mecano.results.layout import FORMAT_VERSION
-from mecano.results.provenance import provenance, to_json
+from mecano.results.provenance import plugins, provenance, to_json
 from mecano.results.reader import open_results
 
 COMPLETE = "{} is complete: there is nothing to go on with"
@@ -61,6 +61,8 @@ class InterruptedRun:
                 f"{self.path} is of another deck and cannot be gone on with; it has\n  "
                 + "\n  ".join(found[:MOST]) + more
             )  # fmt: skip
+        if changed := self._changed_plugins():
+            raise UsageError(f"{self.path} cannot be resumed: {changed}; name the plugins that it was begun with")
         version = self.results.format_version
         if version != FORMAT_VERSION:
             raise ResultsError(
@@ -70,6 +72,13 @@ class InterruptedRun:
         process = self.results.metadata["process"]
         if self.results.status == "running" and self.results.written_here and process != os.getpid():
             raise ResultsError(f"{self.path} is still being written, by process {process}")
+
+    def _changed_plugins(self):
+        """What is different about the plugins of the run, in words; "" where nothing is."""
+        before, now = (json.loads(text) for text in (self.results.metadata.get("plugins", "{}"), plugins()))
+        was, has = ({one["sha256"]: source for source, one in found.items()} for found in (before, now))
+        missing, other = ([of[key] for key in of if key not in rest] for of, rest in ((was, has), (has, was)))
+        return ", ".join([*(f"{s} is missing or was changed" for s in missing), *(f"{s} is new" for s in other)])
 
     def note(self, t):
         """What is said of going on from t [s], and of what differs from where the run was before."""

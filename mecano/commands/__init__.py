@@ -10,6 +10,21 @@ overrides = click.option(
 )
 
 
+def _load(context, parameter, paths):
+    """Load installed plugins, and those that the user names."""
+    from mecano.elements import plugins as found
+
+    found.load_installed()
+    for path in paths:
+        found.load(path)
+
+
+plugins = click.option(
+    "--plugin", multiple=True, metavar="FILE.py", callback=_load, expose_value=False, is_eager=True,
+    help="Kinds, tyre laws and laws of your own, from a Python file, which is run; may be repeated.",
+)  # fmt: skip
+
+
 def show(text):
     """Print; a reader that has seen enough (as ``head`` has) is no error."""
     try:

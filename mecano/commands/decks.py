@@ -2,13 +2,14 @@
 
 import click
 
-from mecano.commands import overrides, show
+from mecano.commands import overrides, plugins, show
 
 
 @click.command()
 @click.argument("deck", type=click.Path())
 @overrides
 @click.option("--all", "every", is_flag=True, help="Name all that can move, however many there are.")
+@plugins
 def check(deck, overrides, every):
     """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
     from mecano.deck.read import read_deck
@@ -20,6 +21,7 @@ def check(deck, overrides, every):
 
 
 @click.command(name="list")
+@plugins
 def list_():
     """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
     from mecano.deck.catalogue import catalogue
@@ -29,6 +31,7 @@ def list_():
 
 @click.command()
 @click.argument("name", nargs=-1, required=True)
+@plugins
 def explain(name):
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
@@ -48,6 +51,7 @@ def explain(name):
 @click.command()
 @click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
 @click.option("--study", is_flag=True, help="Of study files, instead of decks.")
+@plugins
 def schema(output, study):
     """Write the grammar of decks as JSON Schema, for editors that then complete, explain and check while you type."""
     from mecano.deck.new import schema_text, write_text
@@ -61,6 +65,23 @@ def schema(output, study):
         write_text(output, text, replace=True)
     else:
         show(text)
+
+
+@click.command(name="check-kind")
+@click.argument("plugin", type=click.Path())
+def check_kind(plugin):
+    """Try the kinds, tyre laws and terms of laws of a Python file: tangents, power, invariance, declarations.
+
+    The tests are those that all kinds of mecano pass, in the states that their 'sample' gives.
+    """
+    from mecano.analyses.plugin_check import check_plugin
+    from mecano.elements.plugins import load
+    from mecano.errors import UsageError
+
+    text, failures = check_plugin(load(plugin))
+    show(text)
+    if failures:
+        raise UsageError(f"{failures} test{'s' if failures > 1 else ''} of {plugin} failed")
 
 
 def _starters(context, parameter, begun):

@@ -2,7 +2,7 @@
 
 import click
 
-from mecano.commands import show
+from mecano.commands import plugins, show
 
 
 @click.command()
@@ -28,6 +28,7 @@ from mecano.commands import show
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
+@plugins
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
 

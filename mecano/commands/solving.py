@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import overrides, show
+from mecano.commands import overrides, plugins, show
 from mecano.process.interrupt import Interruption, again, seconds
 
 
@@ -20,6 +20,7 @@ from mecano.process.interrupt import Interruption, again, seconds
 )  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 @overrides
+@plugins
 def run(deck, output, force, resume, limit, interval, quiet, overrides):
     """Solve a deck into a results file.
 
@@ -63,6 +64,7 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 @click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep, and nothing of compiling.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
+@plugins
 def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
     """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
 
@@ -126,6 +128,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 @click.option("-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, here.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
+@plugins
 def reduce_(deck, elements, nodes, number, output, force, overrides):
     """Reduce a part of a deck to matrices over its boundary nodes and modes: the file of a superelement.
 

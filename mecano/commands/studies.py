@@ -7,7 +7,7 @@ from functools import partial
 
 import click
 
-from mecano.commands import overrides, show
+from mecano.commands import overrides, plugins, show
 from mecano.process.interrupt import Interruption, seconds
 
 
@@ -32,6 +32,7 @@ from mecano.process.interrupt import Interruption, seconds
 @click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
 @click.option("--plot", is_flag=True, help="Draw the outputs over what is varied into a picture beside the table.")
 @click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@plugins
 def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, scheduler, options, wait,
           only_table, number, plot, quiet):  # fmt: skip
     """Run a deck many times with other values, each case as a process of its own.
@@ -117,6 +118,7 @@ def _finish(table, plot):
 @click.argument("decks", nargs=-1, type=click.Path())
 @overrides
 @click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code there, for other users.")
+@plugins
 def warmup(decks, overrides, share):
     """Compile all that decks can contain, or what the given DECKS do, before many runs want it at once.
 

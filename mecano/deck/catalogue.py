@@ -3,7 +3,15 @@
 import re
 from textwrap import wrap
 
-from mecano.deck.describe import WIDTH, describe, describe_section, describe_shape, describe_term, field_lines
+from mecano.deck.describe import (
+    WIDTH,
+    describe,
+    describe_section,
+    describe_shape,
+    describe_slip_law,
+    describe_term,
+    field_lines,
+)  # fmt: skip
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.plain_maths import plain_text
 from mecano.deck.sections import SECTIONS
@@ -12,6 +20,7 @@ from mecano.deck.units import ALONE, PREFIXED, PREFIXES
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.errors import UsageError
 from mecano.laws import TERMS
 from mecano.schema import Type
@@ -59,6 +68,7 @@ def catalogue():
         groups[f"{kind.section}:"].append((kind.name, kind.doc))
     for role, title in ROLES.items():
         groups[f"terms of laws, {title}:"] = [(term.name, term.doc) for term in TERMS.values() if term.role == role]
+    groups["slip laws of tyres, fields of tire_laws:"] = [(law.name, law.doc) for law in SLIP_LAWS.values()]
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
     groups["to compose decks:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
@@ -94,10 +104,14 @@ def _called(name):
         return [UNITS_TEXT], ()
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
     name = ALSO.get(name, name)
-    found = [(KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (sections, _section)]
+    slip_laws = {key: law for key, law in SLIP_LAWS.items() if law.type.name == "mapping"}  # friction is of many
+    found = [
+        (KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (slip_laws, describe_slip_law),
+        (sections, _section),
+    ]  # fmt: skip
     texts = [plain_text(text(known[name])) for known, text in found if name in known]
     texts = texts or [plain_text(text) for text in _inside(name)]
-    return texts, [*KINDS, *SHAPES, *TERMS, *sections]
+    return texts, [*KINDS, *SHAPES, *TERMS, *SLIP_LAWS, *sections]
 
 
 def _nearest(name, known):
@@ -119,7 +133,7 @@ def _for_synonym(name, targets, note, known):
 def _first_words(target):
     """Return the first sentence on a target of a synonym."""
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
-    for known in (KINDS, SHAPES, TERMS, sections):
+    for known in (KINDS, SHAPES, TERMS, SLIP_LAWS, sections):
         if target in known:
             return _sentence(known[target].doc)
     return ELSEWHERE.get(target) or next(_found(target))[1].doc

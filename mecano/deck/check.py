@@ -15,6 +15,7 @@ from mecano.deck.scope import INVALID, Scope
 from mecano.deck.sections import shortest_interval
 from mecano.deck.similar import similar
 from mecano.deck.templates import arguments
+from mecano.deck.tyres import complete_tyres
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
 from mecano.elements.members.cross_section import SHAPES
@@ -108,6 +109,7 @@ def checked_values(root, sections, scope):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _check_saved_times(result, root, scope)
+    complete_tyres(result.get("tire_laws", {}), root, scope)
     resolve(result, scope)
     _stop_at(problems, UNCHECKED)
     check_model(result, root, scope)

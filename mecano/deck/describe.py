@@ -5,6 +5,7 @@ from dataclasses import replace
 from textwrap import wrap
 
 from mecano.deck.examples import example_lines
+from mecano.schema import Field
 
 WIDTH = 100
 
@@ -49,6 +50,13 @@ def describe_term(term):
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
     example = example_lines(term.name, "laws", WIDTH)
     return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"
+
+
+def describe_slip_law(law):
+    """A slip law of tyres: its fields."""
+    fields = (Field(law.name, law.type, "-", "stands in a tyre law"),)
+    parts = [f"{law.name} (slip law, a field of 'tire_laws')", "", law.doc.strip(), "", "Fields", *field_lines(fields)]
+    return "\n".join([*parts, *example_lines(law.name, "tire_laws", WIDTH)]) + "\n"
 
 
 def describe_section(field):

@@ -61,8 +61,13 @@ EXAMPLES = {
     "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "skate": "blade: {type: skate, node: slider, axis: [0, 1, 0], ground: road}",
     "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
+    "transient_wheel": "nose: {type: transient_wheel, node: wheel, axis: [0, 1, 0], tire_law: brush, ground: road}",
     "flexible_wheel": "nose: {type: flexible_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
     "adhesive_wheel": "nose: {type: adhesive_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
+    "fiala":
+        "road_tyre: {radius: 0.3 m, radial: {linear: {slope: 200 kN/m}}, "
+        "fiala: {cornering_stiffness: 60 kN, friction: 0.8, contact_length: 120 mm}}",
+    "magic_formula": "car: {magic_formula: {file: passenger_car.tir, pressure: 2.3 bar}}",
     "circle": "shaft: {type: circle, diameter: 30 mm, E: 210 GPa, nu: 0.3, density: 7850}",
     "tube": "tube: {type: tube, diameter: 80 mm, thickness: 5 mm, E: 210 GPa, nu: 0.3, density: 7850}",
     "rectangle": "strip: {type: rectangle, width: 20 mm, height: 2 mm, E: 70 GPa, nu: 0.33, density: 2700}",

@@ -14,6 +14,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Unreadable, decoded, read_source
 from mecano.element_interface import SECTIONS as ELEMENT_SECTIONS
 from mecano.elements import KINDS
+from mecano.elements.plugins import load_installed
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
 
@@ -26,6 +27,7 @@ def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
     Raises DeckError with all problems of the first step that finds any: the bytes; the YAML and the structure (keys,
     types, units, finite numbers), with references to unknown names; the types of references; the physics.
     """
+    load_installed()
     try:
         source, digest = read_source(path)
     except Unreadable as error:

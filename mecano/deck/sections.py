@@ -195,7 +195,7 @@ SECTIONS = (
     Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "surfaces on which wheels roll", {}),
-    Field("tire_laws", named(mapping(*TIRE_LAW_FIELDS)), "-", "properties of tyres", {}),
+    Field("tire_laws", named(Type("mapping", "a mapping", TIRE_LAW_FIELDS)), "-", "properties of tyres", {}),
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",

@@ -10,7 +10,6 @@ from mecano.laws import TERMS
 from mecano.laws.term import VALUE
 from mecano.schema import mapping
 
-ALL_KINDS = {**KINDS, **SHAPES}
 EITHER = ("either", "shorthand")  # types of which the first option is another type
 LAWS = ("law", "curve", "law_in_place")
 SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
@@ -56,7 +55,7 @@ def _inside(type_, unit, key, at):
         return mapping(*TERMS[key].fields), unit
     fields = type_.options if type_.name == "mapping" else ()
     if type_.name == "kind" and isinstance(at, dict):
-        fields = ALL_KINDS[at["type"]].fields
+        fields = (KINDS.get(at["type"]) or SHAPES[at["type"]]).fields
     field = next((field for field in fields if field.name == key), None)
     return (field.type, unit if field.unit == VALUE else field.unit) if field else (None, "")
 

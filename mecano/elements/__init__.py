@@ -36,6 +36,7 @@ from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 from mecano.elements.wheels.skate import SKATE
+from mecano.elements.wheels.transient_wheel import TRANSIENT_WHEEL
 from mecano.elements.wheels.wheel import WHEEL
 
 KINDS = {
@@ -47,6 +48,6 @@ KINDS = {
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
-        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
+        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
     )
 }  # fmt: skip

@@ -34,6 +34,11 @@ def digest(function):
     return known
 
 
+def is_digested(function):
+    """True when this process has taken the digest of a function: what it uses must not change any more."""
+    return function in _digests
+
+
 def _hash(text):
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 

@@ -13,8 +13,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws import TERMS
 from mecano.maths.dual import chain, value
 
-# Curves first: one comparison then tells a curve from a force.
-CODES = {name: code for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1)}
+CODES = {}  # name of a term -> its code in the table
 
 
 class LawTable:
@@ -84,14 +83,25 @@ def chosen_by_code(functions, arguments, otherwise):
 
 
 NANS = (math.nan, math.nan, math.nan)
-LAST_CURVE = max(CODES[name] for name, term in TERMS.items() if term.role == "curve")
-curve_term = chosen_by_code(
-    {CODES[name]: term.evaluate for name, term in TERMS.items() if term.role == "curve"}, "a, i, s", NANS
-)
-force_term = chosen_by_code(
-    {CODES[name]: term.evaluate for name, term in TERMS.items() if term.role == "force"}, "a, i, s, v", NANS
-)
-integral_term = chosen_by_code({CODES[name]: term.integral for name, term in TERMS.items()}, "a, i, s", math.nan)
+
+
+def number_terms():
+    """Give each term its code, and make the functions that choose among them by code.
+
+    Called again when terms are registered, before the first law of the process is packed or compiled.
+    """
+    global LAST_CURVE, curve_term, force_term, integral_term
+    # curves first: one comparison then tells a curve from a force
+    CODES.update((name, code) for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1))
+    curves, forces = (
+        {CODES[name]: term.evaluate for name, term in TERMS.items() if term.role == role} for role in ("curve", "force")
+    )
+    LAST_CURVE = max(curves)
+    curve_term, force_term = chosen_by_code(curves, "a, i, s", NANS), chosen_by_code(forces, "a, i, s, v", NANS)
+    integral_term = chosen_by_code({CODES[name]: term.integral for name, term in TERMS.items()}, "a, i, s", math.nan)
+
+
+number_terms()
 
 
 @kernel

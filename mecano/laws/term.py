@@ -48,6 +48,8 @@ class Term:
     shape: Callable = nothing
     """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
     little: from ``low`` to ``high`` of what is endless (a sine), all of what is not (a table, an edge)"""
+    sample: Callable | None = None
+    """() -> [{field: value}] for the generic tests of a term that is not one of mecano's"""
 
 
 def numbers_of(fields):

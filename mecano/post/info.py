@@ -1,5 +1,6 @@
 """What is in a results file and how the run went, as text."""
 
+import json
 import math
 import shlex
 from textwrap import wrap
@@ -61,11 +62,18 @@ def facts(results):
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
+        ("plugins", _plugins(data.get("plugins", "{}"))),
         ("automatic", _automatic(results)),
         *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
     ]
+
+
+def _plugins(text):
+    """Files and packages with kinds that are not mecano's, each with its digest."""
+    found = json.loads(text).items()
+    return "; ".join(f"{source} ({', '.join(one['names'])}; {one['sha256'][:12]})" for source, one in found) or "none"
 
 
 def _spent(data):

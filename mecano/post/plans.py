@@ -36,7 +36,8 @@ class Plan:
 
 
 WHEELS = Plan(
-    "wheels", "Wheels", ("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel", "skate"),
+    "wheels", "Wheels",
+    ("wheel", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel", "skate"),
     (
         View("height of the centre", ("height",)),
         View("radial force", ("radial_force|normal_force",)),
@@ -44,6 +45,8 @@ WHEELS = Plan(
         View("slip velocity", ("longitudinal_slip", "lateral_slip")),
         View("radial deformation", ("deformation",)),
         View("force in the ground", ("longitudinal_force", "lateral_force")),
+        View("slip ratio", ("slip_ratio",)),
+        View("slip angle", ("slip_angle",)),
         View("lateral displacement of the patch", ("y",)),
         View("torsion of the patch", ("psi",)),
     ),

@@ -213,6 +213,8 @@ SHAPES = {
     "rigid_rod": _rod,
     "prescribed_length": _rod,
     "superelement": _superelement,
-    **dict.fromkeys(("wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel),
+    **dict.fromkeys(
+        ("wheel", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel
+    ),
 }
 """Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""

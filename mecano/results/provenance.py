@@ -54,9 +54,17 @@ def to_json(data):
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
+def plugins():
+    """Describe the kinds and laws that are not mecano's: JSON of {file or package: {"sha256", "names"}}."""
+    from mecano.elements.plugins import loaded
+
+    return to_json({one.source: {"sha256": one.sha256, "names": one.names} for one in loaded()})
+
+
 def provenance():
     """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
     return {
+        "plugins": plugins(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command_line": " ".join(sys.argv),
         "directory": os.getcwd(),

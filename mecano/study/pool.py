@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mecano.elements import plugins
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.process.lifeline import popen_options
 from mecano.study.error_location import line_in_study
@@ -36,9 +37,15 @@ class Limits:
 def case_words(folder, limits):
     """Return the arguments of a command that runs one case of a study; the number of the case must be appended."""
     words = ["sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
+    words += plugin_words()
     words += ["--memory-limit", str(limits.memory // 10**6)] if limits.memory else []
     words += ["--time-limit", str(limits.time)] if limits.time else []
     return (*words, "--case")
+
+
+def plugin_words():
+    """Options that name the plugins of this process to another one."""
+    return [word for file in plugins.files() for word in ("--plugin", file)]
 
 
 def run_here(folder, cases, ended, *, limits, jobs):
@@ -110,6 +117,7 @@ class Pool:
         limit = ["--max-walltime", str(self.limits.time)] if self.limits.time else []
         settings = [word for text in study.overrides(case) for word in ("--set", text)]
         words = ["run", study.deck, "-o", str(folder.file(case, ".h5")), "-q", "--resume", *limit, *settings]
+        words += plugin_words()
         before, child = folder.record(case), popen_options()
         child["env"] |= ONE_THREAD
         with open(log, "ab") as stream:

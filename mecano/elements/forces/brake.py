@@ -21,7 +21,7 @@ from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.forces.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
-from mecano.elements.wheels.tire_law import TIRE_RECORD, prepare_tire_law
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, select, sqrt
@@ -30,7 +30,7 @@ from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, map
 
 RECORD = record(
     axis=3, torque="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
-    least_speed=(), **GROUND_RECORD, **TIRE_RECORD,
+    least_speed=(), **GROUND_RECORD, **RADIAL_RECORD,
 )  # fmt: skip
 SMOOTH = 0.02  # s of the smaller of both
 REFERENCE = 0  # local unknowns: rotation of the reference node; then place and rotation of the wheel's
@@ -97,7 +97,7 @@ def prepare(d, nodes, context):
         "watches": float(d["wheel"] is not None),
     }
     if d["wheel"] is not None:
-        values |= prepare_ground(d["wheel"]["ground"], context) | prepare_tire_law(d["wheel"]["tire_law"], context)
+        values |= prepare_ground(d["wheel"]["ground"], context) | prepare_radial(d["wheel"]["tire_law"], context)
     if d["anti_skid"] is not None:
         given = d["anti_skid"]
         values |= {"slip_start": given["slip"], "slip_width": given["width"], "least_speed": given["least_speed"]}
@@ -128,11 +128,9 @@ def _wheel(rng, wave):
     """Values of a large wheel that touches the ground from near the origin."""
     ground, normal, level = slope_below(rng, wave)
     rising = (("polynomial", {"coefficients": [0.0, 2e3, 3e2]}),)
-    falling = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
     return {
         "node": "hub", "axis": level + 0.3 * normal, "ground": ground,
-        "tire_law": {"radius": 12.0, "radial": rising, "radial_damping": 0.02, "friction": falling,
-                     "friction_by_speed": 1.0, "slip_regularization": 0.1},
+        "tire_law": {"radius": 12.0, "radial": rising, "radial_damping": 0.02},
     }  # fmt: skip
 
 

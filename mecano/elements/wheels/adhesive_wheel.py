@@ -20,7 +20,7 @@ from mecano.elements.wheels.patch_wheel import patch_wheel, put_patch
 from mecano.elements.wheels.tire_wheel import AIR, LIFT_OFF
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
-from mecano.maths.vector import dot, norm
+from mecano.maths.vector import dot
 
 MULTIPLIERS = 9  # driving, lateral
 
@@ -60,8 +60,7 @@ def observe(p, at, F, y, e):
     load = load_of(p, at, k)
     t, l = directions(k.a, k.g)
     reaction = at.q[MULTIPLIERS] * t + at.q[MULTIPLIERS + 1] * l
-    grip = norm(reaction) / load.N if load.N > 0.0 else 0.0
-    put_patch(p, at, k, load, reaction, grip, 0.0, y, e)
+    put_patch(p, at, k, load, reaction, 0.0, y, e)
 
 
 ADHESIVE_WHEEL = patch_wheel(

@@ -20,9 +20,8 @@ straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T
     x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G - s N_d      psi: M - y (n x a).F_fr
 
 with N_d the part of N by damping. Upright this is the paper's (51) and the overturning moment y N about t, which it
-leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The law stores the energy of
-the symmetric part of A0; the rest of its power counts as dissipated or, where negative (its unsymmetric part draws on
-the rolling), as given.
+leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. What the lateral law stores
+and dissipates, and what it exchanges with the rolling, is in docs/tyres.md.
 
 In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
 """
@@ -31,10 +30,9 @@ from mecano.constraints.tire_patch import patch
 from mecano.elements.wheels.lateral_force import relax
 from mecano.elements.wheels.patch_load import add_load, load_of
 from mecano.elements.wheels.patch_wheel import SCALARS, patch_wheel, put_patch
-from mecano.elements.wheels.tire_law import gripping
+from mecano.elements.wheels.sliding_friction import forces
 from mecano.elements.wheels.tire_wheel import AIR
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import dot, norm
 
 
 @kernel
@@ -45,18 +43,16 @@ def residual(p, at, f):
         return
     k = patch(p, at)
     load = load_of(p, at, k)
-    b = gripping(p, at.laws, norm(k.v_0), norm(k.v_C), load.speed)
-    add_load(f, at, k, load, load.N * b * k.v_C)
+    add_load(f, at, k, load, -forces(p, at.laws, load.slip).F)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Outputs and energies; see OUTPUTS and the contract."""
     k = patch(p, at)
-    load, speed = load_of(p, at, k), norm(k.v_C)
-    b = gripping(p, at.laws, norm(k.v_0), speed, load.speed)
-    friction = load.N * b * k.v_C
-    put_patch(p, at, k, load, -friction, b * speed, dot(friction, k.v_C), y, e)
+    load = load_of(p, at, k)
+    ground = forces(p, at.laws, load.slip)
+    put_patch(p, at, k, load, ground.F, ground.lost, y, e)
 
 
 FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, residual, observe)

@@ -14,6 +14,7 @@ class Lateral(NamedTuple):
 
     f: tuple  # F [N], M [N m], X [N]
     turn: float  # aligning moment [N m]
+    damped: float  # power that its damping dissipates [W]
 
 
 @kernel
@@ -31,8 +32,9 @@ def lateral_law(p, laws, q, v, rolled, N, u, turning):
     b, lays = p.aligning, 1.0 if p.pace == OF_STRING else 0.0
     rates = Vec3(v[0] + lays * (rolled - v[0]), v[1], v[2])
     still, moved = mat(p.A0) @ q, mat(p.A1) @ rates + turning * vec(p.turning, 0)
+    damped = d * dot(v, mat(p.damped) @ v)
     own = b[0] * q[0] + b[1] * q[1] + b[2] * v[0] + b[3] * v[1]
-    return Lateral(_paced(k, g0, still) + _paced(d, g1, moved), own + k * dot(vec(p.moment, 0), q))
+    return Lateral(_paced(k, g0, still) + _paced(d, g1, moved), own + k * dot(vec(p.moment, 0), q), damped)
 
 
 @kernel
@@ -45,17 +47,3 @@ def _paced(k, g, a):
 def relax(p, at, f):
     """Add F = M = X = 0 of the air to the equations of y, psi and bow."""
     add_vec(f, Y, 1.0, mat(p.A0) @ vec(at.q, Y) + mat(p.A1_air) @ vec(at.v, Y))
-
-
-@kernel
-def lateral_energy(p, y, psi):
-    """Energy of the symmetric part of A0 for y and psi [J]: what the law may be said to store."""
-    A = p.A0
-    return 0.5 * (A[0, 0] * y * y + (A[0, 1] + A[1, 0]) * y * psi + A[1, 1] * psi * psi)
-
-
-@kernel
-def lateral_energy_rate(p, y, psi, y1, psi1):
-    """Rate of ``lateral_energy`` [W]."""
-    mixed = 0.5 * (p.A0[0, 1] + p.A0[1, 0])
-    return (p.A0[0, 0] * y + mixed * psi) * y1 + (mixed * y + p.A0[1, 1] * psi) * psi1

@@ -29,6 +29,11 @@ where g_0 and g_1 depend on u and are 1 in laws without a contact length; their 
 In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the time ``relaxation_in_air``, with A1 +
 T A0 in place of A1 (in laws with a contact length T A0).
 
+The law states its energies: it stores that of the symmetric part of A0 and dissipates that of the part of A1, made
+symmetric, that is not negative. What is left of its power, of the antisymmetric parts, of stiffness that depends on
+load or speed and of rolling with a contact length, is exchanged with the rolling: given to the wheel, or taken where
+negative. Where psi is the slip angle only K y^2/2 is stored, D dy/dt^2 dissipated, and nothing exchanged.
+
 An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
 """
 
@@ -87,7 +92,8 @@ LATERAL_TYPE = mapping(*LATERAL_FIELDS)
 CURVES = "stiffness_by_load", "stiffness_by_speed", "damping_by_load", "damping_by_speed"
 LATERAL_RECORD = {
     "A0": (3, 3), "A1": (3, 3), "A1_air": (3, 3), "aligning": 4, "turning": 3, "moment": 3, "pace": (),
-    "least_speed": (), "twist": (), **dict.fromkeys(CURVES, "i"),
+    "least_speed": (), "twist": (), "stored": (3, 3), "damped": (3, 3), "damped_air": (3, 3),
+    **dict.fromkeys(CURVES, "i"),
 }  # fmt: skip
 FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
 
@@ -110,8 +116,27 @@ def matrices(law):
 def prepare_lateral(law, context):
     """Values of LATERAL_RECORD."""
     values = prepare_string(law) or _prepare_matrices(law)
+    values |= _energies(values)
     curves = {name: int(context.laws.add(law[name])) for name in CURVES}
     return {"aligning": law["aligning_moment"], **values, **curves}
+
+
+def _energies(values):
+    """Matrices (3, 3) of the stored energy and of what damping dissipates on the ground and in the air.
+
+    Where psi is no twist, M = 0 is its equation and does no work. A law with a contact length rolls, and damps nothing.
+    """
+    n = 2 if values["twist"] else 1
+    A0, A1, air = (values[name][:n, :n] for name in ("A0", "A1", "A1_air"))
+    damped = np.zeros((n, n)) if "pace" in values else _not_negative(A1)
+    found = {"stored": 0.5 * (A0 + A0.T), "damped": damped, "damped_air": _not_negative(air)}
+    return {name: np.pad(A, (0, 3 - n)) for name, A in found.items()}
+
+
+def _not_negative(A):
+    """The part of the symmetric part of a matrix whose eigenvalues are not negative."""
+    values, vectors = np.linalg.eigh(0.5 * (A + A.T))
+    return vectors * np.maximum(values, 0.0) @ vectors.T
 
 
 def _prepare_matrices(law):

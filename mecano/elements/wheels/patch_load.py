@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.elements.wheels.lateral_force import Lateral, lateral_law
-from mecano.elements.wheels.tire_law import elastic_force, radial_force, speed_over_ground
+from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.tire_law import elastic_force, radial_force
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import add_vec, dot, mat, vec
+from mecano.maths.surface import directions
+from mecano.maths.vector import add_vec, dot, mat, norm, vec
 
 
 class Load(NamedTuple):
@@ -18,7 +20,7 @@ class Load(NamedTuple):
     radial: float  # F_r [N]
     N: float  # normal force [N]
     damping: float  # its part by radial damping [N]
-    speed: float  # of the axle over the ground [m/s]
+    slip: Slip
     law: Lateral
 
 
@@ -26,10 +28,12 @@ class Load(NamedTuple):
 def load_of(p, at, k):
     """The Load of the Patch ``k``."""
     w = p.radius - k.g.r
-    radial, speed = radial_force(p, at.laws, w, k.w1), speed_over_ground(k.g.n, vec(at.v, 0))
+    v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
     N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q
-    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, speed, dot(k.g.n, k.omega))
-    return Load(radial, N, damping, speed, law)
+    u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
+    slip = Slip(N, w, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n)
+    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(k.g.n, k.omega))
+    return Load(radial, N, damping, slip, law)
 
 
 @kernel

@@ -1,11 +1,12 @@
 """What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
 
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
-from mecano.constraints.tire_patch import PSI, Y
+from mecano.constraints.tire_patch import Y
 from mecano.element_interface import Kind, Output, record
-from mecano.elements.wheels.lateral_force import lateral_energy, lateral_energy_rate
 from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
-from mecano.elements.wheels.tire_law import TIRE_RECORD
+from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
+from mecano.elements.wheels.sliding_friction import prepare as prepare_friction
+from mecano.elements.wheels.tire_law import RADIAL_RECORD
 from mecano.elements.wheels.tire_wheel import (
     CONTACT,
     EVENTS,
@@ -59,14 +60,13 @@ MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.
 
 
 @kernel
-def put_patch(p, at, k, load, force, coefficient, lost, y, e):
+def put_patch(p, at, k, load, force, lost, y, e):
     """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
 
-    ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work; ``lost`` [W] what
-    friction dissipates.
+    ``force`` (3,) [N] of the ground on the wheel in the ground; ``lost`` [W] what friction dissipates.
     """
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
-    grip = Grip(load.radial, force, coefficient, k.v_C, lost, k.w1)
+    grip = Grip(load.radial, force, load.N, k.v_C, lost, k.w1)
     arm = k.rho if contact else p.radius * k.g.c
     touching = put_tire(p, at.laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
     put(y, 18, vec(q, Y))
@@ -77,12 +77,11 @@ def put_patch(p, at, k, load, force, coefficient, lost, y, e):
     if contact:
         f = law.f
         put(y, 21, (f[0], f[1], law.turn))
-    e[1] += lateral_energy(p, q[Y], q[PSI])
-    lost_aside = dot(f, vec(v, Y)) - lateral_energy_rate(p, q[Y], q[PSI], v[Y], v[PSI])
-    if contact:
-        lost_aside -= law.turn * dot(k.g.n, k.omega)
-    e[2] += max(lost_aside, 0.0)
-    e[3] = max(-lost_aside, 0.0)
+    stored, rate = mat(p.stored) @ vec(q, Y), dot(vec(v, Y), mat(p.stored) @ vec(q, Y))
+    e[1] += 0.5 * dot(vec(q, Y), stored)
+    damped = law.damped if contact else dot(vec(v, Y), mat(p.damped_air) @ vec(v, Y))
+    e[2] += damped
+    e[3] = damped + rate - dot(f, vec(v, Y)) + (law.turn * dot(k.g.n, k.omega) if contact else 0.0)
 
 
 @kernel
@@ -98,6 +97,7 @@ def prepare(d, nodes, context):
     """Record: that of a wheel with a tyre law, the lateral law, the start."""
     return {
         **prepare_wheel(d, nodes, context),
+        **prepare_friction(d["tire_law"], context),
         **prepare_lateral(d["tire_law"]["lateral"], context),
         "start": [d["initial"].get("y", 0.0), d["initial"].get("psi", 0.0), 0.0],
     }
@@ -110,7 +110,9 @@ def start(p):
 
 def check(d, nodes):
     """Texts of a wheel with a tyre law, and on its lateral law."""
-    return check_wheel(d, nodes) + check_lateral(d["tire_law"]["lateral"])
+    law = d["tire_law"]
+    slips = [] if law["friction"] is not None else [f"'tire_law.friction' is missing, which a {d['type']} needs"]
+    return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 
 def limits(d):
@@ -158,7 +160,7 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         name=name,
         section="elements",
         doc=doc,
-        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **TIRE_RECORD),
+        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION_RECORD),
         layout=("x0", "R0"),
         scalars=SCALARS,
         massless=massless,

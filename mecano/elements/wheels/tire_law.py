@@ -1,46 +1,41 @@
-r"""Tyre laws: the radial force and the friction in the contact, for every kind of wheel that deforms.
+r"""Tyre laws: deck fields, and the radial force in the plane of the wheel.
 
-Radial force in the plane of the wheel, of the deformation w = radius - r and its rate ((32) of Cardona,
-Geradin and Doan 1991; damping after Hunt and Crossley 1975, which never pulls):
+The radial force depends on the deformation w = radius - r and its rate ((32) of Cardona, Geradin and Doan 1991; damping
+after Hunt and Crossley 1975, which never pulls):
 
     F_r = F(w) max(0, 1 + c dw/dt)
 
-F is continued by its tangent to w < 0, so that a step which ends at the lift-off meets no corner.
-Friction against the slip velocity v_C, with N the normal force, smooth at rest ((33)-(35); Oden and
-Martins 1985):
+F is continued by its tangent to w < 0, so that a step which ends at the lift-off meets no corner. It stores the
+integral of F(w); what damping dissipates is (F_r - F) dw/dt >= 0.
 
-    F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|,   phi(v) = (v/eps)(2 - v/eps) for v < eps, else 1
-
-sigma is a factor, 1 unless given, of the speed u = |(I - n n^T) v| of the axle over the ground: the paper's mu_0
-exp(-kappa u) is friction mu_0 and ``friction_by_speed: {exponential: {start: 1, rate: kappa}}``.
+What happens in the ground is a slip law (slip_law.py), exactly one of which a tyre law has: friction with its fields
+here, or one that stands under its name, such as ``fiala``.
 """
 
 import numpy as np
 
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
+from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
+from mecano.elements.wheels.slip_law import given_law
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.jit.kernel import kernel
-from mecano.laws.friction import sticking
 from mecano.laws.probe import curve_at
-from mecano.laws.table import curve, curve_and_slope, potential
+from mecano.laws.table import curve_and_slope, potential
 from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
-TIRE_LAW_FIELDS = (
-    Field("radius", NUMBER, "m", "undeformed radius", check=positive),
-    Field("radial", CURVE, "N", "radial force, a curve of the radial deformation [m]; zero at zero"),
+LAW_FIELDS = (
+    Field("radius", NUMBER, "m", "undeformed radius; required unless a file gives it", None, positive),
+    Field(
+        "radial", CURVE, "N", "radial force, a curve of the deformation w [m]; zero at zero; required as the radius",
+        None,
+    ),
     Field(
         "radial_damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the radial force", 0.0,
         not_negative,
     ),
-    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed; never below zero"),
-    Field(
-        "friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0,
-    ),
-    Field(
-        "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero",
-        check=positive,
-    ),
+    *FRICTION_FIELDS,
     Field(
         "valid_deformation", NUMBER, "m", "deformation up to which the law holds; a warning beyond",
         None, positive,
@@ -48,28 +43,42 @@ TIRE_LAW_FIELDS = (
     Field("lateral", LATERAL_TYPE, "-", "how the patch gives way sideways: flexible wheels", None),
 )  # fmt: skip
 
+
+def slip_field(law):
+    """The deck field of a SlipLaw."""
+    return Field(law.name, law.type, "-", law.summary, None)
+
+
+TIRE_LAW_FIELDS = [*LAW_FIELDS, *(slip_field(law) for name, law in SLIP_LAWS.items() if name != "friction")]
+"""What a tyre law may have in a deck; it grows with the slip laws (``register``)."""
+
 PROBES = 201  # deformations at which the radial force is looked at
-TIRE_RECORD = {
-    "radius": (), "radial": "i", "radial_damping": (), "friction": "i", "friction_by_speed": "i",
-    "slip_regularization": (),
-}  # fmt: skip
+RADIAL_RECORD = {"radius": (), "radial": "i", "radial_damping": ()}
 
 
-def prepare_tire_law(law, context):
-    """Values of TIRE_RECORD."""
+def register(law):
+    """Add a SlipLaw to those that a tyre law may have."""
+    SLIP_LAWS[law.name] = law
+    TIRE_LAW_FIELDS.append(slip_field(law))
+
+
+def slip_law_of(values):
+    """The SlipLaw of the values of a tyre law."""
+    return given_law(values, SLIP_LAWS)
+
+
+def prepare_radial(law, context):
+    """Values of RADIAL_RECORD."""
     return {
         "radius": law["radius"],
         "radial": int(context.laws.add(law["radial"])),
         "radial_damping": law["radial_damping"],
-        "friction": int(context.laws.add(law["friction"])),
-        "friction_by_speed": int(context.laws.add(law["friction_by_speed"])),
-        "slip_regularization": law["slip_regularization"],
     }
 
 
 def check_tire_law(law):
     """Texts on what is wrong with a tyre law's values taken together."""
-    texts = []
+    texts = slip_law_of(law).check(law)
     at_zero, slope, _ = curve_at(law["radial"], 0.0)
     size = abs(curve_at(law["radial"], 0.1 * law["radius"])[0])
     if abs(at_zero) > 1e-6 * size:
@@ -78,8 +87,6 @@ def check_tire_law(law):
         texts.append("'tire_law.radial' must not fall from zero deformation on")
     else:
         texts += _softening(law)
-    if curve_at(law["friction"], 0.0)[0] < 0.0:
-        texts.append("'tire_law.friction' must not be negative")
     return texts
 
 
@@ -117,13 +124,3 @@ def radial_force(p, laws, w, w1):
 def speed_over_ground(n, v):
     """Speed u [m/s] of the axle over the ground."""
     return norm(v - dot(n, v) * n)
-
-
-@kernel
-def gripping(p, laws, slip, speed, u):
-    """b [s/m] of the friction N b v_C for the ``speed`` |v_C|, the speed u of the axle.
-
-    mu is taken at the speed ``slip``: |v_C| but for a patch without mass, where it is that of the wheel.
-    """
-    mu = at_least(curve(laws, p.friction, slip), 0.0) * at_least(curve(laws, p.friction_by_speed, u), 0.0)
-    return mu * sticking(p.slip_regularization, speed)

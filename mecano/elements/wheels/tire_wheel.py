@@ -5,10 +5,10 @@ from typing import NamedTuple
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
 from mecano.element_interface import Event, Output
-from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_tire_law
+from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
-from mecano.maths.vector import dot
+from mecano.maths.vector import dot, norm
 from mecano.schema import TIRE_LAW, Field
 
 AIR, CONTACT = 0, 1
@@ -32,7 +32,7 @@ class Grip(NamedTuple):
 
     radial: float  # F_r [N]
     force: tuple  # of the ground on the wheel, tangential [N]
-    coefficient: float  # tangential over normal force
+    N: float  # normal force [N]
     v_C: tuple  # slip velocity [m/s]
     lost: float  # power of the friction [W]
     w1: float  # dw/dt [m/s]
@@ -56,7 +56,7 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
     y[13], y[14] = w, F
     y[15], y[16] = dot(grip.v_C, t), dot(grip.v_C, l)
     if touching:
-        y[17] = grip.coefficient
+        y[17] = norm(grip.force) / grip.N
     if contact:
         e[1] = elastic_energy(p, laws, w)
         e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(p, laws, w)) * grip.w1
@@ -64,11 +64,11 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
 
 
 def prepare_wheel(d, nodes, context):
-    """Record: axis in the node's frame, ground, tyre law."""
+    """Record: axis in the node's frame, ground, radial law."""
     return {
         "axis": carried_axis(d, nodes),
         **prepare_ground(d["ground"], context),
-        **prepare_tire_law(d["tire_law"], context),
+        **prepare_radial(d["tire_law"], context),
     }
 
 

@@ -7,16 +7,15 @@ and the tyre law:
     radial deformation   w = radius - r                  dw/dt = -n.(v + omega x r c)/q
     normal force         N = F_r(w, dw/dt)/q             F_r acts in the plane of the wheel
     slip velocity        v_C = (I - n n^T)(v + omega x r c)
-    friction             F_fr = mu(|v_C|) sigma(u) phi(|v_C|) N v_C/|v_C|,   u = |(I - n n^T) v|
+    force and moment     F, M of the slip law: friction, fiala, magic_formula, ...
 
-The whole ground force -(F_fr - N n) acts at C. Internal forces, with f = F_fr - N n (36):
+The whole ground force F + N n acts at C. Internal forces, with f = -(F + N n) (36):
 
-    force: f          material moment: R^T (r c x f)
+    force: f          material moment: R^T (r c x f - M)
 
-Upright this is the paper's vector; leaning, -N (r c) x n is the moment that tips the wheel. Its power is
-F_fr.v_C + F_r dw/dt: what slip and damping dissipate, never negative, and what the radial law stores. The
-tangents are exact and not symmetric, through slip, lean, and the curvature of the ground; dw/dt depends
-on q and on v.
+Upright, with friction, this is the paper's vector; leaning, -N (r c) x n is the moment that tips the wheel. Its power
+is -(F.v_C + M.omega) + F_r dw/dt: what slip and damping dissipate, never negative, what the slip law exchanges with the
+rolling, and what the radial law stores. dw/dt depends on q and on v.
 
 In mode "air" there is no force. In mode "contact" the tyre law goes on smoothly to w < 0, for the sake of
 steps that end at the lift-off; no accepted step is there. A regularized contact creeps: at rest under a
@@ -27,11 +26,15 @@ radius; the wheel does not lie flat (q > 0: checked at the start, finite at all 
 wheel body's: its rotation spins with the wheel.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
+from functools import cache
 
-from mecano.constraints.ground import GROUND_RECORD, ends, touch
+from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, record
-from mecano.elements.wheels.tire_law import TIRE_RECORD, gripping, radial_force, speed_over_ground
+from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
+from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
@@ -39,101 +42,98 @@ from mecano.elements.wheels.tire_wheel import (
     FIELDS,
     OUTPUTS,
     PHASES,
-    Grip,
     check_wheel,
     large_wheel,
     prepare_wheel,
-    put_tire,
     range_of_law,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-from mecano.maths.surface import Contact
-from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
+
+FRICTION = SLIP_LAWS["friction"]
 
 
-class Forces(NamedTuple):
-    """Contact and forces of a wheel; 3-vectors in the inertial frame."""
+def compiled(law):
+    """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
+    forces = law.forces
 
-    g: Contact
-    axis: tuple
-    omega: tuple  # [rad/s]
-    v_C: tuple  # slip velocity [m/s]
-    w1: float  # dw/dt [m/s]
-    F: float  # F_r [N]
-    N: float  # normal force [N]
-    b: float  # mu phi/|v_C| [s/m]
+    @kernel
+    def residual(p, at, f):
+        """Add force and material moment of the ground; see the contract."""
+        if at.phase == AIR:
+            return
+        k = rolling(p, at, True)
+        add_ground(f, at, k, forces(p, at.laws, k.slip))
 
+    @kernel
+    def observe(p, at, F, y, e):
+        """Outputs and energies; see OUTPUTS and the contract."""
+        k = rolling(p, at, at.phase == CONTACT)
+        put_rolling(p, at, k, forces(p, at.laws, k.slip), y, e)
 
-@kernel
-def _forces(p, at):
-    """Return the Forces of a wheel in contact."""
-    R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
-    axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
-    g = touch(p, at.laws, x, axis)
-    u = v + cross(omega, g.arm)
-    lift = dot(g.n, u)
-    v_C, w1 = u - lift * g.n, -lift / g.q
-    F, speed = radial_force(p, at.laws, p.radius - g.r, w1), norm(v_C)
-    return Forces(g, axis, omega, v_C, w1, F, F / g.q, gripping(p, at.laws, speed, speed, speed_over_ground(g.n, v)))
+    return residual, observe
 
 
-@kernel
-def residual(p, at, f):
-    """Add force and material moment of the ground; see the contract."""
-    if at.phase == AIR:
-        return
-    k = _forces(p, at)
-    push = k.N * (k.b * k.v_C - k.g.n)
-    add_vec(f, 0, 1.0, push)
-    add_vec(f, 3, 1.0, mat(at.R[0]).T @ cross(k.g.arm, push))
+@cache
+def with_law(law):
+    """The Kind of a wheel with a SlipLaw."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
+
+    return replace(
+        WHEEL, name=f"wheel_{law.name}", dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **law.record),
+        prepare=prepare, residual=residual, observe=observe, variant=None,
+    )  # fmt: skip
 
 
-@kernel
-def observe(p, at, F, y, e):
-    """Outputs and energies; see OUTPUTS and the contract."""
-    k = _forces(p, at)
-    arm = (k.g.r if at.phase == CONTACT else p.radius) * k.g.c
-    u = vec(at.v, 0) + cross(k.omega, arm)
-    v_C = u - dot(k.g.n, u) * k.g.n
-    speed = norm(v_C)
-    grip = Grip(k.F, -k.N * k.b * v_C, k.b * speed, v_C, k.N * k.b * speed * speed, k.w1)
-    put_tire(p, at.laws, at.phase == CONTACT, k.g, k.axis, arm, dot(k.omega, k.axis), grip, at.q, y, e)
+def variant(d):
+    """The wheel with the slip law of its tyre."""
+    law = slip_law_of(d["tire_law"])
+    return WHEEL if law is FRICTION else with_law(law)
 
 
-@kernel
-def event_values(p, at, g):
-    """Write w for the touch-down, -w for the lift-off [m]."""
-    contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-    g[0] = p.radius - contact.r
-    g[1] = contact.r - p.radius
+def limits(d):
+    """The ranges of the radial law and of the slip law."""
+    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
+
+
+def prepare(d, nodes, context):
+    """Record: that of any wheel with a tyre law, friction."""
+    return {**prepare_wheel(d, nodes, context), **FRICTION.prepare(d["tire_law"], context)}
 
 
 def sample(rng):
-    """Large wheels: plane, profile, slip, stick, air."""
+    """Large wheels: plane, profile, slip, stick, air; and with each other slip law."""
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
     by_speed = (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),)
-    return [
+    found = [
         (large_wheel(rng, profile, eps, friction, by_speed, None), 1, phase)
         for profile, eps, phase in ((False, 0.05, "contact"), (True, 50.0, "contact"), (True, 0.05, "air"))
     ]
+    for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
+        found += law_samples(own, law)
+    return found
 
 
+RESIDUAL, OBSERVE = compiled(FRICTION)
 WHEEL = Kind(
     name="wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(axis=3, **GROUND_RECORD, **TIRE_RECORD),
+    dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION.record),
     layout=("x0", "R0"),
     fields=FIELDS,
-    outputs=OUTPUTS,
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
     phases=PHASES,
     events=EVENTS,
-    prepare=prepare_wheel,
+    variant=variant,
+    prepare=prepare,
     check=check_wheel,
-    limits=range_of_law,
+    limits=limits,
     ends=ends,
-    residual=residual,
-    observe=observe,
+    residual=RESIDUAL,
+    observe=OBSERVE,
     event_values=event_values,
     sample=sample,
 )

@@ -1,0 +1,335 @@
+"""What every kind of element, joint, load and basic constraint must fulfil: functions that raise AssertionError.
+
+Each takes a Kind and tries it in the states of its samples, as plain Python. tests/test_elements.py calls them for all
+kinds of mecano, `mecano check-kind` for those of a plugin.
+"""
+
+import re
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mecano.analyses.kind_trial import GRAVITY, expand, samples, seed_of, turned_values
+from mecano.element_interface import Context
+from mecano.laws.table import LawTable
+
+K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
+
+
+def difference(function, h):
+    """Central difference of the fourth order of function(step) at 0."""
+    near, far = (np.asarray(function(s)) - np.asarray(function(-s)) for s in (h, 2.0 * h))
+    return (8.0 * near - far) / (12.0 * h)
+
+
+def elements(kind):
+    """[(sample, instance)] of all that has a force in the samples of a kind."""
+    return [(s, i) for s in samples(kind) for i in s.instances if i.kind.acts]
+
+
+def displaced(instance, state, column, h, array):
+    """The local state with one unknown of q, v or a (``array`` 0, 1, 2) moved; rotations by material increments."""
+    q, v, a, R = (part.copy() for part in state)
+    slot = column // 3
+    layout = instance.kind.layout
+    if array == 0 and slot < len(layout) and layout[slot][0] == "R":
+        r = sum(name[0] == "R" for name in layout[:slot])
+        increment = np.zeros(3)
+        increment[column % 3] = h
+        R[r] = R[r] @ Rotation.from_rotvec(increment).as_matrix()
+    else:
+        (q, v, a)[array][column] += h
+    return q, v, a, R
+
+
+def close(actual, expected, rtol, **labels):
+    """Compare row by row: the rows of a tangent are of different units and sizes."""
+    size = np.abs(expected).max(axis=-1, keepdims=True)
+    error = np.abs(actual - expected) - rtol * np.maximum(size, 1e-6 * size.max(initial=0.0)) - 1e-9
+    worst = np.unravel_index(np.argmax(error), error.shape)
+    assert np.all(error <= 0.0), f"{labels} {worst}: {actual[worst]} instead of {expected[worst]}"
+
+
+def slope(instance, t, state, array, column):
+    """df/dq, df/dv or df/da of one unknown, (n_local,)."""
+    return difference(
+        lambda h: instance.force(t, displaced(instance, state, column, h, array), K_SCALE, PENALTY)[0], 1e-4
+    )
+
+
+def check_tangents(kind):
+    """Tangents are the derivatives of the force."""
+    for sample, instance in elements(kind):
+        t, state = sample.motion.t, instance.local(sample.motion)
+        tangents = instance.force(t, state, K_SCALE, PENALTY)[1:]
+        n = instance.kind.n_local
+        end = n - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)
+        for array, tangent in enumerate(tangents):
+            expected = np.zeros((n, n))
+            for column in range(n if array == 0 else end):
+                expected[:, column] = slope(instance, t, state, array, column)
+            expected[:, end:] *= K_SCALE  # the multiplier in q is k lambda, that of the tangent lambda
+            close(tangent, expected, 1e-7, mode=sample.mode, of=instance.kind.name, tangent="KCM"[array])
+
+
+def check_force(kind):
+    """The force is not zero everywhere."""
+    for of in {id(i.kind): i.kind for _, i in elements(kind)}.values():
+        found = [i.force(s.motion.t, i.local(s.motion), 1.0, 1.0) for s, i in elements(kind) if i.kind is of]
+        assert any(np.any(array) for result in found for array in result)
+
+
+def check_purity(kind):
+    """Functions depend on their arguments alone, are finite and change nothing else."""
+    for sample in samples(kind):
+        for instance in sample.instances:
+            t, state = sample.motion.t, instance.local(sample.motion)
+            F = seed_of("F").normal(size=3 * len(instance.kind.layout))
+            inputs = (*state, F, instance.p, instance.memory, instance.laws)
+            before = [array.copy() for array in inputs]
+
+            def results(i=instance, t=t, state=state, F=F):
+                found = [i.constraint_derivatives(t, state), *i.observe(t, state, F)]
+                if i.kind.acts:
+                    found += i.force(t, state, K_SCALE, PENALTY)
+                for name, size in (("event_values", len(i.kind.events)), ("commit", len(i.kind.memory))):
+                    if getattr(i.kind, name) is not None:
+                        found.append(i.written(name, size, t, state))
+                return found
+
+            for first, second in zip(results(), results(), strict=True):
+                assert first.tobytes() == second.tobytes()
+                assert np.all(np.isfinite(first))
+            for array, old in zip(inputs, before, strict=True):
+                assert array.tobytes() == old.tobytes()
+
+
+FREE = {"air", "free", "between", "slack", "taut", "paying out"}  # modes in which constraints do not hold
+
+
+def lets_go(instance):
+    """True in a mode in which the constraints of a kind do not hold."""
+    return instance.kind.modes[instance.mode] in FREE
+
+
+def check_constraint_derivatives(kind):
+    """Rates of constraints are their derivatives by the time."""
+    for sample, instance in elements(kind):
+        if not instance.kind.multipliers:
+            continue
+
+        def constraint_derivatives(h, sample=sample, instance=instance):
+            later = sample.motion.after(h)
+            return instance.constraint_derivatives(later.t, instance.after(h).local(later))
+
+        rates = difference(constraint_derivatives, 1e-4)
+        value, rate, second = constraint_derivatives(0.0).T
+        position = value != 0.0  # a constraint on velocities has no value, its rate is the constraint
+        np.testing.assert_allclose(rate[position], rates[position, 0], rtol=1e-7, atol=1e-8)
+        np.testing.assert_allclose(second, rates[:, 1], rtol=1e-7, atol=1e-8)
+        let_go = not np.any((value, rate, second))
+        assert let_go == lets_go(instance) and (let_go or np.all(rate != 0.0))
+        _, v, a, _ = state = instance.local(sample.motion)
+        np.testing.assert_array_equal(
+            instance.constraint_derivatives(sample.motion.t, (state[0], v, 0.0 * a, state[3]))[:, 1], rate
+        )
+
+
+def check_multiplier_rows(kind):
+    """Rows of multipliers are the constraints."""
+    for sample, instance in elements(kind):
+        n = len(instance.kind.multipliers)
+        if n == 0:
+            continue
+        t, state = sample.motion.t, instance.local(sample.motion)
+        value, rate, _ = instance.constraint_derivatives(t, state).T
+        f = instance.force(t, state, K_SCALE, 0.0)[0]
+        held = -K_SCALE * np.where(value != 0.0, value, rate)
+        expected = -instance.multipliers if lets_go(instance) else held
+        np.testing.assert_allclose(f[-n:], expected, rtol=1e-12, atol=1e-14)
+
+
+def energies(instances, motion, h=0.0):
+    """Energies and powers (4,) of an element and its parts, h seconds later."""
+    later, total = motion.after(h), np.zeros(4)
+    for instance in instances:
+        F = np.zeros(3 * len(instance.kind.layout))
+        total += instance.observe(later.t, instance.after(h).local(later), F)[1]
+    return total
+
+
+def check_power(kind):
+    """The power of the forces is the change of energy, f.v = d(T + V)/dt + dissipated - given; dissipated >= 0.
+
+    Less (k lambda) dPhi/dt, which vanishes on the constraints.
+    """
+    for sample in samples(kind):
+        motion = sample.motion
+
+        def energy(h, sample=sample):
+            e = energies(sample.instances, sample.motion, h)
+            return e[:2], e[0] + e[1]
+
+        _, _, dissipated, given = energies(sample.instances, motion)
+        power, size = -dissipated + given, 1.0
+        for instance in sample.instances:
+            if not instance.kind.acts:
+                continue
+            state, n = instance.local(motion), len(instance.kind.multipliers)
+            f = instance.force(motion.t, state)[0]
+            terms = (f * state[1])[: len(f) - n]
+            power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
+            size += np.abs(terms).sum()
+        size += np.abs(energy(0.0)[0]).sum()
+        error = abs(power - difference(lambda h, energy=energy: energy(h)[1], 1e-3))
+        assert error <= 1e-8 * size, f"{error:.3g} W of {size:.3g} W, mode '{sample.mode}'"
+        assert dissipated >= -1e-12 * size
+
+
+def check_output_rates(kind):
+    """Outputs that are declared as rates are those of the outputs that name them."""
+    for sample in samples(kind):
+        for instance in sample.instances:
+            names = [
+                output.name for output in instance.kind.outputs for _ in range(int(np.prod(output.shape, dtype=int)))
+            ]
+            starts = {name: names.index(name) for name in names}
+            for output in instance.kind.outputs:
+                if output.rate:
+                    _check_rate(sample, instance, starts[output.name], starts[output.rate], names.count(output.name))
+
+
+def _check_rate(sample, instance, first, rate, size):
+    def outputs(h):
+        later = sample.motion.after(h)
+        return instance.observe(later.t, instance.after(h).local(later), np.zeros(3 * len(instance.kind.layout)))[0]
+
+    found = difference(lambda h: outputs(h)[first : first + size], 1e-4)
+    np.testing.assert_allclose(outputs(0.0)[rate : rate + size], found, rtol=1e-7, atol=1e-7)
+
+
+def check_invariance(kind):
+    """Forces turn with the whole model, energies stay."""
+    rng = seed_of("turn")
+    Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
+    for sample in samples(kind):
+        values = turned_values(kind, sample.values, Q, shift)
+        nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
+        twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
+        here, there = sample.motion, sample.motion.moved(Q, shift)
+        for instance in sample.instances:
+            if lets_go(instance):
+                instance.multipliers = 0.0 * instance.multipliers  # rows without forces
+        for twin, original in zip(twins, sample.instances, strict=True):
+            twin.scalars = original.scalars
+        set_reactions(twins, there, on_all_nodes(sample.instances, here, 0.0, Q))
+        forces, works = [], []
+        for instances, motion in ((sample.instances, here), (twins, there)):
+            forces.append(force_on_nodes(instances, motion))
+            works.append(energies(instances, motion))
+        np.testing.assert_allclose(works[1][[0, 2, 3]], works[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
+        expected, actual = forces
+        expected[0] = expected[0] @ Q.T
+        for one, other in zip(actual, expected, strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(other).max(initial=0.0)))
+
+
+def on_all_nodes(instances, motion, penalty, Q):
+    """Forces, turned by Q, and moments of the constraints on all nodes, in one row."""
+    held = [instance for instance in instances if instance.kind.multipliers]
+    force, moment, _, _ = force_on_nodes(held, motion, penalty)
+    return np.concatenate([force @ Q.T, moment]).ravel()
+
+
+def set_reactions(instances, motion, wanted):
+    """Multipliers that exert the forces ``wanted``: a turned model may write its constraints in other axes."""
+    held = [instance for instance in instances if instance.kind.multipliers]
+    sizes = [len(instance.multipliers) for instance in held]
+
+    def exerted(multipliers):
+        for instance, part in zip(held, np.split(multipliers, np.cumsum(sizes)[:-1]), strict=True):
+            instance.multipliers = part
+        return on_all_nodes(held, motion, 0.0, np.eye(3))
+
+    if held:
+        without = exerted(np.zeros(sum(sizes)))  # a kind with constraints may exert forces besides
+        columns = np.array([exerted(unit) - without for unit in np.eye(sum(sizes))]).T
+        found = np.linalg.lstsq(columns, wanted - without, rcond=None)[0]
+        np.testing.assert_allclose(exerted(found), wanted, rtol=1e-9, atol=1e-9)
+
+
+def force_on_nodes(instances, motion, penalty=PENALTY):
+    """Forces (n, 3), material moments (n, 3), forces of the scalars, and the size of all constraint rows.
+
+    The rows themselves may be other combinations of the same constraints in a model that is turned.
+    """
+    force, moment, scalars, size = np.zeros_like(motion.x[:, 0]), np.zeros_like(motion.x[:, 0]), [], 0.0
+    for instance in instances:
+        if not instance.kind.acts:
+            continue
+        f = instance.force(motion.t, instance.local(motion), 1.0, penalty)[0]
+        for i, slot in enumerate(instance.kind.layout):
+            (force if slot[0] == "x" else moment)[instance.nodes[int(slot[1:])]] += f[3 * i : 3 * i + 3]
+        end = len(f) - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)
+        scalars.append(f[3 * len(instance.kind.layout) : end])
+        size += f[end:] @ f[end:]
+    return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
+
+
+def check_declarations(kind):
+    """Fields, outputs, rows and events are declared, with units and meanings."""
+    assert kind.doc and kind.doc.strip()
+    texts = [text for item in (*kind.fields, *kind.outputs) for text in (item.name, item.unit, item.doc)]
+    texts += [text for row in kind.multipliers for text in (row.name, row.unit, row.constraint_unit)]
+    texts += [text for event in kind.events for text in (event.name, event.doc)]
+    assert all(text.strip() for text in texts)
+    names = [field.name for field in kind.fields], [output.name for output in kind.outputs]
+    assert all(len(set(group)) == len(group) for group in names)
+    assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.velocity_constraints) is not None)
+    assert bool(kind.outputs) <= (kind.observe is not None)
+    assert bool(kind.memory) == (kind.commit is not None)
+    assert bool(kind.events) == (kind.event_values is not None)
+    assert kind.acts or kind.observe is not None
+    for event in kind.events:
+        assert event.before in kind.modes and event.after in kind.modes
+
+
+def first_of(name):
+    """The name of the first of numbered outputs: force_1 for force_7, amplitude_1_rate for amplitude_2_rate."""
+    return re.sub(r"_\d+", "_1", name)
+
+
+def check_outputs_of_parts(kind):
+    """Outputs that options add are declared, under names of their own."""
+    found = {}
+    for sample in samples(kind):
+        chosen = kind.chosen(sample.values)
+        own, declared = ([output.name for output in one.outputs] for one in (chosen, kind))
+        assert [first_of(name) for name in own if first_of(name) == name] == declared[: len(set(map(first_of, own)))]
+        assert set(map(first_of, own)) <= set(declared)
+        parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY))
+        named = [o.name + part.label for part in parts for o in part.kind.outputs]
+        assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
+        found |= {(part.kind.name, part.label): part.kind for part in parts if part.kind.outputs}
+    assert set(found) <= {(part.name, label) for _, part, label in kind.optional}
+    assert {field for field, _, _ in kind.optional} <= {field.name for field in kind.fields}
+    for part in found.values():
+        assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
+
+
+def check_samples(kind):
+    """Samples pass the check of the kind and reach all its modes."""
+    found = samples(kind)
+    modes = set().union(*(kind.chosen(sample.values).modes for sample in found))
+    assert {sample.mode for sample in found} == modes | set(kind.modes)
+    for sample in found:
+        assert kind.check(sample.values, sample.nodes) == []
+        for name in set(sample.values) - {field.name for field in kind.fields}:
+            assert not kind.section, f"{name} is no field of {kind.name}"
+
+
+OF_EVERY_KIND = (
+    check_declarations, check_samples, check_force, check_tangents, check_power, check_purity,
+    check_constraint_derivatives, check_multiplier_rows, check_output_rates, check_outputs_of_parts,
+)  # fmt: skip
+OF_DECK_KINDS = (*OF_EVERY_KIND, check_invariance)

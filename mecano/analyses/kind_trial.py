@@ -1,0 +1,256 @@
+"""Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
+
+import zlib
+from dataclasses import dataclass
+from dataclasses import field as value_of
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mecano.element_interface import Context, Place
+from mecano.laws.table import LawTable
+from mecano.maths.dual import Dual
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
+
+GRAVITY = np.array([0.7, -0.4, -9.3])
+BEYOND = 30  # places behind the outputs that must stay empty
+SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
+
+
+EYES = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 1, 0)  # EYES @ a = hat(a), which turns b into a x b
+
+
+def duals(values, slopes):
+    """An array of Duals."""
+    out = np.empty(values.shape, object)
+    for place in np.ndindex(values.shape):
+        out[place] = Dual(values[place], slopes[place])
+    return out
+
+
+@dataclass
+class Motion:
+    """Nodes in motion; material angular velocities and accelerations, everything else inertial."""
+
+    t: float
+    x: np.ndarray  # (n, 3, 3): node, level (position, velocity, acceleration), component
+    R: np.ndarray  # (n, 3, 3)
+    turn: np.ndarray  # (n, 3, 3): node, level (zero, velocity, acceleration), component
+
+    def after(self, h):
+        """The motion h seconds later, exact to the second order."""
+        x, turn = self.x.copy(), self.turn.copy()
+        x[:, 0] += h * x[:, 1] + 0.5 * h * h * x[:, 2]
+        increments = h * turn[:, 1] + 0.5 * h * h * turn[:, 2]
+        for level in (x, turn):
+            level[:, 1] += h * level[:, 2]
+        return Motion(self.t + h, x, self.R @ Rotation.from_rotvec(increments).as_matrix(), turn)
+
+    def moved(self, Q, shift):
+        """The same motion, all of it turned by Q (3, 3) and shifted."""
+        x = self.x @ Q.T
+        x[:, 0] += shift
+        return Motion(self.t, x, Q @ self.R, self.turn.copy())
+
+
+@dataclass
+class Instance:
+    """One element, constraint or joint on its nodes, with its functions."""
+
+    kind: object
+    p: np.ndarray  # (1,) record
+    nodes: tuple
+    mode: int
+    memory: np.ndarray
+    laws: np.ndarray
+    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
+    multipliers: np.ndarray  # k lambda
+    lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
+
+    def local(self, motion):
+        """(q, v, a, R) as element_interface.py has them."""
+        constraint_derivatives, R = [], []
+        for slot in self.kind.layout:
+            node = self.nodes[int(slot[1:])]
+            constraint_derivatives.append((motion.x if slot[0] == "x" else motion.turn)[node])
+            R += [motion.R[node]] if slot[0] == "R" else []
+        reactions = np.concatenate([self.multipliers, *(lender.multipliers for lender in self.lenders)])
+        q, v, a = np.concatenate([*constraint_derivatives, self.scalars, np.zeros((3, len(reactions)))], axis=1)
+        q[len(q) - len(reactions) :] = reactions
+        return q, v, a, np.array(R).reshape(-1, 3, 3)
+
+    def after(self, h):
+        """The instance with its scalars h seconds later."""
+        s = self.scalars
+        later = np.array([s[0] + h * s[1] + 0.5 * h * h * s[2], s[1] + h * s[2], s[2]])
+        return Instance(**{**vars(self), "scalars": later})
+
+    def run(self, name, t, state, *out, k=1.0, penalty=0.0):
+        """Call the function ``name`` of the kind, as the Python that it is: nothing is compiled."""
+        with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
+            at = Place(t, self.mode, k, penalty, self.laws, self.memory, *state)
+            getattr(self.kind, name)(self.p.view(np.recarray)[0], at, *out)
+
+    def force(self, t, state, k=1.0, penalty=0.0):
+        """f, K, C, M at the local ``state`` (q, v, a, R)."""
+        if self.kind.residual is not None:
+            return self._dual_force(t, state, k, penalty)
+        n = self.kind.n_local
+        out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
+        self.run("force", t, state, *out, k=k, penalty=penalty)
+        return out
+
+    def _dual_force(self, t, state, k, penalty):
+        """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
+        q, v, a, R = state
+        n, f = self.kind.n_local, np.zeros(self.kind.n_local)
+        end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
+        self.run("residual", t, state, f, k=k, penalty=penalty)
+        tangents = np.zeros((3, n, n))
+        for array in range(2):
+            for j in range(n if array == 0 else end):
+                seeds = np.eye(n)[j] * (array == 0), np.eye(n)[j] * (array == 1)
+                turns = [EYES @ seeds[0][c : c + 3] for c in self._columns()]
+                slopes = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
+                out = duals(np.zeros(n), np.zeros(n))
+                self.run(
+                    "residual",
+                    t,
+                    (duals(q, seeds[0]), duals(v, seeds[1]), a, duals(R, slopes)),
+                    out,
+                    k=k,
+                    penalty=penalty,
+                )
+                found = np.array([(x.value, x.slope) for x in out])
+                np.testing.assert_array_equal(found[:, 0], f)
+                tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
+        return f, *tangents
+
+    def _columns(self):
+        return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
+
+    def constraint_derivatives(self, t, state):
+        """(n_multipliers, 3)"""
+        g = np.zeros((len(self.kind.multipliers), 3))
+        if self.kind.velocity_constraints is not None:
+            q, v, a, R = state
+            turns = np.array([R_r @ (EYES @ v[c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
+            out = duals(g[:, 0], g[:, 0])
+            self.run("velocity_constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
+            g[:, 1:] = [(x.value, x.slope) if isinstance(x, Dual) else (x, 0.0) for x in out]
+        if self.kind.constraint_derivatives is not None:
+            self.run("constraint_derivatives", t, state, g)
+        return g
+
+    def observe(self, t, state, F):
+        """Outputs (n_outputs,) and energies (4,)."""
+        n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
+        y, e = np.zeros(n + BEYOND), np.zeros(4)
+        if self.kind.observe is not None:
+            self.run("observe", t, state, F, y, e)
+        assert not y[n:].any(), "more outputs are written than declared"
+        return y[:n].copy(), e
+
+    def written(self, name, size, t, state):
+        """What ``event_values`` or ``commit`` writes, (size,)."""
+        out = np.zeros(size)
+        self.run(name, t, state, out)
+        return out
+
+
+@dataclass
+class Sample:
+    """One sample of a kind: the element itself, then its parts, in a random motion near its nodes."""
+
+    name: str
+    values: dict
+    nodes: list
+    mode: str
+    instances: list
+    motion: Motion
+
+
+def seed_of(name):
+    """A generator of its own for each name, the same in every run."""
+    return np.random.default_rng(zlib.crc32(name.encode()))
+
+
+def samples(kind):
+    """All samples of a kind."""
+    rng = seed_of(kind.name)
+    found = []
+    for values, nodes, mode in kind.sample(rng):
+        if isinstance(nodes, int):
+            nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
+        defaults = {field.name: field.default for field in kind.fields if not field.required}
+        values = {**defaults, **values}
+        instances = expand(kind, values, nodes, mode, GRAVITY, rng)
+        found.append(Sample(kind.name, values, nodes, mode, instances, _motion(kind, values, nodes, rng)))
+    return found
+
+
+def expand(kind, values, nodes, mode, gravity, rng):
+    """[Instance]: the element and its parts, with random scalars and multipliers."""
+    context, kind = Context(LawTable(), gravity), kind.chosen(values)
+    own = kind.prepare(values, nodes, context) if kind.section else values
+    parts = kind.parts(values, nodes, context)
+    laws = context.laws.array()
+    listed = [(kind, own, tuple(range(len(nodes))), kind.modes.index(mode))]
+    for part in parts:
+        follows = len(part.kind.modes) > 1 and part.kind.modes == kind.modes
+        listed.append((part.kind, part.parameters, part.nodes, kind.modes.index(mode) if follows else 0))
+    instances = []
+    for of, record, on, mode_number in listed:
+        p = np.zeros(1, of.dtype)
+        for key, value in record.items():
+            p[key][0] = value
+        memory = np.zeros(len(of.memory))
+        scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
+        multipliers = rng.normal(size=len(of.multipliers))
+        instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
+    for part, instance in zip(parts, instances[1:], strict=True):
+        instance.lenders = [instances[1 + i] for i in part.coupled_to]
+        lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
+        assert lent == [row.unit for row in part.kind.coupled_multipliers]
+    if not kind.acts:
+        instances[0].lenders = instances[1:]
+    return instances
+
+
+def _motion(kind, values, nodes, rng):
+    n = len(nodes)
+    x, turn = rng.normal(size=(2, n, 3, 3))
+    R = np.array([node[1] for node in nodes]) @ Rotation.from_rotvec(SPREAD * rng.normal(size=(n, 3))).as_matrix()
+    x[:, 0] = [node[0] for node in nodes] + SPREAD * x[:, 0]
+    turn[:, 0] = 0.0
+    for what, i, j in kind.chosen(values).shares(values, nodes):
+        if what == "x":
+            x[j] = x[i]
+        else:
+            R[j], turn[j] = R[i], turn[i]
+    return Motion(rng.uniform(0.1, 0.9), x, R, turn)
+
+
+def turned_values(kind, values, Q, shift):
+    """The deck values with everything that is inertial turned by Q and shifted."""
+    out = dict(values)
+    for field in kind.fields:
+        value = values.get(field.name)
+        if value is not None and field.type in (VECTOR, DIRECTION):
+            out[field.name] = Q @ np.asarray(value, float)
+        if value is not None and field.type == POINT:
+            out[field.name] = Q @ np.asarray(value, float) + shift
+        if value is not None and field.type == list_of(POINT):
+            out[field.name] = [list(Q @ point + shift) for point in value]
+        if value is not None and field.type == GROUND:
+            out[field.name] = _turned_ground(value, Q, shift)
+        if value is not None and field.type == WHEEL:
+            ground = _turned_ground(value["ground"], Q, shift)
+            out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}
+    return out
+
+
+def _turned_ground(ground, Q, shift):
+    plane, profile = ground["plane"], ground.get("profile")
+    turned = {"point": Q @ plane["point"] + shift, "normal": Q @ plane["normal"]}
+    return {"plane": turned, "profile": profile and {**profile, "direction": Q @ profile["direction"]}}

@@ -1,0 +1,118 @@
+"""What every slip law of a tyre and every term of a law must fulfil: functions that raise AssertionError."""
+
+import numpy as np
+
+from mecano.analyses.kind_trial import GRAVITY, seed_of
+from mecano.element_interface import Context, record
+from mecano.elements.wheels.rolling_contact import law_samples
+from mecano.elements.wheels.slip_law import Slip
+from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
+from mecano.maths.vector import Vec3
+
+T, L, N = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
+STEP, RANGE = 1e-4, 3.0  # of differences, of arguments
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+class Tyre:
+    """A slip law with its record, on a level ground."""
+
+    def __init__(self, law, values):
+        """``values`` of a tyre law."""
+        table = LawTable()
+        prepared = {"radius": values.get("radius", 0.3), **law.prepare(values, Context(table, GRAVITY))}
+        self.p = np.zeros(1, record(radius=(), **law.record)).view(np.recarray)
+        for name, value in prepared.items():
+            self.p[name][0] = value
+        self.law, self.laws = law, table.array()
+
+    def forces(self, load, v, u=(20.0, 0.0), omega=(0.0, 0.0, 0.0), lean=0.0, spin=None):
+        """SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
+        spin = (u[0] - v[0]) / 0.3 if spin is None else spin
+        v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
+        return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, v, v, u, Vec3(*omega), spin, lean, T, L, N))
+
+
+def tyres(law):
+    """The Tyres of the samples of a SlipLaw."""
+    return [Tyre(law, wheel["tire_law"]) for wheel, _, _ in law_samples(np.random.default_rng(4), law)]
+
+
+def check_stated_power(law):
+    """The power of force and moment is what the slip law states: -(F.v + M.omega) = lost - given, lost >= 0."""
+    check_power_of_tyres(law, tyres(law))
+
+
+def check_power_of_tyres(law, trials):
+    """``check_stated_power`` of given Tyres; a passive law gives nothing but the power of its moment."""
+    rng, worked = seed_of(law.name), 0
+    for tyre in trials:
+        for _ in range(200):
+            v, u = rng.normal(size=2) * 10.0 ** rng.uniform(-3, 1), rng.normal(size=2) * [20.0, 3.0]
+            omega, load = rng.normal(size=3), rng.uniform(-10.0, 2e4)
+            k = tyre.forces(load, v, u, omega, 0.1 * rng.normal())
+            of_force, of_moment = k.F[0] * v[0] + k.F[1] * v[1], np.dot(k.M, omega)
+            size = 1e-9 + abs(of_force) + abs(of_moment) + abs(k.given)
+            error = abs(of_force + of_moment + k.lost - k.given)
+            assert error <= 1e-12 * size, f"{error:.3g} W of {size:.3g} W"
+            assert k.lost >= 0.0, f"{k.lost:.3g} W are dissipated"
+            if law.passive:
+                assert abs(k.given - of_moment) <= 1e-12 * size, f"a passive law gives {k.given:.3g} W"
+            worked += k.lost > 0.0
+    assert worked > 50 * len(trials), "the force hardly ever works"
+
+
+def check_no_load(law):
+    """A tyre without load has no force and no moment in the ground."""
+    for tyre in tyres(law):
+        k = tyre.forces(0.0, (1.0, 2.0), omega=(0.1, 20.0, 0.3))
+        most = np.abs([*k.F, *k.M]).max()
+        assert most < 1e-6, f"{most:.3g} N or N m"
+
+
+def _trials(term):
+    """(table, start, arguments away from its corners, corners) for each sample of a Term."""
+    assert term.sample is not None, "it has no sample"
+    rng = seed_of(term.name)
+    for values in term.sample():
+        law, table = ((term.name, values),), LawTable()
+        start, corners = table.add(law), [*breakpoints(law), *(corner for corner, _ in term.stops(values))]
+        found = [s for s in rng.uniform(-RANGE, RANGE, 40) if all(abs(s - c) > 5.0 * STEP for c in corners)]
+        yield table.array(), start, found, sorted(corners)
+
+
+def _close(found, expected, what):
+    assert abs(found - expected) <= 1e-6 * (1.0 + abs(expected)), f"{what}: {found:.9g} instead of {expected:.9g}"
+
+
+def _difference(function, x):
+    near, far = (function(x + s) - function(x - s) for s in (STEP, 2.0 * STEP))
+    return (8.0 * near - far) / (12.0 * STEP)
+
+
+def check_derivatives(term):
+    """Derivatives of the term are those of its value."""
+    for laws, start, arguments, _ in _trials(term):
+        for s in arguments:
+            if term.role == "curve":
+                _, d, h = evaluate_curve(laws, start, s)
+                _close(d, _difference(lambda x: evaluate_curve(laws, start, x)[0], s), "dy/ds")  # noqa: B023
+                _close(h, _difference(lambda x: evaluate_curve(laws, start, x)[1], s), "d2y/ds2")  # noqa: B023
+            else:
+                _, by_s, by_v = evaluate_force(laws, start, s, 0.7)
+                _close(by_s, _difference(lambda x: evaluate_force(laws, start, x, 0.7)[0], s), "dF/ds")  # noqa: B023
+                _close(by_v, _difference(lambda v: evaluate_force(laws, start, s, v)[0], 0.7), "dF/dv")  # noqa: B023
+
+
+def check_potential(term):
+    """The integral of the term is that of its value, at rest."""
+    for laws, start, _, corners in _trials(term):
+        edges = np.array([-RANGE, *(c for c in corners if -RANGE < c < RANGE), RANGE])
+        for low, high in zip(edges[:-1], edges[1:], strict=True):
+            s = 0.5 * (low + high) + 0.5 * (high - low) * NODES
+            area = 0.5 * (high - low) * WEIGHTS @ [evaluate_force(laws, start, x, 0.0)[0] for x in s]
+            _close(potential(laws, start, high) - potential(laws, start, low), area, "integral")
+
+
+OF_SLIP_LAWS = check_stated_power, check_no_load
+OF_TERMS = check_derivatives, check_potential

@@ -1,0 +1,51 @@
+"""Try all kinds, slip laws and terms of a plugin: what `mecano check-kind` prints."""
+
+from dataclasses import replace
+
+from mecano.analyses.kind_tests import OF_DECK_KINDS
+from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
+from mecano.element_interface import Kind
+from mecano.elements.wheels.rolling_contact import law_samples
+from mecano.elements.wheels.slip_law import SlipLaw
+from mecano.elements.wheels.wheel import with_law
+
+
+def check_plugin(plugin):
+    """Return (text, number of failures): a line for each test of all that a Plugin has registered."""
+    lines, failures = [], 0
+    for item in plugin.found:
+        title, tests = _tests(item)
+        lines.append(title)
+        for name, test in tests:
+            text = _tried(test)
+            failures += bool(text)
+            lines += [f"  {'FAILED' if text else 'passed'}  {name}", *([f"          {text}"] if text else [])]
+    return "\n".join(lines), failures
+
+
+def _tests(item):
+    """Title and [(name, function)] of the tests of a Kind, a SlipLaw or a Term."""
+    if isinstance(item, Kind):
+        return f"{item.name} (kind of '{item.section}')", _named(OF_DECK_KINDS, item)
+    if isinstance(item, SlipLaw):
+        found = _named(OF_SLIP_LAWS, item)
+        if item.sample:
+            wheel = replace(with_law(item), sample=lambda rng: law_samples(rng, item))
+            found += _named(OF_DECK_KINDS, wheel)
+        return f"{item.name} (slip law of tyres)", found
+    return f"{item.name} (term of a law)", _named(OF_TERMS, item)
+
+
+def _named(tests, item):
+    """[(first sentence of the docstring, function without arguments)]"""
+    return [(test.__doc__.split("\n")[0].rstrip("."), lambda test=test: test(item)) for test in tests]
+
+
+def _tried(test):
+    """What is wrong, in a line; "" where nothing is."""
+    try:
+        test()
+    except Exception as error:
+        text = " ".join(str(error).split())
+        return text if isinstance(error, AssertionError) and text else f"{type(error).__name__}: {text}"
+    return ""

@@ -1,0 +1,118 @@
+"""Files .tir of tyres: keys and numbers in sections, with the units of the file, turned into SI units."""
+
+import math
+import os
+import re
+
+from mecano.deck.scalar import number
+from mecano.deck.source import Unreadable, read_source
+from mecano.deck.tables import within
+from mecano.deck.wording import quoted
+from mecano.elements.wheels.magic_formula import KNOWN
+from mecano.errors import DeckError
+
+LINE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*=\s*('[^']*'|\"[^\"]*\"|[^\s$!]+)")
+UNITS = {  # key of the section [UNITS]: {word: its size in SI units}
+    "LENGTH": {"meter": 1.0, "m": 1.0, "mm": 1e-3, "millimeter": 1e-3, "cm": 1e-2, "inch": 0.0254, "foot": 0.3048},
+    "FORCE": {"newton": 1.0, "n": 1.0, "kn": 1e3, "kilonewton": 1e3, "pound_force": 4.4482216152605},
+    "ANGLE": {"radian": 1.0, "radians": 1.0, "rad": 1.0, "degree": math.pi / 180.0, "degrees": math.pi / 180.0,
+              "deg": math.pi / 180.0},
+    "MASS": {"kg": 1.0, "kilogram": 1.0, "gram": 1e-3, "pound_mass": 0.45359237},
+    "TIME": {"second": 1.0, "sec": 1.0, "s": 1.0, "millisecond": 1e-3},
+}  # fmt: skip
+POWERS = {  # of length, force, angle, time in the unit of a key; numbers without one are ratios
+    "UNLOADED_RADIUS": (1, 0, 0, 0), "FNOMIN": (0, 1, 0, 0), "FZMIN": (0, 1, 0, 0), "FZMAX": (0, 1, 0, 0),
+    **dict.fromkeys(("NOMPRES", "INFLPRES", "PRESMIN", "PRESMAX"), (-2, 1, 0, 0)),
+    **dict.fromkeys(("LONGVL", "VXLOW"), (1, 0, 0, -1)), "VERTICAL_DAMPING": (-1, 1, 0, 1),
+    **dict.fromkeys(("VERTICAL_STIFFNESS", "LONGITUDINAL_STIFFNESS", "LATERAL_STIFFNESS"), (-1, 1, 0, 0)),
+    **dict.fromkeys(("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX"), (0, 0, 1, 0)),
+}  # fmt: skip
+VERSIONS = {5: 5.2, 6: 5.2, 21: 5.2, 60: 6.1, 61: 6.1, 62: 6.2}  # of the numbers FITTYP
+FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
+
+
+def read_tyre(name, node, scope):
+    """Coefficients (dict) that the formula uses of a file named in the deck at ``node``.
+
+    None with the problems noted where it cannot be read, is of another formula or has a number that is none.
+    """
+    path = within(name, node, scope)
+    if path is None:
+        return None
+    try:
+        source, digest = read_source(path, os.path.join(scope.folder, name))
+    except Unreadable as error:
+        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
+        return None
+    except DeckError as error:
+        scope.problems.extend(error.problems)
+        return None
+    scope.files[name] = digest
+    return _Reading(source, node, name, scope).coefficients()
+
+
+class _Reading:
+    """One walk through the lines of a file."""
+
+    def __init__(self, source, node, name, scope):
+        self.source, self.node, self.name, self.scope = source, node, name, scope
+        self.texts, self.sizes = {}, dict.fromkeys(UNITS, 1.0)
+
+    def coefficients(self):
+        """The numbers by name in SI units, as far as the formula uses them."""
+        before = len(self.scope.problems)
+        self._read()
+        version = self._version()
+        if len(self.scope.problems) > before or version is None:
+            return None
+        found = {key: self._number(key, text) for key, text in self.texts.items() if key in KNOWN}
+        if len(self.scope.problems) > before:
+            return None
+        if not found:
+            return self._refuse("has no line such as 'FNOMIN = 4000': is it a .tir file?")
+        found.pop("FITTYP", None)
+        return {**found, "VERSION": version}
+
+    def _read(self):
+        section = ""
+        for line in self.source.each_line():
+            text = line.strip()
+            if text.startswith("["):
+                section = text.strip("[]").split("]")[0].upper()
+            match = LINE.match(line) if not text.startswith(("$", "!")) else None
+            if match:
+                key, value = match[1].upper(), match[2].strip("'\"").strip()
+                self.texts[key] = value
+                if section == "UNITS" and key in UNITS:
+                    self._unit(key, value)
+
+    def _unit(self, key, word):
+        known = UNITS[key]
+        if word.lower() in known:
+            self.sizes[key] = known[word.lower()]
+        else:
+            self._refuse(f"has the unit {key} = {quoted(word)}; known: {', '.join(known)}")
+
+    def _version(self):
+        kind = number(self.texts.get("FITTYP", ""))
+        named = self.texts.get("PROPERTY_FILE_FORMAT", "").upper()
+        if kind is not None and int(kind) in VERSIONS:
+            return VERSIONS[int(kind)]
+        if kind is None and FORMATS.get(named) is not None:
+            return FORMATS[named]
+        what = (
+            f"FITTYP = {self.texts['FITTYP']}" if kind is not None else f"no FITTYP, format {quoted(named or 'none')}"
+        )
+        return self._refuse(f"has {what}; read are 6, 21 (Magic Formula 5.2, PAC2002), 60, 61 (6.1) and 62 (6.2)")
+
+    def _number(self, key, text):
+        found = number(text)
+        if found is None or not math.isfinite(found):
+            self._refuse(f"has {key} = {quoted(text)}, which is no number")
+            return 0.0
+        length, force, angle, time = POWERS.get(key, (0, 0, 0, 0))
+        s = self.sizes
+        return float(found) * s["LENGTH"] ** length * s["FORCE"] ** force * s["ANGLE"] ** angle * s["TIME"] ** time
+
+    def _refuse(self, text):
+        self.scope.refuse(self.node, f"file {quoted(self.name)} {text}")

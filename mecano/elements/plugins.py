@@ -1,0 +1,158 @@
+"""Kinds, slip laws and terms of laws of one's own: from Python files that the user names, and from installed packages.
+
+What stands at the top level of such a module and is a ``Kind`` of a deck section, a ``SlipLaw`` or a ``Term`` is
+registered under its name, unless the name in the module begins with "_"; from then on it is used as those of mecano
+are. A deck names no modules: it stays data, and a file runs only where the user asks for it.
+"""
+
+import hashlib
+import os
+import sys
+import traceback
+from dataclasses import dataclass
+from functools import cache
+from glob import glob
+from importlib.util import module_from_spec, spec_from_file_location
+
+from mecano.element_interface import SECTIONS, Kind
+from mecano.elements import KINDS
+from mecano.elements.wheels.slip_law import SlipLaw
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.tire_law import register as register_slip_law
+from mecano.errors import UsageError
+from mecano.jit.closure import is_digested
+from mecano.laws import TERMS
+from mecano.laws.table import evaluate_curve, number_terms
+from mecano.laws.term import Term
+
+GROUP = "mecano.kinds"  # entry points of installed packages, each of which names a module
+REGISTRIES = {Kind: ("kind", KINDS), SlipLaw: ("slip law", SLIP_LAWS), Term: ("term of a law", TERMS)}
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """A module whose kinds and laws are registered."""
+
+    source: str  # absolute path of the file, or "package:module"
+    sha256: str
+    found: tuple  # its Kinds, SlipLaws and Terms
+
+    @property
+    def names(self):
+        """Names of what it registered."""
+        return [item.name for item in self.found]
+
+
+_loaded = {}  # source -> Plugin
+
+
+def loaded():
+    """The Plugins of this process, in the order in which they were loaded."""
+    return list(_loaded.values())
+
+
+def files():
+    """Absolute paths of the files that the user named, for processes that this one starts."""
+    return [plugin.source for plugin in loaded() if os.path.isabs(plugin.source)]
+
+
+def load(path):
+    """Run a Python file and register its kinds and laws; return its Plugin. A file is run once.
+
+    Raises UsageError where it cannot be read or run, or has a name that is taken.
+    """
+    source = os.path.abspath(path)
+    if source not in _loaded:
+        try:
+            with open(source, "rb") as file:
+                data = file.read()
+        except OSError as error:
+            raise UsageError(f"plugin {path} cannot be read: {error.strerror}") from None
+        stem = os.path.splitext(os.path.basename(source))[0]
+        _register(source, hashlib.sha256(data).hexdigest(), _run(source, path, f"mecano_plugin_{stem}"))
+    return _loaded[source]
+
+
+@cache
+def load_installed():
+    """Load the modules that installed packages name as entry points of the group ``mecano.kinds``.
+
+    Raises UsageError as ``load``.
+    """
+    if not _any_installed():
+        return
+    from importlib import import_module, metadata
+
+    for point in metadata.entry_points(group=GROUP):
+        try:
+            module = import_module(point.module)
+        except Exception as error:
+            raise UsageError(f"plugin {point.name} ({point.value}) {_failed(error, module_file(point))}") from error
+        with open(module.__file__, "rb") as file:
+            digest = hashlib.sha256(file.read()).hexdigest()
+        _register(f"{point.dist.name if point.dist else point.name}:{point.module}", digest, module)
+
+
+def module_file(point):
+    """Path that ends as that of the module of an entry point."""
+    return point.module.replace(".", os.sep)
+
+
+def _any_installed():
+    """True where a package has such an entry point: importlib.metadata, which tells, takes longer than a look."""
+    for folder in dict.fromkeys(sys.path):
+        for name in glob("*.*-info/entry_points.txt", root_dir=folder or "."):
+            with open(os.path.join(folder, name), "rb") as file:
+                if f"[{GROUP}]".encode() in file.read():
+                    return True
+    return False
+
+
+def _run(source, path, name):
+    spec = spec_from_file_location(name, source)
+    if spec is None:
+        raise UsageError(f"plugin {path} is no Python file: its name must end with .py")
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        raise UsageError(f"plugin {path} {_failed(error, source)}") from error
+    return module
+
+
+def _failed(error, source):
+    """What is wrong with a module, with the line of it that was reached last."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if source in frame.filename]
+    line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
+    return f"cannot be run: {'' if line is None else f'line {line}: '}{type(error).__name__}: {error}"
+
+
+def _register(source, digest, module):
+    """Register what a module has; nothing of it where a name is taken."""
+    own = {id(value): value for name, value in vars(module).items() if not name.startswith("_") and _is_new(value)}
+    found = tuple(own.values())
+    if not found:
+        raise UsageError(f"plugin {source} has no Kind, SlipLaw or Term of its own at its top level")
+    for item in found:
+        what, registry = REGISTRIES[type(item)]
+        if item.name in registry:
+            raise UsageError(f"plugin {source}: there is a {what} '{item.name}' already")
+    if any(isinstance(item, Term) for item in found) and is_digested(evaluate_curve.__wrapped__):
+        raise UsageError(f"plugin {source} has terms of laws: load it before the first model of the process")
+    for item in found:
+        if isinstance(item, SlipLaw):
+            register_slip_law(item)
+        else:
+            REGISTRIES[type(item)][1][item.name] = item
+    if any(isinstance(item, Term) for item in found):
+        number_terms()
+    _loaded[source] = Plugin(source, digest, found)
+
+
+def _is_new(value):
+    """True for what a deck may name and mecano has not got."""
+    if type(value) not in REGISTRIES or (isinstance(value, Kind) and value.section not in SECTIONS):
+        return False
+    return all(value is not known for known in REGISTRIES[type(value)][1].values())

@@ -1,0 +1,108 @@
+r"""Brush tyre in steady slip (Fiala): force and aligning moment from slip stiffness, friction and contact length.
+
+Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where they would bear more than mu times
+it (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity v = (v_t, v_l),
+the rolling velocity V_r = u.t - v_0.t and C_t, C_l the slip stiffnesses, the force without any sliding is
+
+    G = -(C_t v_t, C_l v_l)/sqrt(V_r^2 + v_0^2),     x = |G|/(3 mu N)
+
+and what the bristles bear is (3.11), in combined slip (3.45), here for two stiffnesses:
+
+    F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (all of the contact slides)
+    M = -t_p F_l n,   t_p = (a/3) (1 - x)^3/(1 - x + x^2/3) for x < 1, else 0
+
+tan alpha = v_l/|u.t| in pure side slip, where the rolling velocity is u.t. With v_0 = ``least_speed`` the slip is
+finite at rest, where the tyre then creeps. The force is against the slip and dissipates -F.v >= 0; the moment exchanges
+M.omega with the rolling. The friction mu is a curve of the slip speed.
+"""
+
+from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
+from mecano.jit.kernel import kernel
+from mecano.laws.probe import curve_at
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, at_most, select, sqrt
+from mecano.maths.vector import dot, norm
+from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
+
+LEAST_FORCE = 1e-9  # N, of mu N: in the air the slip law does nothing
+
+
+def two_positive(numbers):
+    """Check: two numbers > 0."""
+    return None if len(numbers) == 2 and min(numbers) > 0.0 else "must hold 2 numbers greater than zero"
+
+
+FIELDS = (
+    Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]"),
+    Field("longitudinal_stiffness", CURVE, "N", "C_t, driving force per slip ratio; as C_l when absent", None),
+    Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]"),
+    Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
+    Field("least_speed", NUMBER, "m/s", "v_0, below which the slip no longer grows as 1/speed", 0.1, positive),
+    Field(
+        "carcass_stiffness", NUMBERS, "N/m", "of a transient_wheel, [along t, along l]: C/K is the relaxation length",
+        None, two_positive,
+    ),
+    Field(
+        "creep_length", NUMBER, "m", "way in which a carcass settles where all of the contact slides", 0.02, positive,
+    ),
+)  # fmt: skip
+RECORD = {"cornering": "i", "longitudinal": "i", "mu": "i", "half_length": (), "least_speed": ()}
+
+
+def prepare(law, context):
+    """Values of RECORD."""
+    d, add = law["fiala"], context.laws.add
+    cornering = int(add(d["cornering_stiffness"]))
+    along = d["longitudinal_stiffness"]
+    return {
+        "cornering": cornering,
+        "longitudinal": cornering if along is None else int(add(along)),
+        "mu": int(add(d["friction"])),
+        "half_length": 0.5 * d["contact_length"],
+        "least_speed": d["least_speed"],
+    }
+
+
+def check(law):
+    """Texts on friction and stiffness that are negative."""
+    d = law["fiala"]
+    given = [name for name in ("cornering_stiffness", "longitudinal_stiffness", "friction") if d[name] is not None]
+    wrong = [name for name in given if curve_at(d[name], 0.0)[0] < 0.0]
+    return [f"'tire_law.fiala.{name}' must not be negative" for name in wrong]
+
+
+def carcass(law):
+    """The Carcass, or None where the deck gives no stiffness."""
+    d = law["fiala"]
+    return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
+
+
+@kernel
+def forces(p, laws, k):
+    """Return the SlipForces of the Slip ``k``."""
+    v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
+    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
+    V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+    load = at_least(k.N, 0.0)
+    G_t, G_l = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V
+    sliding = at_least(at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
+    x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
+    y = at_most(x, 1.0)
+    share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
+    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_l
+    F_t, F_l = share * G_t, share * G_l
+    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, -(F_t * v_t + F_l * v_l), turn * dot(k.n, k.omega))
+
+
+def sample(rng):
+    """Adhering and sliding, of one stiffness and of two."""
+    falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
+    rising = (("linear", {"slope": 0.5, "offset": 3e3}),)
+    base = {"contact_length": 3.0, "least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}
+    return [
+        {"cornering_stiffness": rising, "longitudinal_stiffness": None, "friction": falling, **base},
+        {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
+    ]
+
+
+FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), RECORD, prepare, forces, check, carcass=carcass, sample=sample)

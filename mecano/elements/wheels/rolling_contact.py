@@ -1,0 +1,96 @@
+"""What the wheels with a slip law have in common: kinematics of the contact, outputs, events, samples."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.constraints.ground import touch
+from mecano.element_interface import Output
+from mecano.elements.wheels.slip_law import Slip, default_values
+from mecano.elements.wheels.tire_law import radial_force
+from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire
+from mecano.jit.kernel import kernel
+from mecano.maths.surface import Contact, directions
+from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
+
+OUTPUTS = (
+    Output(
+        "slip_moment", "N m", "moment of the slip law on the wheel: overturning about t, along l, aligning about n",
+        (3,),
+    ),
+    Output("slip_ratio", "-", "slip of the point of contact along t over the speed of the axle: 1 spinning, -1 locked"),
+    Output("slip_angle", "rad", "angle of the motion of the point of contact from t, positive towards l"),
+)  # fmt: skip
+FIRST = 18  # of them, behind those of tire_wheel.py
+SLOW = 0.1  # m/s, below which slip ratio and angle fade
+
+
+class Rolling(NamedTuple):
+    """Contact of a wheel; 3-vectors in the inertial frame."""
+
+    g: Contact
+    axis: tuple
+    w1: float  # dw/dt [m/s]
+    F: float  # F_r [N]
+    slip: Slip
+
+
+@kernel
+def rolling(p, at, touching):
+    """The Rolling of a wheel; where it is not ``touching``, with the velocity of the lowest point of the rim."""
+    R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
+    axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
+    g = touch(p, at.laws, x, axis)
+    point = v + cross(omega, g.arm if touching else p.radius * g.c)
+    lift = dot(g.n, point)
+    v_C, w1 = point - lift * g.n, -lift / g.q
+    F = radial_force(p, at.laws, p.radius - g.r, w1)
+    t, l = directions(axis, g)
+    u = v - dot(g.n, v) * g.n
+    slip = Slip(F / g.q, p.radius - g.r, v_C, v_C, u, omega, dot(omega, axis), g.s, t, l, g.n)
+    return Rolling(g, axis, w1, F, slip)
+
+
+@kernel
+def add_ground(f, at, k, ground):
+    """Subtract from ``f`` the force and material moment of the ground: SlipForces ``ground``, and the normal force."""
+    push = ground.F + k.slip.N * k.slip.n
+    add_vec(f, 0, -1.0, push)
+    add_vec(f, 3, -1.0, mat(at.R[0]).T @ (cross(k.g.arm, push) + ground.M))
+
+
+@kernel
+def put_rolling(p, at, k, ground, y, e):
+    """Write outputs and energies of a Rolling on which the SlipForces ``ground`` act; True if the ground pushes."""
+    touching = at.phase == CONTACT
+    arm = (k.g.r if touching else p.radius) * k.g.c
+    grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
+    pushes = put_tire(p, at.laws, touching, k.g, k.axis, arm, k.slip.spin, grip, at.q, y, e)
+    if pushes:
+        t, l, M = k.slip.t, k.slip.l, ground.M
+        put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
+        e[3] = ground.given
+        forward = dot(t, k.slip.u)
+        V = math.sqrt(forward * forward + SLOW * SLOW)
+        y[FIRST + 3] = -dot(t, k.slip.v_0) / V
+        y[FIRST + 4] = math.atan(dot(l, k.slip.v_0) / V)
+    return pushes
+
+
+@kernel
+def event_values(p, at, g):
+    """Write w for the touch-down, -w for the lift-off [m]."""
+    contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def law_samples(rng, law):
+    """Samples of a wheel with a slip law: each of the law in contact, the last one in the air too."""
+    found = []
+    for values in law.sample(rng) if law.sample else ():
+        wheel = large_wheel(rng, True, None, None, 1.0, None)
+        wheel["tire_law"][law.name] = default_values(law.type.options, values)
+        found.append((wheel, [(np.zeros(3), np.eye(3))], "contact"))
+    return [*found, *((wheel, nodes, "air") for wheel, nodes, _ in found[-1:])]

@@ -1,0 +1,61 @@
+r"""Regularized friction against the slip velocity, of one coefficient in all directions.
+
+With N the normal force and v_C the slip velocity, smooth at rest ((33)-(35) of Cardona, Geradin and Doan 1991; Oden and
+Martins 1985):
+
+    F_fr = mu(|v_0|) sigma(u) phi(|v_C|) N v_C/|v_C|,   phi(v) = (v/eps)(2 - v/eps) for v < eps, else 1
+
+acts against the slip; v_0 is v_C without the rates of a patch (docs/tyres.md). sigma is a factor, 1 unless given, of
+the speed u of the axle over the ground: the paper's mu_0 exp(-kappa u) is friction mu_0 and ``friction_by_speed:
+{exponential: {start: 1, rate: kappa}}``.
+"""
+
+from mecano.elements.wheels.slip_law import SlipForces, SlipLaw
+from mecano.jit.kernel import kernel
+from mecano.laws.friction import sticking
+from mecano.laws.probe import curve_at
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least
+from mecano.maths.vector import ZERO, dot, norm
+from mecano.schema import CURVE, NUMBER, Field, positive
+
+FIELDS = (
+    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed; never below zero", None),
+    Field("friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0),
+    Field(
+        "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero; goes with 'friction'",
+        None, positive,
+    ),
+)  # fmt: skip
+RECORD = {"friction": "i", "friction_by_speed": "i", "slip_regularization": ()}
+
+
+def prepare(law, context):
+    """Values of RECORD; without friction where the tyre law has another slip law."""
+    return {
+        "friction": int(context.laws.add(law["friction"])),
+        "friction_by_speed": int(context.laws.add(law["friction_by_speed"])),
+        "slip_regularization": law["slip_regularization"],
+    }
+
+
+def check(law):
+    """Texts on friction that drives, or has no regularization."""
+    if law["slip_regularization"] is None:
+        return ["'tire_law.slip_regularization' is missing: the slip speed below which friction falls to zero"]
+    if curve_at(law["friction"], 0.0)[0] < 0.0:
+        return ["'tire_law.friction' must not be negative"]
+    return []
+
+
+@kernel
+def forces(p, laws, k):
+    """Return the SlipForces of the Slip ``k``."""
+    speed = norm(k.v)
+    mu = at_least(curve(laws, p.friction, norm(k.v_0)), 0.0)
+    mu = mu * at_least(curve(laws, p.friction_by_speed, norm(k.u)), 0.0)
+    b = k.N * (mu * sticking(p.slip_regularization, speed))
+    return SlipForces(-b * k.v, ZERO, b * dot(k.v, k.v), 0.0)
+
+
+SLIDING_FRICTION = SlipLaw("friction", __doc__, CURVE, RECORD, prepare, forces, check)

@@ -1,0 +1,7 @@
+"""The registry of slip laws: one line for each, nothing else."""
+
+from mecano.elements.wheels.fiala import FIALA
+from mecano.elements.wheels.magic_formula import MAGIC_FORMULA
+from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
+
+SLIP_LAWS = {law.name: law for law in (SLIDING_FRICTION, FIALA, MAGIC_FORMULA)}

@@ -1,0 +1,192 @@
+r"""Wheel whose forces build up over a relaxation length: a carcass without mass between the wheel and its contact.
+
+All of ``wheel``, and two unknowns of its own: the contact is deflected by x along t and by y along l against the wheel.
+It slips with the velocity of the wheel's point of contact and of the deflection (Pacejka, Tire and Vehicle Dynamics,
+2012, chapters 7 and 8),
+
+    v' = v_C + dx/dt t + dy/dt l
+
+and the slip law, Fiala's, the Magic Formula, or one of your own with a carcass, gives the force F at v'. The carcass
+has the stiffnesses K of the tyre law and bears F, with a small damping of its own:
+
+    F.t = K_t (x + b_t (dx/dt)/V),   F.l = K_l (y + b_l (dy/dt)/V),   V = sqrt(V_x^2 + v_0^2)
+
+Linearized with a slip stiffness C this is the relaxation length sigma = C/K + b. Where all of the contact slides, or
+the force falls with the slip, the deflection follows over the way b: without it, its rate would not be unique. The
+wheel loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, whatever the
+load does. The force acts at the undeflected contact. Stiffnesses are those of the nominal load of a .tir file.
+
+In mode "air" both deflections decay in 1 ms.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from mecano.constraints.ground import GROUND_RECORD, ends
+from mecano.element_interface import Kind, Output, record
+from mecano.elements.wheels.rolling_contact import FIRST, add_ground, event_values, law_samples, put_rolling, rolling
+from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
+from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
+from mecano.elements.wheels.tire_wheel import (
+    AIR,
+    CONTACT,
+    EVENTS,
+    FIELDS,
+    OUTPUTS,
+    PHASES,
+    check_wheel,
+    prepare_wheel,
+    range_of_law,
+)  # fmt: skip
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number, sqrt
+from mecano.maths.vector import dot
+
+X, Y = 6, 7  # local unknowns
+SCALARS = ("x", "y")
+DECAY = 1e-3  # s, in the air
+LEAST_SPEED = 1.0  # m/s, v_0
+CARCASS_RECORD = {"stiffness": 2, "creep": 2}
+CARCASS_OUTPUTS = (
+    Output("x", "m", "deflection of the contact along t against the wheel", rate="x_rate"),
+    Output("y", "m", "deflection of the contact along l against the wheel", rate="y_rate"),
+    Output("x_rate", "m/s", "rate of x"),
+    Output("y_rate", "m/s", "rate of y"),
+)
+BEHIND = FIRST + 5  # those before
+
+
+@kernel
+def carried(at, slip):
+    """The Slip of the contact that moves with its deflection."""
+    moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
+    return Slip(
+        slip.N, slip.w, slip.v + moved, slip.v_0, slip.u, slip.omega, slip.spin, slip.lean, slip.t, slip.l, slip.n
+    )
+
+
+@kernel
+def damping(p, slip):
+    """Damping of the carcass along t and l [N s/m]."""
+    forward = dot(slip.t, slip.u)
+    V = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED)
+    return p.stiffness[0] * p.creep[0] / V, p.stiffness[1] * p.creep[1] / V
+
+
+def compiled(law):
+    """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
+    forces = law.forces
+
+    @kernel
+    def residual(p, at, f):
+        """Add the forces of ground and carcass; see the contract."""
+        x, y, x1, y1 = number(at.q[X]), number(at.q[Y]), number(at.v[X]), number(at.v[Y])
+        if at.phase == AIR:
+            f[X] += p.stiffness[0] * (x + DECAY * x1)
+            f[Y] += p.stiffness[1] * (y + DECAY * y1)
+            return
+        k = rolling(p, at, True)
+        ground = forces(p, at.laws, carried(at, k.slip))
+        add_ground(f, at, k, ground)
+        d_t, d_l = damping(p, k.slip)
+        f[X] += p.stiffness[0] * x + d_t * x1 - dot(ground.F, k.slip.t)
+        f[Y] += p.stiffness[1] * y + d_l * y1 - dot(ground.F, k.slip.l)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Outputs and energies; see OUTPUTS and the contract."""
+        k = rolling(p, at, at.phase == CONTACT)
+        put_rolling(p, at, k, forces(p, at.laws, carried(at, k.slip)), y, e)
+        x1, y1 = at.v[X], at.v[Y]
+        y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], x1, y1
+        d_t, d_l = damping(p, k.slip)
+        if at.phase == AIR:
+            d_t, d_l = DECAY * p.stiffness[0], DECAY * p.stiffness[1]
+        e[1] += 0.5 * (p.stiffness[0] * at.q[X] * at.q[X] + p.stiffness[1] * at.q[Y] * at.q[Y])
+        e[2] += d_t * x1 * x1 + d_l * y1 * y1
+
+    return residual, observe
+
+
+@cache
+def with_law(law):
+    """The Kind of a wheel with a SlipLaw."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        carcass = law.carcass(d["tire_law"])
+        own = {"stiffness": np.array(carcass.stiffness), "creep": np.array(carcass.creep)}
+        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context), **own}
+
+    dtype = record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **RADIAL_RECORD, **law.record)
+    return replace(
+        TRANSIENT_WHEEL, name=f"transient_wheel_{law.name}", dtype=dtype, prepare=prepare, residual=residual,
+        observe=observe, variant=None,
+    )  # fmt: skip
+
+
+def variant(d):
+    """The wheel with the slip law of its tyre."""
+    return with_law(slip_law_of(d["tire_law"]))
+
+
+def check(d, nodes):
+    """Texts of a wheel with a tyre law, and on a law without a carcass."""
+    law = slip_law_of(d["tire_law"])
+    texts = check_wheel(d, nodes)
+    if texts:
+        return texts
+    if law.carcass is None:
+        known = ", ".join(name for name, other in SLIP_LAWS.items() if other.carcass)
+        return [f"'tire_law.{law.name}' has no carcass, which a transient_wheel needs; these have one: {known}"]
+    if law.carcass(d["tire_law"]) is None:
+        return [
+            f"'tire_law.{law.name}' has no stiffness of the carcass, which a transient_wheel needs: "
+            "'carcass_stiffness' of fiala; PTX1 and PTY1, or LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS, of a file"
+        ]
+    return []
+
+
+def limits(d):
+    """The ranges of the radial law and of the slip law."""
+    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
+
+
+def prepare(d, nodes, context):
+    """Record of the kind with the slip law of its tyre."""
+    return variant(d).prepare(d, nodes, context)
+
+
+def sample(rng):
+    """Large wheels with each slip law that has a carcass: in contact, in the air."""
+    laws = [law for law in SLIP_LAWS.values() if law.carcass]
+    return [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
+
+
+RESIDUAL, OBSERVE = compiled(SLIP_LAWS["fiala"])
+TRANSIENT_WHEEL = Kind(
+    name="transient_wheel",
+    section="elements",
+    doc=__doc__,
+    dtype=record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **RADIAL_RECORD, **SLIP_LAWS["fiala"].record),
+    layout=("x0", "R0"),
+    scalars=SCALARS,
+    massless=SCALARS,
+    fields=FIELDS,
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
+    phases=PHASES,
+    events=EVENTS,
+    variant=variant,
+    prepare=prepare,
+    check=check,
+    limits=limits,
+    ends=ends,
+    residual=RESIDUAL,
+    observe=OBSERVE,
+    event_values=event_values,
+    sample=sample,
+)

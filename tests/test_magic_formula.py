@@ -1,0 +1,219 @@
+"""Tyres from .tir files: the Magic Formula against a second implementation, units, errors, ranges, a sweep."""
+
+import math
+import textwrap
+
+import numpy as np
+import pytest
+from magic_formula import forces, read, rolling_radius
+from time_runs import INPUTS, RecordedRun, input_deck
+
+from mecano.analyses.law_tests import Tyre
+from mecano.deck.deck import Deck
+from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.elements.wheels.magic_formula import EXAMPLE, MAGIC_FORMULA, relaxation_lengths, slip_stiffness
+from mecano.elements.wheels.slip_law import default_values
+from mecano.errors import DeckError
+
+CAR = read(INPUTS / "passenger_car.tir")
+SOURCE = "Pacejka 2012, (4.E9)-(4.E78), written once more"
+
+
+def tyre(numbers, version, **options):
+    given = {"coefficients": {**numbers, "VERSION": version}, "least_speed": 1e-9, **options}
+    values = {"magic_formula": default_values(MAGIC_FORMULA.type.options, given), "radius": numbers["UNLOADED_RADIUS"]}
+    assert MAGIC_FORMULA.check(values) == []
+    return Tyre(MAGIC_FORMULA, values)
+
+
+def at(tyre, numbers, load, kappa, alpha, gamma, V, side=1.0):
+    """(Fx, Fy, Mx, My, Mz) of mecano at slips of the file, in its axes."""
+    omega = 20.0
+    for _ in range(60):  # the spin that has the slip: its rolling radius grows with it
+        omega = V * (1.0 + kappa) / rolling_radius(numbers, load, omega)
+    v = 0.0, V * math.tan(alpha)
+    k = tyre.forces(load, v, (V, v[1]), (0.0, omega, 0.0), side * math.sin(gamma), omega)
+    return np.array([k.F[0], k.F[1], *k.M])
+
+
+def points(count, most_load):
+    rng = np.random.default_rng(3)
+    return np.column_stack([
+        rng.uniform(0.2, 2.0, count) * most_load, rng.uniform(-0.6, 0.6, count), rng.uniform(-0.35, 0.35, count),
+        rng.uniform(-0.15, 0.15, count), rng.uniform(5.0, 40.0, count),
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("version", [6.1, 5.2])
+@pytest.mark.parametrize(("name", "numbers", "V_scale"), [("car", CAR, 1.0), ("all terms", EXAMPLE, 0.1)])
+def test_forces_at_50_points(name, numbers, V_scale, version, verify):
+    """Both versions, combined slip, camber, load, another pressure than that of the file."""
+    numbers = {**numbers, "LMUV": 0.0}
+    numbers = {**numbers, "PHY3": 0.02} if version < 6 else numbers
+    pressure, found, expected = 1.15 * numbers["NOMPRES"], [], []
+    one = tyre(numbers, version, pressure=pressure)
+    for load, kappa, alpha, gamma, V in points(50, numbers["FNOMIN"]):
+        found.append(at(one, numbers, load, kappa, alpha, gamma, V * V_scale))
+        expected.append(forces(numbers, load, kappa, alpha, gamma, V * V_scale, pressure, version))
+    found, expected = np.array(found), np.array(expected)
+    size = np.abs(expected).max(axis=0)
+    assert np.all(size > 0.0)
+    for i, what in enumerate(("F_x", "F_y", "M_x", "M_y", "M_z")):
+        label = f"Magic Formula {version}, {name}: {what} at 50 points, over the largest"
+        verify("Tyres", label, found[:, i] / size[i], expected[:, i] / size[i], SOURCE, absolute=1e-7)
+
+
+def test_friction_falls_with_the_slip_speed():
+    """LMUV, (4.E7): the slip speed is that of the point of contact against the effective rolling radius."""
+    numbers = {**CAR, "LMUV": 0.3}
+    V, kappa, alpha = 20.0, -0.3, 0.1
+    Vs = math.hypot(V * kappa, V * math.tan(alpha))
+    expected = forces(numbers, 4e3, kappa, alpha, 0.0, V, CAR["INFLPRES"], Vs=Vs)
+    found = at(tyre(numbers, 6.1), numbers, 4e3, kappa, alpha, 0.0, V)
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
+
+
+def test_a_mirrored_tyre_is_the_mirror_image():
+    one, other = tyre(CAR, 6.1), tyre(CAR, 6.1, mirrored=True)
+    for load, kappa, alpha, gamma, V in points(10, 4e3):
+        a, b = at(one, CAR, load, kappa, alpha, gamma, V), at(other, CAR, load, kappa, -alpha, -gamma, V)
+        np.testing.assert_allclose(b, a * [1, -1, -1, 1, -1], rtol=1e-9, atol=1e-9)
+
+
+def test_stiffnesses_are_the_slopes_of_the_formula():
+    numbers = {**CAR, **dict.fromkeys(("PHX1", "PHX2", "PHY1", "PHY2", "PVX1", "PVX2", "PVY1", "PVY2", "RHX1", "RHY1",
+                                       "RHY2", "RVY1", "RVY2"), 0.0)}  # fmt: skip
+    defaults = {**{name: 1.0 for name in ("LFZO", "LKX", "LKY")}, "PKY4": 2.0, "PTX1": 0.0, "PTY1": 0.0, **numbers}
+    for load in (2e3, 4e3, 7e3):
+        K_x, K_y = slip_stiffness(defaults, load)
+        h, p = 1e-6, CAR["INFLPRES"]
+        ahead, aside = forces(numbers, load, h, 0.0, 0.0, 20.0, p), forces(numbers, load, 0.0, h, 0.0, 20.0, p)
+        assert ahead[0] / h == pytest.approx(K_x, rel=1e-4) and -aside[1] / h == pytest.approx(K_y, rel=1e-4)
+        dp = CAR["INFLPRES"] / CAR["NOMPRES"] - 1.0
+        lengths = relaxation_lengths(defaults, load)
+        assert lengths[1] == pytest.approx(K_y / (CAR["LATERAL_STIFFNESS"] * (1.0 + CAR["PCFY3"] * dp)), rel=1e-12)
+    old = {**defaults, "PTX1": 2.0, "PTX2": 0.3, "PTX3": -0.2, "PTY1": 1.9, "PTY2": 2.1, "LSGKP": 1.0, "LSGAL": 1.0}
+    along, aside = relaxation_lengths(old, 6e3)
+    assert along == pytest.approx(1.5 * (2.0 + 0.3 * 0.5) * math.exp(0.2 * 0.5) * 0.32, rel=1e-12)
+    assert aside == pytest.approx(1.9 * math.sin(2 * math.atan(6e3 / (2.1 * 4e3))) * 0.32, rel=1e-12)
+
+
+def test_a_slow_sweep_of_the_slip_angle():
+    """inputs/magic_formula_sweep.yaml: the wheel rolls freely but for its rolling resistance."""
+    recorded = RecordedRun(input_deck("magic_formula_sweep"))
+    names = "normal_force", "longitudinal_force", "lateral_force", "slip_moment", "spin_rate", "slip_angle"
+    tire = {name: recorded[f"elements/tire/{name}"] for name in names}
+    alpha = -np.radians(recorded.time)
+    load, omega = tire["normal_force"].ravel(), tire["spin_rate"].ravel()
+    V_x = 20.0 * np.cos(alpha)
+    V = np.hypot(V_x, 1.0)  # least_speed
+    kappa = -(V_x - rolling_radius(CAR, load, omega) * omega) / V
+    slip = np.arctan(20.0 * np.sin(alpha) / V)
+    expected = forces(CAR, load, kappa, slip, 0.0, V_x, CAR["INFLPRES"])
+    later = recorded.time > 0.1
+    for name, i, share in (("longitudinal_force", 0, 1.0), ("lateral_force", 1, 1.0)):
+        np.testing.assert_allclose(tire[name].ravel()[later], share * expected[i][later], atol=1e-3 * 4e3)
+    Mx, My, Mz = tire["slip_moment"].T
+    for found, i, share in ((Mx, 2, 1.0), (My, 3, V_x / V), (Mz, 4, V_x / V)):
+        np.testing.assert_allclose(found[later], (share * expected[i])[later], atol=1e-3 * np.abs(expected[i]).max())
+    np.testing.assert_allclose(tire["slip_angle"].ravel(), alpha, atol=1e-4)
+    drag = (My - 0.4 * np.gradient(omega, recorded.time)) / 0.301  # rolling resistance and the spin, over the height
+    settled = recorded.time > 0.5
+    np.testing.assert_allclose(tire["longitudinal_force"].ravel()[settled], drag[settled], rtol=1e-3)
+
+
+DECK = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {hub: {position: [0, 0, 0.301]}}
+    elements:
+      rim: {type: rigid_body, node: hub, mass: 10.0, inertia: [0.2, 0.4, 0.2]}
+      tire: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: car, ground: road}
+    tire_laws: {car: {magic_formula: {file: own.tir}}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    time: {end: 0.1, step: 0.001}
+"""
+
+
+def with_file(folder, text, deck=DECK):
+    (folder / "own.tir").write_text(text)
+    (folder / "deck.yaml").write_text(textwrap.dedent(deck))
+    return read_deck(folder / "deck.yaml")
+
+
+ORIGINAL = (INPUTS / "passenger_car.tir").read_text()
+
+
+def test_radius_and_radial_law_are_those_of_the_file(tmp_path):
+    """F_z = F_z0 (q_1 w/R0 + q_2 (w/R0)^2)(1 + p_Fz1 dp), q_1 so that the slope is the stiffness there (Besselink)."""
+    checked = with_file(tmp_path, ORIGINAL)
+    law = checked.values["tire_laws"]["car"]
+    q_1 = math.sqrt((210e3 * 0.32 / 4e3) ** 2 - 4.0 * 15.0)
+    pressed = 1.0 + 0.7 * (240e3 / 220e3 - 1.0)
+    numbers = [0.0, pressed * 4e3 * q_1 / 0.32, pressed * 4e3 * 15.0 / 0.32**2]
+    assert law["radius"] == 0.32 and law["radial_damping"] == 50.0 / 4e3
+    np.testing.assert_allclose(law["radial"][0][1]["coefficients"], numbers, rtol=1e-12)
+    assert isinstance(checked, Deck) and list(checked.files) == ["own.tir"]
+    again = deck_of_bytes(checked.resolved_text().encode(), "again.yaml")
+    assert again.values["tire_laws"]["car"] == law
+
+
+def test_units_of_the_file(tmp_path):
+    """The same tyre in millimetres, kilonewtons and degrees."""
+    text = ORIGINAL.replace("'meter'", "'mm'").replace("'newton'", "'kN'").replace("'radians'", "'degree'")
+    scales = {
+        "UNLOADED_RADIUS": 1e3, "FNOMIN": 1e-3, "FZMIN": 1e-3, "FZMAX": 1e-3, "NOMPRES": 1e-9, "INFLPRES": 1e-9,
+        "PRESMIN": 1e-9, "PRESMAX": 1e-9, "LONGVL": 1e3, "VXLOW": 1e3, "VERTICAL_DAMPING": 1e-6,
+        "VERTICAL_STIFFNESS": 1e-6, "LONGITUDINAL_STIFFNESS": 1e-6, "LATERAL_STIFFNESS": 1e-6,
+        **dict.fromkeys(("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX"), 180.0 / math.pi),
+    }  # fmt: skip
+    lines = []
+    for line in text.splitlines():
+        key, _, value = line.partition("=")
+        scale = scales.get(key.strip())
+        lines.append(f"{key}= {float(value.split()[0]) * scale!r}" if scale else line)
+    one, other = (with_file(tmp_path, t).values["tire_laws"]["car"] for t in (ORIGINAL, "\n".join(lines)))
+    for name, value in one["magic_formula"]["coefficients"].items():
+        assert other["magic_formula"]["coefficients"][name] == pytest.approx(value, rel=1e-12), name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("FITTYP                   = 61 ", "FITTYP                   = 99 ", "has FITTYP = 99; read are 6, 21"),
+        ("PCX1                     = 1.62", "PCX1                     = abc", "has PCX1 = 'abc', which is no number"),
+        ("PKY1                     = -24.0\n", "", "'tire_law.magic_formula' has no PKY1"),
+        ("'meter'", "'furlong'", "has the unit LENGTH = 'furlong'; known: meter"),
+        ("VERTICAL_STIFFNESS       = 210000\n", "", "missing 'radial', radial force"),
+        ("FNOMIN                   = 4000", "FNOMIN                   = -4000", "FNOMIN must be greater than zero"),
+    ],
+)
+def test_what_is_wrong_in_a_file(tmp_path, old, new, said):
+    assert ORIGINAL.count(old) == 1
+    with pytest.raises(DeckError) as error:
+        with_file(tmp_path, ORIGINAL.replace(old, new))
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("file: own.tir", "file: none.tir", "file 'none.tir' cannot be read"),
+        ("file: own.tir", "file: ../own.tir", "must lie in the folder of the deck"),
+        ("file: own.tir", "pressure: 2.4 bar", "either a 'file' or 'coefficients'"),
+        ("{magic_formula: {file: own.tir}}", "{radius: 0.3}", "missing a slip law, one of 'friction', 'fiala'"),
+        ("own.tir}}", "own.tir}, friction: 0.8, slip_regularization: 0.1}", "a tyre has one slip law"),
+        ("type: wheel", "type: flexible_wheel", "'tire_law.friction' is missing, which a flexible_wheel needs"),
+    ],
+)
+def test_what_is_wrong_in_a_deck(tmp_path, old, new, said):
+    assert DECK.count(old) == 1
+    with pytest.raises(DeckError) as error:
+        with_file(tmp_path, ORIGINAL, DECK.replace(old, new))
+    assert said in str(error.value)
+
+
+def test_the_ranges_of_a_file_are_watched(tmp_path):
+    law = with_file(tmp_path, ORIGINAL).values["tire_laws"]["car"]
+    watched_outputs = {output: value for output, value, _ in MAGIC_FORMULA.limits(law)}
+    assert watched_outputs == {"slip_ratio": 1.5, "slip_angle": 0.5, "lean": 0.2, "normal_force": 9000.0}

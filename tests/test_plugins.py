@@ -1,0 +1,203 @@
+"""Kinds, tyre laws and laws of one's own: docs/plugins.md as it stands, `mecano check-kind`, what is recorded."""
+
+import doctest
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mecano
+from mecano.interface import plugins
+
+PAGE = (Path(__file__).parent.parent / "docs" / "plugins.md").read_text(encoding="utf-8")
+SOURCES = dict(re.findall(r"`(my_\w+\.py)`[^`]*?:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
+[FALL] = re.findall(r"`fall.yaml`:\n\n```yaml\n(.*?)```", PAGE, re.DOTALL)
+[TYRE] = re.findall(r"```yaml\n(tire_laws:\n.*?)```", PAGE, re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A working folder with the files of the page."""
+    for name, text in {**SOURCES, "fall.yaml": FALL}.items():
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def call(*words, **environment):
+    """Exit code, standard output and errors of `mecano`, in a process of its own: plugins stay in a process."""
+    command = [sys.executable, "-m", "mecano", *words]
+    ended = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
+    assert "Traceback" not in ended.stderr, ended.stderr
+    return ended.returncode, ended.stdout, ended.stderr
+
+
+def test_the_page_has_three_files_and_its_element_30_lines():
+    assert set(SOURCES) == {"my_drag.py", "my_tyre.py", "my_law.py"}
+    assert len([line for line in SOURCES["my_drag.py"].splitlines() if line.strip()]) <= 30
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_the_files_of_the_page_pass_the_generic_tests(folder, name):
+    code, out, _ = call("check-kind", name)
+    assert code == 0 and "passed" in out and "FAILED" not in out, out
+    assert (name != "my_drag.py") or "passed  Tangents are the derivatives of the force" in out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "failed"),
+    [
+        ("e[2] = y[0]", "e[2] = 2.0 * y[0]", "The power of the forces is the change of energy"),
+        ("e[2] = y[0]", "e[2] = -y[0]", "The power of the forces is the change of energy"),
+        ("norm(v), v)", "(1.0 + v[2]), v)", "Forces turn with the whole model"),
+        ('"-", "node on which', '"", "node on which', "Fields, outputs, rows and events are declared"),
+        ('rng.uniform(1.0, 2.0)}, 1, "")', 'rng.uniform(1.0, 2.0)}, 1, "contact")', "Samples pass the check"),
+    ],
+)
+def test_what_is_wrong_in_a_kind_is_found(folder, old, new, failed):
+    text = SOURCES["my_drag.py"]
+    assert text.count(old) == 1
+    (folder / "my_drag.py").write_text(text.replace(old, new))
+    code, out, err = call("check-kind", "my_drag.py")
+    assert code == 2 and f"FAILED  {failed}" in out and "of my_drag.py failed" in err
+
+
+def test_a_wrong_tangent_by_hand_is_found(folder):
+    by_hand = (
+        SOURCES["my_drag.py"]
+        .replace("def residual(p, at, f):", "def force(p, at, f, K, C, M):")
+        .replace("residual=residual", "force=force")
+    )
+    (folder / "my_drag.py").write_text(by_hand)
+    code, out, _ = call("check-kind", "my_drag.py")
+    assert code == 2 and "FAILED  Tangents are the derivatives of the force" in out
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "failed"),
+    [
+        ("my_tyre.py", "-dot(F, k.v), 0.0", "-0.5 * dot(F, k.v), 0.0", "The power of force and moment"),
+        ("my_tyre.py", "F = -(share * c)", "F = (share * c)", "The power of force and moment"),
+        ("my_law.py", "-2.0 * x * y * y / w", "2.0 * x * y * y / w", "Derivatives of the term"),
+        ("my_law.py", "a[i] * math.atan", "math.atan", "The integral of the term"),
+    ],
+)
+def test_what_is_wrong_in_a_law_is_found(folder, name, old, new, failed):
+    assert SOURCES[name].count(old) == 1
+    (folder / name).write_text(SOURCES[name].replace(old, new))
+    code, out, _ = call("check-kind", name)
+    assert code == 2 and f"FAILED  {failed}" in out
+
+
+def test_a_run_with_a_plugin(folder):
+    """The speed of the fall is V tanh(g t/V), as the page says; the plugin is recorded; without it there is no run."""
+    code, _, err = call("run", "fall.yaml")
+    assert code == 2 and "unknown type 'drag'" in err
+    code, _, err = call("run", "fall.yaml", "--plugin", "my_drag.py", "-q")
+    assert code == 0, err
+    with mecano.open_results("fall.h5") as results:
+        V = np.sqrt(2.0 * 9.81 / 0.05)
+        speed = -results["ball.velocity.z"].values
+        np.testing.assert_allclose(speed, V * np.tanh(9.81 * results.time / V), atol=2e-4)
+        assert speed[-1] == pytest.approx(19.07, abs=0.005) and V == pytest.approx(19.81, abs=0.005)
+        np.testing.assert_allclose(results["air.force"].values, 0.05 * speed**2, rtol=1e-12)
+        recorded = json.loads(results.metadata["plugins"])
+    digest = hashlib.sha256((folder / "my_drag.py").read_bytes()).hexdigest()
+    assert recorded == {str(folder / "my_drag.py"): {"sha256": digest, "names": ["drag"]}}
+    assert "(drag; " in call("info", "fall.h5")[1]
+
+
+def test_it_is_explained_listed_and_part_of_the_grammar(folder):
+    code, out, _ = call("explain", "drag", "--plugin", "my_drag.py")
+    assert code == 0 and "coefficient [N s2/m2]: a number; required" in out and "force [N]" in out
+    assert "Drag of a body in still air" in call("list", "--plugin", "my_drag.py")[1]
+    assert '"kind drag"' in call("schema", "--plugin", "my_drag.py")[1]
+    assert "slip law" in call("explain", "limited", "--plugin", "my_tyre.py")[1]
+    assert "bell (term of a law" in call("explain", "bell", "--plugin", "my_law.py")[1]
+
+
+def test_its_outputs_are_drawn(folder):
+    assert call("run", "fall.yaml", "--plugin", "my_drag.py", "-q")[0] == 0
+    assert call("post", "fall.h5", "--plugin", "my_drag.py", "-o", "out")[0] == 0
+    assert any("loads" in path.name or "drag" in path.name for path in folder.rglob("*.p[nd][gf]"))
+
+
+def test_a_run_is_resumed_with_the_same_plugin_only(folder):
+    run = "run", "fall.yaml", "--plugin", "my_drag.py", "-q"
+    assert call(*run)[0] == 0  # compiles
+    os.remove("fall.h5")
+    assert call(*run, "--set", "time.step=1e-6", "--max-walltime", "6s")[0] == 75 and os.path.exists("fall.h5")
+    (folder / "my_drag.py").write_text(SOURCES["my_drag.py"] + "# changed\n")
+    code, _, err = call(*run, "--set", "time.step=1e-6", "--resume")
+    assert code == 2 and "my_drag.py is missing or was changed" in err
+
+
+def test_the_cases_of_a_study_get_the_plugins(folder):
+    (folder / "study.yaml").write_text(
+        "study: 1\ndeck: fall.yaml\nset: {time.end: 0.1}\ngrid: {loads.air.coefficient: [0.05, 0.5]}\n"
+        "outputs: {drag: {of: air.force, take: max}}\n"
+    )
+    code, _, err = call("sweep", "study.yaml", "--plugin", "my_drag.py", "-q")
+    assert code == 0, err
+    table = (folder / "study_runs" / "table.csv").read_text()
+    assert table.count("complete") == 2
+
+
+def test_a_tyre_law_and_a_law_in_a_deck(folder):
+    deck = (Path(__file__).parent.parent / "inputs" / "fiala_sweep.yaml").read_text()
+    head, _, tail = deck.partition("tire_laws:\n")
+    (folder / "own.yaml").write_text(head + TYRE.replace("mine:", "brush:") + tail[tail.index("\ngrounds:") :])
+    code, _, err = call("check", "own.yaml", "--plugin", "my_tyre.py")
+    assert code == 0, err
+    code, _, err = call("check", "own.yaml")
+    assert code == 2 and "unknown key 'limited'" in err
+
+
+def test_an_installed_package(folder):
+    """An entry point of the group mecano.kinds is found without an option; its module is imported."""
+    package, info = folder / "site" / "drag_package", folder / "site" / "drag_package-1.0.dist-info"
+    package.mkdir(parents=True)
+    info.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "drag.py").write_text(SOURCES["my_drag.py"])
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: drag-package\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[mecano.kinds]\ndrag = drag_package.drag\n")
+    path = os.pathsep.join([str(folder / "site"), os.environ.get("PYTHONPATH", "")])
+    code, out, _ = call("explain", "drag", PYTHONPATH=path)
+    assert code == 0 and "coefficient [N s2/m2]" in out
+    code, _, err = call("run", "fall.yaml", "-q", PYTHONPATH=path)
+    assert code == 0, err
+    with mecano.open_results("fall.h5") as results:
+        assert list(json.loads(results.metadata["plugins"])) == ["drag-package:drag_package.drag"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x = 1\ny = (\n", "line 2: SyntaxError"),
+        ("x = 1\nimport no_such_module_anywhere\n", "line 2: ModuleNotFoundError: No module named 'no_such"),
+        ("x = 1\n", "has no Kind, SlipLaw or Term of its own"),
+        (SOURCES["my_drag.py"].replace('name="drag"', 'name="hinge"'), "there is a kind 'hinge' already"),
+    ],
+)
+def test_a_file_that_cannot_be_used(folder, text, said):
+    (folder / "wrong.py").write_text(text)
+    for words in (("check-kind", "wrong.py"), ("run", "fall.yaml", "--plugin", "wrong.py")):
+        code, _, err = call(*words)
+        assert code == 2 and said in err
+    assert call("check-kind", "missing.py")[0] == 2
+
+
+def test_the_example_of_load_plugin(folder, monkeypatch):
+    """In a process of its own, too."""
+    code = "import doctest, mecano; from mecano.interface import plugins\n"
+    code += "print(doctest.testmod(plugins, extraglobs={'mecano': mecano}))"
+    assert doctest.DocTestFinder().find(plugins)
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "failed=0, attempted=1" in ended.stdout, ended.stdout
