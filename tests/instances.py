@@ -66,7 +66,7 @@ class Instance:
     mode: int
     memory: np.ndarray
     laws: np.ndarray
-    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
+    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates; then those of its inputs
     multipliers: np.ndarray  # k lambda
     lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
@@ -194,7 +194,7 @@ def samples(kind):
 
 def expand(kind, values, nodes, mode, gravity, rng):
     """[Instance]: the element and its parts, with random scalars and multipliers."""
-    context, kind = Context(LawTable(), gravity), kind.chosen(values)
+    context, kind = Context(LawTable(), gravity, KINDS), kind.chosen(values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
@@ -208,7 +208,7 @@ def expand(kind, values, nodes, mode, gravity, rng):
         for key, value in record.items():
             p[key][0] = value
         memory = np.zeros(len(of.memory))
-        scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
+        scalars = 0.1 * rng.normal(size=(3, len(of.scalars) + len(of.inputs)))
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):
@@ -247,6 +247,8 @@ def turned_values(kind, values, Q, shift):
             out[field.name] = [list(Q @ point + shift) for point in value]
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
+        if value is not None and field.type.name == "joint":
+            out[field.name] = {**value, "axis": Q @ value["axis"]}
         if value is not None and field.type == WHEEL:
             ground = _turned_ground(value["ground"], Q, shift)
             out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}

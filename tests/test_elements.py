@@ -175,6 +175,8 @@ def test_power_of_the_forces_is_the_change_of_energy(kind):
             state, n = instance.local(motion), len(instance.kind.multipliers)
             f = instance.force(motion.t, state)[0]
             terms = (f * state[1])[: len(f) - n]
+            if instance.kind.of_signals:
+                continue  # signals are no coordinates
             power += terms.sum() + instance.multipliers @ instance.levels(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
         size += np.abs(energy(0.0)[0]).sum()

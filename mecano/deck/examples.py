@@ -1,7 +1,7 @@
 """A line of a deck for each kind, shape of a section and term of a law, as `mecano explain` shows it.
 
-All are of one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe and a
-law viscous (tests/test_deck_examples.py); none is more than an example.
+All are of one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe, a law
+viscous, joints knee and rail (tests/test_deck_examples.py); none is more than an example.
 """
 
 from textwrap import wrap
@@ -56,6 +56,11 @@ EXAMPLES = {
     "moment": "twist: {type: moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "follower_moment": "twist: {type: follower_moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "couple": "drive: {type: couple, nodes: [crank, rod], axis: [0, 1, 0], value: 12 N m}",
+    "joint_moment":
+        "motor: {type: joint_moment, joint: knee, value: 40*(0.5 - knee.angle) - 2*knee.rate}",
+    "joint_force": "thruster: {type: joint_force, joint: rail, value: 3 kN}",
+    "line_force": "cylinder: {type: line_force, nodes: [crank, slider], value: -200*slider.velocity.x}",
+    "formula": "speed: {type: formula, value: 'hypot(slider.velocity.x, slider.velocity.z)'}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",

@@ -11,7 +11,7 @@ from mecano.compiled.kernel import kernel
 from mecano.maths.vector import add_vec, dot, vec
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coordinate:
     """A number that follows from the positions and rotations of nodes."""
 

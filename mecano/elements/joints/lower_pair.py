@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from mecano.compiled.kernel import kernel
+from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.of_coordinates import (
@@ -39,7 +40,7 @@ from mecano.constraints.pair import (
 from mecano.constraints.uses.friction import check_friction, friction_fields
 from mecano.constraints.uses.law import SLIDING_FIELDS, TURNING_FIELDS
 from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
-from mecano.contract import Kind, Part
+from mecano.contract import Kind, Measured, Part
 from mecano.schema import DIRECTION, Field
 
 
@@ -132,8 +133,22 @@ def lower_pair(name, doc, pair, sample):
         fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
         optional=_optional(pair), memory=("angle",) if pair.turns else (),
         prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),
-        commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample,
+        commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample, measures=_measures(pair),
     )  # fmt: skip
+
+
+def _measures(pair):
+    """Return the ``measures``: the turning about the axis and the sliding along it, where they are free."""
+
+    def angle(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
+
+    def displacement(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return Measured(SLIDE, (0, 1), {"mu": p["mu"][2]}, p["start"][2])
+
+    return {**({"angle": angle} if pair.turns else {}), **({"displacement": displacement} if pair.slides else {})}
 
 
 def _fields(pair):

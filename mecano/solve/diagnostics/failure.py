@@ -99,11 +99,11 @@ def worst_equations(system):
 
 
 def _scales(system):
-    """Sizes (5,) that residuals of each kind of equation are judged by, as in ``norms``; of constraints as forces."""
+    """Sizes (6,) that residuals of each kind of equation are judged by, as in ``norms``; of constraints as forces."""
     kind, size, length = system.numbering.kind, system.size, length_scale(system.nodes)
     force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
     f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
-    scales = np.full(5, m / length**2)
+    scales = np.full(6, m / length**2)
     scales[[TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT]] = f, m, max(own, ANGULAR_SHARE * f), f
     return scales
 

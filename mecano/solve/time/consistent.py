@@ -16,6 +16,7 @@ from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.increments import displaced, moved
+from mecano.solve.time.signals import settle_signals
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
 RATE_ITERATIONS = 100
@@ -47,12 +48,13 @@ class Consistent:
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
         # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
-        self.loose = loose & ((diagonal <= 0.0) | system.relaxing)
+        self.loose = loose & ((diagonal <= 0.0) | system.relaxing | system.signals)
         self.relaxing = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
-        if len(self.relaxing):
-            relaxing = np.zeros(system.n, bool)
-            relaxing[self.relaxing] = True
-            data[:-1][relaxing[system.rows] | relaxing[system.cols]] = 0.0
+        if len(self.relaxing) or system.signals.any():
+            alone = np.zeros(system.n, bool)
+            alone[self.relaxing] = True
+            alone[: system.n_q] |= system.signals
+            data[:-1][alone[system.rows] | alone[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -137,6 +139,10 @@ class Consistent:
         keep them fulfilled while all velocities stay.
         """
         own, of = self.relaxing, self.system.numbering
+        if self.system.signals.any():
+            settle_signals(self.system, s, DIFFERENCE * h)
+            signals = np.flatnonzero(self.system.signals)
+            self.bare.z[signals] = s.z[signals]
         for _ in range(SETTLING if len(own) else 0):
             self.settle_rates(s)
             fast = self._fast(s, FAST * h)

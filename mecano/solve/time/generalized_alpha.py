@@ -233,7 +233,8 @@ class GeneralizedAlpha:
         resolved = self._resolver(s, scales)
         if resolved is None:
             return a
-        part = np.where(self.system.relaxing, a, resolved(a))  # scalars without inertia swing with nothing
+        alone = self.system.relaxing | self.system.signals
+        part = np.where(alone, a, resolved(a))  # scalars without inertia swing with nothing
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
     def _resolver(self, s, scales):
