@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from convergence import at_times
 from marching import March, deck, input_deck
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
+from small_motions import eigenvalues
 
 from mecano.errors import AssemblyError
 
@@ -74,3 +77,78 @@ def test_signals_may_need_one_another():
 def test_signals_that_do_not_determine_one_another_are_refused():
     with pytest.raises(AssemblyError, match="first.*not determined: signals need one another in a circle"):
         March(deck(LOOP.replace("SIGNAL", '"2*second"')))
+
+
+def ramp_response(t, w, d):
+    """Response of 1/(s^2/w^2 + 2 d s/w + 1) to the ramp t."""
+    damped, decay = w * np.sqrt(1.0 - d * d), np.exp(-d * w * t)
+    wave = 2.0 * d / w * np.cos(damped * t) + (2.0 * d * d - 1.0) / damped * np.sin(damped * t)
+    return t - 2.0 * d / w + decay * wave
+
+
+FILTERS = {
+    "lag": lambda t: t - 0.2 * (1.0 - np.exp(-5.0 * t)),
+    "integral": lambda t: 0.5 + 0.5 * t * t,
+    "washout": lambda t: 1.0 - np.exp(-5.0 * t),
+    "second_order": lambda t: ramp_response(t, 10.0, 0.3),
+    "same_in_space": lambda t: ramp_response(t, 10.0, 0.3),
+}
+
+
+@pytest.fixture(scope="module")
+def filters():
+    return [March(input_deck("filters", f"time.step={h}")) for h in (0.01, 0.005)]
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_filters_of_a_ramp(filters, verify, name):
+    times = np.arange(0.1, 1.0, 0.1)
+    found = [at_times(m, m[f"signals/{name}/value"], times) for m in filters]
+    expected = FILTERS[name](times)
+    if name == "integral":  # of second order, exact for a parabola
+        np.testing.assert_allclose(found[1], expected, atol=1e-10)
+    else:
+        verify.second_order(
+            CONTROL, f"{name} of a ramp", *found, expected, 5e-7 if name == "lag" else 2e-6, "closed form"
+        )
+
+
+class Servo:
+    """The cart of position_servo.yaml: x, v, thrust, integral, filtered error."""
+
+    m, kp, ki, kd, td, most, tt, lag = 2.0, 80.0, 60.0, 20.0, 0.02, 15.0, 0.3, 0.01
+
+    def rates(self, t, y):
+        e = 0.4 - y[0]
+        u = self.kp * e + y[3] + self.kd * (e - y[4]) / self.td
+        command = np.clip(u, -self.most, self.most)
+        integral = self.ki * e + (command - u) / self.tt
+        return [y[1], y[2] / self.m, (command - y[2]) / self.lag, integral, (e - y[4]) / self.td]
+
+    def motion(self, times):
+        """The displacement at ``times``; short steps leave the corners at the limits an error of 1e-9."""
+        options = {"rtol": 1e-10, "atol": 1e-12, "max_step": 5e-4, "method": "DOP853"}
+        return solve_ivp(self.rates, (0.0, times[-1]), np.zeros(5), t_eval=times, **options).y[0]
+
+
+def test_position_servo(verify):
+    times, found = np.arange(0.1, 3.0, 0.1), []
+    for h in (1e-3, 5e-4):
+        m = March(input_deck("position_servo", f"time.step={h}"))
+        found.append(CubicHermiteSpline(m.time, m["joints/rail/displacement"], m["joints/rail/velocity"])(times))
+        assert m.happenings[-1].name == "upper limit left" and m.happenings[-1].t == pytest.approx(0.0681, abs=2e-4)
+        assert m["signals/command/value"].max() == 15.0
+    verify.second_order(
+        CONTROL, "cart with a PID controller at its limit [m]", *found, Servo().motion(times), 2e-7, "SciPy"
+    )
+
+
+def test_poles_of_a_closed_loop(verify):
+    within_limits = "signals.command.lower=-1e6", "signals.command.upper=1e6"
+    found, s = eigenvalues(input_deck("position_servo", *within_limits)), Servo()
+    # times s (T_D s + 1): m s^3 (T s + 1)(T_D s + 1) + (K_P s + K_I)(T_D s + 1) + K_D s^2
+    plant = np.polymul([s.m, 0.0, 0.0, 0.0], np.polymul([s.lag, 1.0], [s.td, 1.0]))
+    control = np.polyadd(np.polymul([s.kp, s.ki], [s.td, 1.0]), [s.kd, 0.0, 0.0])
+    poles = np.roots(np.polyadd(plant, control))
+    expected = np.array(sorted(poles, key=lambda x: (abs(x), x.imag)))
+    verify(CONTROL, "poles of the loop [1/s]", found, expected, "roots of its polynomial", relative=1e-8)

@@ -5,7 +5,8 @@ from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.uses.sense import SIGNAL, rate_sensor_kind, sensor_kind
+from mecano.constraints.uses.sense import rate_sensor_kind, sensor_kind
+from mecano.constraints.uses.signal import SIGNAL
 from mecano.contract import Kind, record
 from mecano.maths.dual import number
 from mecano.maths.vector import dot, mat, vec

@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from mecano.constraints.uses.demand import is_formula
 from mecano.contract import SECTIONS
 from mecano.deck.physics import element_nodes, poses
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
-from mecano.schema import CURVE
+from mecano.schema import CURVE, DRIVE
 
 
 def build(deck):
@@ -63,6 +64,6 @@ def time_breakpoints(deck):
     times = set()
     for section in SECTIONS:
         for d in deck.values[section].values():
-            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type is CURVE)
-            times |= {t for law in laws for t in breakpoints(law)}
+            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type in (CURVE, DRIVE))
+            times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
     return tuple(sorted(times))

@@ -61,6 +61,16 @@ EXAMPLES = {
     "joint_force": "thruster: {type: joint_force, joint: rail, value: 3 kN}",
     "line_force": "cylinder: {type: line_force, nodes: [crank, slider], value: -200*slider.velocity.x}",
     "formula": "speed: {type: formula, value: 'hypot(slider.velocity.x, slider.velocity.z)'}",
+    "lag": "smooth: {type: lag, input: knee.rate, time_constant: 20 ms}",
+    "integrator": "offset: {type: integrator, input: 0.3 - rail.displacement}",
+    "washout": "shock: {type: washout, input: slider.velocity.z, time_constant: 0.5 s}",
+    "pid":
+        "command: {type: pid, input: 0.3 - rail.displacement, proportional: 80, integral: 40, derivative: 6, "
+        "derivative_time: 10 ms, lower: -200, upper: 200}",
+    "transfer_function":
+        "actuator: {type: transfer_function, input: knee.angle, numerator: [1], denominator: [1, 0.06, 0.01]}",
+    "state_space":
+        "observer: {type: state_space, inputs: [knee.angle, knee.rate], A: [[-10]], B: [[8, 2]], C: [1]}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",

@@ -75,8 +75,8 @@ def _term(name, key, node, field, scope):
 
 
 def fits(term, wanted):
-    """True when a law with this term can stand where ``wanted`` ("law" or "curve") is asked for."""
-    return wanted != "curve" or term.role == "curve"
+    """True when a law with this term can stand where ``wanted`` ("law", "curve" or "drive") is asked for."""
+    return wanted not in ("curve", "drive") or term.role == "curve"
 
 
 def _with_points(values, term, node, scope):

@@ -12,7 +12,7 @@ from mecano.schema import mapping
 
 ALL_KINDS = {**KINDS, **SHAPES}
 EITHER = ("either", "shorthand")  # types of which the first option is another type
-LAWS = ("law", "curve", "law_in_place")
+LAWS = ("law", "curve", "drive", "law_in_place")
 SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
 
 

@@ -33,6 +33,11 @@ from mecano.elements.members.cable import BAR, CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
 from mecano.elements.signals.formula import FORMULA
+from mecano.elements.signals.integrator import INTEGRATOR
+from mecano.elements.signals.lag import LAG
+from mecano.elements.signals.pid import PID
+from mecano.elements.signals.state_space import STATE_SPACE, TRANSFER_FUNCTION
+from mecano.elements.signals.washout import WASHOUT
 from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.paper_wheel import PAPER_WHEEL
@@ -50,6 +55,6 @@ KINDS = {
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
-        FORMULA,
+        FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE,
     )
 }  # fmt: skip

@@ -7,10 +7,10 @@ followed over whole turns by the memory of that of the last accepted step.
 from mecano.compiled.kernel import kernel
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.uses.law import counted
+from mecano.constraints.uses.signal import SIGNAL
 from mecano.contract import Kind, record
 from mecano.maths.dual import number
 
-SIGNAL = {"scalars": ("value",), "of_signals": True}
 ZERO = {"zero": ()}
 """Of a record; behind the axes of the coordinate."""
 

@@ -1,4 +1,4 @@
-r"""Couple: a moment between two nodes by a law of time or a signal, about an axis that the first carries, as of a motor.
+r"""Couple: a moment between two nodes by a law or a signal, about an axis that the first carries, as of a motor.
 
 With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
 

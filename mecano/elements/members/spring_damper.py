@@ -14,7 +14,7 @@ from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
-from mecano.constraints.uses.sense import SIGNAL
+from mecano.constraints.uses.signal import SIGNAL
 from mecano.contract import Kind, Measured, Output, Part, record
 from mecano.laws.table import evaluate_force, law_force, potential
 from mecano.maths.dual import number

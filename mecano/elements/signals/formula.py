@@ -16,8 +16,8 @@ from dataclasses import replace
 from functools import cache
 
 from mecano.compiled.kernel import kernel
-from mecano.constraints.uses.sense import SIGNAL
-from mecano.contract import Kind, Output, record
+from mecano.constraints.uses.signal import SIGNAL, VALUE, observe_value
+from mecano.contract import Kind, record
 from mecano.laws.formula import evaluate_formula, read_formula
 from mecano.maths.dual import number
 from mecano.schema import FORMULA as FORMULA_TYPE
@@ -30,12 +30,6 @@ OWN = 0  # local unknowns: the value; then the inputs
 def residual(p, at, f):
     """Add the equation of the value."""
     f[OWN] += number(at.q[OWN]) - evaluate_formula(at.laws, p.program, at.t, at.q, OWN)
-
-
-@kernel
-def observe(p, at, F, y, e):
-    """Value."""
-    y[0] = at.q[OWN]
 
 
 def prepare(d, nodes, context):
@@ -69,12 +63,12 @@ FORMULA = Kind(
     doc=__doc__,
     dtype=record(program="i"),
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"),),
-    outputs=(Output("value", "SI", "value of the signal, in SI units"),),
+    outputs=(VALUE,),
     reads=lambda d: read_formula(d["value"]).references,
     prepare=prepare,
     variant=variant,
     residual=residual,
-    observe=observe,
+    observe=observe_value,
     sample=sample,
     **SIGNAL,
 )

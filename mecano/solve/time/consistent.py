@@ -203,8 +203,8 @@ class Consistent:
         system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
         top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
         a, reaction = self._resolve(top, self.k * gamma)
-        s.a[:] = 0.0
-        s.a[: system.n_q] = a
+        s.a[system.n_q :] = 0.0
+        s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
         s.z[system.n_q : system.n] = reaction + self.k * gamma
         if len(system.borrowed):
             self._rub(s)

@@ -13,26 +13,25 @@ SINGULAR = 1e-13  # of the largest singular value
 def settle_signals(system, s, dt):
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
-    The values of signals without a state follow by Newton's method, as do the rates of those with one. The rates of the
-    former are forward differences over ``dt`` [s] of second order; only the prediction of the first step needs them.
-    Raises AssemblyError where signals that need one another do not determine one another.
+    The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
+    former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises AssemblyError
+    where signals that need one another do not determine one another.
     """
-    values = _values(system, s)
-    if not dt:
-        return
+    solve_signals(system, s)
     s.a[: system.n_q][system.signals] = 0.0
     along = s.copy()
     along.a[:] = 0.0
-    first, second = (_values(system, moved(along, i * dt, system.numbering)) for i in (1, 2))
-    algebraic = np.flatnonzero(system.signals & ~system.states)
-    s.v[algebraic] = (4.0 * first - 3.0 * values - second)[algebraic] / (2.0 * dt)
+    first, second = (solve_signals(system, moved(along, i * dt, system.numbering)) for i in (1, 2))
+    at_once, states = np.flatnonzero(system.signals & ~system.states), np.flatnonzero(system.states)
+    s.v[at_once] = (4.0 * first.z - 3.0 * s.z - second.z)[at_once] / (2.0 * dt)
+    s.a[states] = (4.0 * first.v - 3.0 * s.v - second.v)[states] / (2.0 * dt)
 
 
-def _values(system, s):
-    """Solve the equations of the signals of ``s`` in place; a copy of all unknowns."""
+def solve_signals(system, s):
+    """Solve the equations of the signals of ``s`` in place, as far as it has some; the same state."""
     own = np.flatnonzero(system.signals)
     is_state = system.states[own]
-    for _ in range(ITERATIONS):
+    for _ in range(ITERATIONS if len(own) else 0):
         J = _tangent(system, s, own, is_state)
         change = _solution(system, J, system.residual[own], own, s.t)
         s.z[own] -= np.where(is_state, 0.0, change)
@@ -40,7 +39,7 @@ def _values(system, s):
         size = np.maximum(np.abs(np.where(is_state, s.v[own], s.z[own])), SMALL)
         if np.all(np.abs(change) <= TOLERANCE * size):
             break
-    return s.z.copy()
+    return s
 
 
 def _tangent(system, s, own, is_state):
