@@ -16,7 +16,8 @@ def resolve(values, scope):
             _put(reference, reference.name)  # the name of a signal is a formula
             continue
         if reference.name not in known:
-            _unknown(reference, known, scope)
+            more = values["signals"] if reference.wanted == "drive" else ()
+            _unknown(reference, [*known, *more], scope)
             continue
         found = known[reference.name]
         if reference.section == "laws":
