@@ -3,9 +3,11 @@
 import re
 
 NOTES = {  # (targets, what has to be said besides), of words that mean the same
-    "motor, actuator, drive, servo, angle driver, rheonomic": ("prescribed_angle prescribed_position couple", ""),
+    "motor, actuator, drive, servo, angle driver, rheonomic": (
+        "joint_moment joint_force prescribed_angle prescribed_position", ""
+    ),
     "linear actuator, hydraulic cylinder, jack, ram": (
-        "prescribed_position bar screw",
+        "line_force joint_force prescribed_length bar",
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
     "pulley, sheave, block": (
@@ -78,17 +80,17 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
     "pressure, distributed load, wind, aerodynamics, drag, lift": (
         "force follower_force", "there are none; forces at nodes, whose laws are of time, are nearest"
     ),
-    "function, signal, time series, spline, curve": ("laws table polynomial", ""),
+    "function, time series, spline, curve": ("laws formula table polynomial", ""),
     "ramp up, smooth step": ("step ramp", ""),
     "harmonic, excitation, vibration, sinusoidal": ("sine prescribed_position", ""),
     "noise, stochastic": ("random", ""),
     "sensor, probe, request, measure": (
-        "output",
+        "output formula",
         "all outputs of all elements are in the results; `mecano post --plot` draws them",
     ),
-    "controller, pid, feedback, control": (
-        "spring_damper", "there is none; a spring_damper or torsion_spring_damper is a controller of position and rate"
-    ),
+    "controller, feedback, control, pd, regulator": ("pid formula signals joint_moment joint_force", ""),
+    "filter, low pass, high pass, derivative": ("lag washout transfer_function state_space", ""),
+    "integral, accumulator": ("integrator", ""),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),
     "equilibrium, static equilibrium": ("static initial", ""),
     "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),
