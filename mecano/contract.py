@@ -210,6 +210,8 @@ class Kind:
     """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with the values at hand, where a run fails in its equations"""
+    times: Callable = nothing
+    """(deck values, start, end) -> [time]: when, between start and end of a run, steps of time must end"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
     residual: Callable | None = None

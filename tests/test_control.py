@@ -152,3 +152,44 @@ def test_poles_of_a_closed_loop(verify):
     poles = np.roots(np.polyadd(plant, control))
     expected = np.array(sorted(poles, key=lambda x: (abs(x), x.imag)))
     verify(CONTROL, "poles of the loop [1/s]", found, expected, "roots of its polynomial", relative=1e-8)
+
+
+@pytest.fixture(scope="module")
+def digital():
+    return March(input_deck("digital_control"))
+
+
+def sampled_cart(count, m=2.0, period=0.05, late=0.03):
+    """Displacements at the sampling times: constant forces between them move the cart on exactly."""
+    x, v, force, found = 0.0, 0.0, 0.0, [0.0]
+    before = 0.0
+    for _ in range(count):
+        force = 40.0 * (0.4 - before) - 15.0 * v
+        s = period - late  # when, in this period, the position is taken that the next sample sees
+        before = x + v * s + 0.5 * force / m * s * s
+        x, v = x + v * period + 0.5 * force / m * period**2, v + force / m * period
+        found.append(x)
+    return np.array(found)
+
+
+def test_digital_controller(verify, digital):
+    times = 0.05 * np.arange(1, 40)
+    found = at_times(digital, digital["joints/rail/displacement"], times)
+    verify(CONTROL, "cart with a digital controller [m]", found, sampled_cart(39)[1:], "closed form", absolute=1e-9)
+
+
+def test_relay_with_hysteresis(verify, digital):
+    times = [h.t for h in digital.happenings if h.name in ("switches on", "switches off")]
+    verify(CONTROL, "times of a relay [s]", times, 0.04 + 0.08 * np.arange(len(times)), "closed form", absolute=1e-9)
+    assert len(times) == 25
+
+
+def test_a_delay_longer_than_a_step_and_shorter():
+    """Of a parabola, which linear interpolation between steps misses by h^2/8 of its curvature at most."""
+    late = "late: {type: delay, input: rail.displacement, time: 0.025}"
+    text = LOOP.replace("SIGNAL", "6").replace("second:", f"{late}, second:")
+    for h in (0.01, 0.04):
+        m = March(deck(text.replace("end: 0.1, step: 0.01", f"end: 0.4, step: {h}")))
+        wanted = np.where(m.time > 0.025, 1.5 * (m.time - 0.025) ** 2, 0.0)
+        np.testing.assert_allclose(m["signals/late/value"], wanted, atol=3.0 * h * h / 8.0 + 1e-12)
+        assert np.abs(m["signals/late/value"] - wanted).max() > 1e-6

@@ -60,10 +60,11 @@ def set_velocities(deck, system, s):
 
 
 def time_breakpoints(deck):
-    """Times [s] at which a law of time has a jump or a corner, ascending: steps must end there."""
-    times = set()
+    """Times [s] at which a law of time has a jump or a corner, or a signal is sampled, ascending: steps end there."""
+    times, run = set(), deck.values["time"]
     for section in SECTIONS:
         for d in deck.values[section].values():
+            times |= set(KINDS[d["type"]].times(d, run["start"], run["end"]))
             laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type in (CURVE, DRIVE))
             times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
     return tuple(sorted(times))

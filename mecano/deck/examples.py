@@ -71,6 +71,9 @@ EXAMPLES = {
         "actuator: {type: transfer_function, input: knee.angle, numerator: [1], denominator: [1, 0.06, 0.01]}",
     "state_space":
         "observer: {type: state_space, inputs: [knee.angle, knee.rate], A: [[-10]], B: [[8, 2]], C: [1]}",
+    "switch": "valve: {type: switch, input: rail.velocity, upper: 0.1, lower: -0.1, high: 5, low: -5}",
+    "sample_and_hold": "seen: {type: sample_and_hold, input: knee.angle, period: 10 ms}",
+    "delay": "late: {type: delay, input: knee.rate, time: 30 ms}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",

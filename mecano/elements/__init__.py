@@ -32,11 +32,14 @@ from mecano.elements.members.bushing import BUSHING
 from mecano.elements.members.cable import BAR, CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
+from mecano.elements.signals.delay import DELAY
 from mecano.elements.signals.formula import FORMULA
 from mecano.elements.signals.integrator import INTEGRATOR
 from mecano.elements.signals.lag import LAG
 from mecano.elements.signals.pid import PID
+from mecano.elements.signals.sample_and_hold import SAMPLE_AND_HOLD
 from mecano.elements.signals.state_space import STATE_SPACE, TRANSFER_FUNCTION
+from mecano.elements.signals.switch import SWITCH
 from mecano.elements.signals.washout import WASHOUT
 from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
@@ -55,6 +58,7 @@ KINDS = {
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
-        FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE,
+        FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
+        SAMPLE_AND_HOLD, DELAY,
     )
 }  # fmt: skip
