@@ -1,9 +1,10 @@
 r"""Switch: one of two formulas, by whether a quantity is high or low; with hysteresis where both levels differ.
 
-It goes to ``high`` when the input rises through ``upper``, to ``low`` when it falls through ``lower``, which is the same
-level where the deck gives none. Both are located as events, at which steps of time end. A quantity that is driven back by
-what it switches needs two levels, or it would switch again and again in no time. Its value is that of the formula
-``high`` or ``low``: with the numbers 1 and 0 it is a condition, for other formulas and for the record of events.
+It goes to ``high`` when the input rises through ``upper``, to ``low`` when it falls through ``lower``, which is the
+same level where the deck gives none. Both are located as events, at which steps of time end. A quantity that is driven
+back by what it switches needs two levels, or it would switch again and again in no time. Its value is that of the
+formula ``high`` or ``low``: with the numbers 1 and 0 it is a condition, for other formulas and for the record of
+events.
 """
 
 from mecano.compiled.kernel import kernel
