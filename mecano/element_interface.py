@@ -1,7 +1,7 @@
 """The one contract that every kind of element, joint, load and basic constraint fulfils.
 
 A kind is a record of data and functions. The local unknowns of one element are, in this order: the slots of
-``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its
+``layout`` (3 each; "x0" the position of its first node, "R0" its rotation), its ``scalars``, its ``inputs``, its
 ``multipliers``, those that it has ``coupled_multipliers``. All compiled functions work on ONE element and take first
 
     p       record of parameters (``dtype``); a field ``mass`` is the mass of the element [kg]
@@ -18,6 +18,11 @@ A part of a joint may *borrow* the multipliers of other parts of it (friction th
 the end of q, in the order of ``Part.coupled_to``. It adds nothing to their rows; their columns in K are, as those of
 all multipliers, derivatives by lambda: k times that by the reaction k*lambda in q. Forces may depend on reactions in a
 kind that borrows only, and there without multipliers or inertia of its own.
+
+An element may read *signals*, numbers that other elements determine (docs/signals.md): its ``inputs`` are their values.
+It adds nothing to their rows; their columns in K are exact, so that a force may depend on whatever is measured. The
+scalars of a kind ``of_signals`` are signals themselves, of any unit and size: each is determined by its own row alone,
+which says y - c = 0, or dy/dt - c = 0 for those named by ``states``, whose value at the start is given.
 
 ``residual(p, at, f)`` of a kind without inertia adds f alone, for numbers and for Duals (maths/dual.py): its tangents
 are made from it. Branches on what varies are written with ``select``, roots of equations with ``implicit``.
@@ -52,13 +57,13 @@ else. As positions do not change in a shock, a constraint may hold what its ``co
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
-SECTIONS = ("elements", "joints", "loads")  # of a deck, whose entries are each of a kind
+SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck, whose entries are each of a kind
 
 
 class Place(NamedTuple):
@@ -122,6 +127,19 @@ class Event:
 
 
 @dataclass(frozen=True)
+class Measured:
+    """A coordinate of an element, for what measures or drives it: on which nodes of the element, with which axes.
+
+    What is measured is the coordinate minus its value ``zero``.
+    """
+
+    coordinate: object  # constraints.coordinates.Coordinate
+    nodes: tuple  # indices into the nodes of the element
+    axes: dict  # values of the ``axes`` of the coordinate
+    zero: float = 0.0
+
+
+@dataclass(frozen=True)
 class Part:
     """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record.
 
@@ -133,6 +151,7 @@ class Part:
     parameters: dict
     coupled_to: tuple = ()  # indices of the parts of the owner whose multipliers it borrows
     label: str = ""  # what is appended to the names of its outputs
+    reads: tuple = ()  # formulas, each the value of one of the inputs of its kind
 
 
 def nothing(*_):
@@ -156,6 +175,9 @@ class Kind:
     scalars: tuple = ()  # names of own scalar unknowns
     massless: tuple = ()  # those of them, without inertia, whose rates follow from their own equations alone
     flexible: bool = False  # its nodes, each with a position and a rotation, are those of one body that deforms
+    of_signals: bool = False  # its scalars are signals
+    states: tuple = ()  # names of those of them whose rates their rows determine
+    inputs: tuple = ()  # names of the signals that it reads
     multipliers: tuple = ()  # Row
     coupled_multipliers: tuple = ()  # Row: multipliers of other parts of the same owner
     phases: tuple = ("",)
@@ -171,6 +193,11 @@ class Kind:
     """(deck values, nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
+    reads: Callable | None = None
+    """deck values -> formulas (texts), each the value of one of its ``inputs``; without it those are fields"""
+    measures: dict = field(default_factory=dict)
+    """{output: (deck values, nodes, Context) -> Measured, or a Part whose first scalar it is}: what signals can take;
+    of a Measured also the output that is declared as its rate"""
     divide: Callable | None = None
     """(deck values, nodes) -> ([(x, R)] of the nodes between, [values of each element]) of a member that its value
     ``mesh`` divides into several elements of the kind"""
@@ -183,6 +210,8 @@ class Kind:
     """deck values -> [(output, value, text)]: a warning with the text when the output's size exceeds the value"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with the values at hand, where a run fails in its equations"""
+    times: Callable = nothing
+    """(deck values, start, end) -> [time]: when, between start and end of a run, steps of time must end"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: a run fails with the text when the output's size exceeds the value"""
     residual: Callable | None = None
@@ -211,8 +240,13 @@ class Kind:
 
     @property
     def n_local(self):
-        """Number of local unknowns, borrowed multipliers among them."""
-        return 3 * len(self.layout) + len(self.scalars) + len(self.multipliers) + len(self.coupled_multipliers)
+        """Number of local unknowns, inputs and borrowed multipliers among them."""
+        own = len(self.scalars) + len(self.inputs) + len(self.multipliers)
+        return 3 * len(self.layout) + own + len(self.coupled_multipliers)
+
+    def read(self, values):
+        """Return the formulas (texts) of its inputs."""
+        return tuple(self.reads(values) if self.reads else (values[name] for name in self.inputs))
 
     def chosen(self, values):
         """The kind itself, or its variant for these deck values."""
@@ -225,6 +259,7 @@ class Context:
 
     laws: object  # LawTable: laws.add(law) -> start of the packed law in the flat table
     gravity: np.ndarray  # (3,) [m/s2]
+    kinds: dict = field(default_factory=dict)  # those of the model by name, for what acts along coordinates of another
 
 
 def record(**fields):

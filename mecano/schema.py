@@ -41,6 +41,9 @@ COLUMNS = Type("columns", "a list of 2 headers, or numbers of columns, from 1")
 UNITS = Type("units", "a list of 2 units")
 LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
+DRIVE = Type("drive", "a number, the name of a law or of a signal, a law of the time, or a formula of signals")
+FORMULA = Type("formula", "a formula of signals, outputs of elements, motions of nodes and the time")
+SIGNAL_ENTRY = Type("signal_entry", "a formula, or a mapping with the key 'type'", ("signals",))
 GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
 WHEEL = Type("wheel", "the name of a wheel")  # of the elements; its checked values take the place of the name
@@ -48,7 +51,7 @@ WHEEL = Type("wheel", "the name of a wheel")  # of the elements; its checked val
 SECTION = Type("section", "the name of a cross section")
 SECTION_OF = {  # name of a type -> the section of a deck whose names its values are
     "node": "nodes", "nodes": "nodes", "law": "laws", "curve": "laws", "ground": "grounds", "tire_law": "tire_laws",
-    "wheel": "elements", "section": "sections",
+    "wheel": "elements", "section": "sections", "drive": "laws", "joint": "joints",
 }  # fmt: skip
 REDUCED = Type("reduced", "a .yaml, .npz or .h5 file of reduced matrices, or a mapping as in such a file")
 ROWS = Type("rows", "a list of rows of numbers, or the name of a .mtx or .npy file")
@@ -60,6 +63,11 @@ def pair_of(type_):
 
 
 NODE_PAIR = pair_of(NODE)
+
+
+def joint_with(output):
+    """The name of a joint with a coordinate that is this output; its checked values take the place of the name."""
+    return Type("joint", f"the name of a joint with the output '{output}'", (output,))
 
 
 def choice(*names):

@@ -28,6 +28,9 @@ elements:
   girder: {type: beam, nodes: [crank, slider], section: pipe, mesh: 2}
   masses$i: {repeat: [{i: 1, at: crank}, {i: 2, at: rod}, {i: 3, at: slider}, {i: 4, at: wheel}, {i: 5, at: pin}],
     type: rigid_body, node: $at, mass: 1, inertia: [1, 1, 1]}
+joints:
+  knee: {type: hinge, nodes: [crank, rod], axis: [0, 1, 0]}
+  rail: {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0]}
 laws:
   viscous: {spring: {stiffness: 1e3}, damper: {coefficient: 10}}
 sections:

@@ -46,6 +46,7 @@ def test_defaults_are_filled_in():
         "sections": {},
         "joints": {},
         "loads": {},
+        "signals": {},
         "laws": {},
         "grounds": {},
         "tire_laws": {},

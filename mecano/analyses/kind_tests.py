@@ -69,7 +69,7 @@ def check_tangents(kind):
             for column in range(n if array == 0 else end):
                 expected[:, column] = slope(instance, t, state, array, column)
             expected[:, end:] *= K_SCALE  # the multiplier in q is k lambda, that of the tangent lambda
-            close(tangent, expected, 1e-7, mode=sample.mode, of=instance.kind.name, tangent="KCM"[array])
+            close(tangent, expected, 1e-7, phase=sample.phase, of=instance.kind.name, tangent="KCM"[array])
 
 
 def check_force(kind):
@@ -104,12 +104,12 @@ def check_purity(kind):
                 assert array.tobytes() == old.tobytes()
 
 
-FREE = {"air", "free", "between", "slack", "taut", "paying out"}  # modes in which constraints do not hold
+FREE = {"air", "free", "between", "slack", "taut", "paying out"}  # phases in which constraints do not hold
 
 
 def lets_go(instance):
-    """True in a mode in which the constraints of a kind do not hold."""
-    return instance.kind.modes[instance.mode] in FREE
+    """True in a phase in which the constraints of a kind do not hold."""
+    return instance.kind.phases[instance.phase] in FREE
 
 
 def check_constraint_derivatives(kind):
@@ -178,11 +178,13 @@ def check_power(kind):
             state, n = instance.local(motion), len(instance.kind.multipliers)
             f = instance.force(motion.t, state)[0]
             terms = (f * state[1])[: len(f) - n]
+            if instance.kind.of_signals:
+                continue  # signals are no coordinates
             power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
         size += np.abs(energy(0.0)[0]).sum()
         error = abs(power - difference(lambda h, energy=energy: energy(h)[1], 1e-3))
-        assert error <= 1e-8 * size, f"{error:.3g} W of {size:.3g} W, mode '{sample.mode}'"
+        assert error <= 1e-8 * size, f"{error:.3g} W of {size:.3g} W, phase '{sample.phase}'"
         assert dissipated >= -1e-12 * size
 
 
@@ -215,7 +217,7 @@ def check_invariance(kind):
     for sample in samples(kind):
         values = turned_values(kind, sample.values, Q, shift)
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
-        twins = expand(kind, values, nodes, sample.mode, Q @ GRAVITY, seed_of("unused"))
+        twins = expand(kind, values, nodes, sample.phase, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
         for instance in sample.instances:
             if lets_go(instance):
@@ -291,7 +293,7 @@ def check_declarations(kind):
     assert bool(kind.events) == (kind.event_values is not None)
     assert kind.acts or kind.observe is not None
     for event in kind.events:
-        assert event.before in kind.modes and event.after in kind.modes
+        assert event.before in kind.phases and event.after in kind.phases
 
 
 def first_of(name):
@@ -318,10 +320,10 @@ def check_outputs_of_parts(kind):
 
 
 def check_samples(kind):
-    """Samples pass the check of the kind and reach all its modes."""
+    """Samples pass the check of the kind and reach all its phases."""
     found = samples(kind)
-    modes = set().union(*(kind.chosen(sample.values).modes for sample in found))
-    assert {sample.mode for sample in found} == modes | set(kind.modes)
+    phases = set().union(*(kind.chosen(sample.values).phases for sample in found))
+    assert {sample.phase for sample in found} == phases | set(kind.phases)
     for sample in found:
         assert kind.check(sample.values, sample.nodes) == []
         for name in set(sample.values) - {field.name for field in kind.fields}:

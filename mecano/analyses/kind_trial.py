@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.element_interface import Context, Place
+from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
@@ -60,10 +61,10 @@ class Instance:
     kind: object
     p: np.ndarray  # (1,) record
     nodes: tuple
-    mode: int
+    phase: int
     memory: np.ndarray
     laws: np.ndarray
-    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates
+    scalars: np.ndarray  # (3, n_scalars) values, rates, second rates; then those of its inputs
     multipliers: np.ndarray  # k lambda
     lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
@@ -88,7 +89,7 @@ class Instance:
     def run(self, name, t, state, *out, k=1.0, penalty=0.0):
         """Call the function ``name`` of the kind, as the Python that it is: nothing is compiled."""
         with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
-            at = Place(t, self.mode, k, penalty, self.laws, self.memory, *state)
+            at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)
             getattr(self.kind, name)(self.p.view(np.recarray)[0], at, *out)
 
     def force(self, t, state, k=1.0, penalty=0.0):
@@ -165,7 +166,7 @@ class Sample:
     name: str
     values: dict
     nodes: list
-    mode: str
+    phase: str
     instances: list
     motion: Motion
 
@@ -179,35 +180,35 @@ def samples(kind):
     """All samples of a kind."""
     rng = seed_of(kind.name)
     found = []
-    for values, nodes, mode in kind.sample(rng):
+    for values, nodes, phase in kind.sample(rng):
         if isinstance(nodes, int):
             nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
         defaults = {field.name: field.default for field in kind.fields if not field.required}
         values = {**defaults, **values}
-        instances = expand(kind, values, nodes, mode, GRAVITY, rng)
-        found.append(Sample(kind.name, values, nodes, mode, instances, _motion(kind, values, nodes, rng)))
+        instances = expand(kind, values, nodes, phase, GRAVITY, rng)
+        found.append(Sample(kind.name, values, nodes, phase, instances, _motion(kind, values, nodes, rng)))
     return found
 
 
-def expand(kind, values, nodes, mode, gravity, rng):
+def expand(kind, values, nodes, phase, gravity, rng):
     """[Instance]: the element and its parts, with random scalars and multipliers."""
-    context, kind = Context(LawTable(), gravity), kind.chosen(values)
+    context, kind = Context(LawTable(), gravity, KINDS), kind.chosen(values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
-    listed = [(kind, own, tuple(range(len(nodes))), kind.modes.index(mode))]
+    listed = [(kind, own, tuple(range(len(nodes))), kind.phases.index(phase))]
     for part in parts:
-        follows = len(part.kind.modes) > 1 and part.kind.modes == kind.modes
-        listed.append((part.kind, part.parameters, part.nodes, kind.modes.index(mode) if follows else 0))
+        follows = len(part.kind.phases) > 1 and part.kind.phases == kind.phases
+        listed.append((part.kind, part.parameters, part.nodes, kind.phases.index(phase) if follows else 0))
     instances = []
-    for of, record, on, mode_number in listed:
+    for of, record, on, phase_number in listed:
         p = np.zeros(1, of.dtype)
         for key, value in record.items():
             p[key][0] = value
         memory = np.zeros(len(of.memory))
-        scalars = 0.1 * rng.normal(size=(3, len(of.scalars)))
+        scalars = 0.1 * rng.normal(size=(3, len(of.scalars) + len(of.inputs)))
         multipliers = rng.normal(size=len(of.multipliers))
-        instances.append(Instance(of, p, on, mode_number, memory, laws, scalars, multipliers))
+        instances.append(Instance(of, p, on, phase_number, memory, laws, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):
         instance.lenders = [instances[1 + i] for i in part.coupled_to]
         lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
@@ -244,6 +245,8 @@ def turned_values(kind, values, Q, shift):
             out[field.name] = [list(Q @ point + shift) for point in value]
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
+        if value is not None and field.type.name == "joint":
+            out[field.name] = {**value, "axis": Q @ value["axis"]}
         if value is not None and field.type == WHEEL:
             ground = _turned_ground(value["ground"], Q, shift)
             out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}

@@ -20,6 +20,7 @@ from mecano.constraints.of_coordinates import (
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.constraints.sensors import NODE_SENSORS, SENSORS
 from mecano.constraints.upright_rolling import UPRIGHT_ROLLING
 from mecano.constraints.wound_line import CATCH
 
@@ -29,5 +30,6 @@ CONSTRAINTS = {
         DISTANCE, DRIVEN_SLIDE, HELD_COORDINATE, IN_PLANE, LEVEL_AXIS, ORTHOGONAL, RELATIVE_ANGLE, SAME_ANGLE,
         RIGID_OFFSET, GEARED_SLIDE, GEAR_MESH,
         BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING, ANGLE_LATCH, ANGLE_STOP, SLIDE_LATCH, SLIDE_STOP, CATCH,
+        *(kind for pair in SENSORS.values() for kind in pair), *NODE_SENSORS.values(),
     )
 }  # fmt: skip

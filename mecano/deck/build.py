@@ -2,12 +2,13 @@
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.physics import element_nodes, poses
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
-from mecano.schema import CURVE
+from mecano.schema import CURVE, DRIVE
 
 
 def build(deck):
@@ -59,10 +60,11 @@ def set_velocities(deck, system, s):
 
 
 def time_breakpoints(deck):
-    """Return the times [s] of jumps and corners of laws of time, ascending; steps must end there."""
-    times = set()
+    """Return the times [s], ascending, of jumps and corners of laws of time, and of samples of signals."""
+    times, run = set(), deck.values["time"]
     for section in SECTIONS:
         for d in deck.values[section].values():
-            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type is CURVE)
-            times |= {t for law in laws for t in breakpoints(law)}
+            times |= set(KINDS[d["type"]].times(d, run["start"], run["end"]))
+            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type in (CURVE, DRIVE))
+            times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
     return tuple(sorted(times))

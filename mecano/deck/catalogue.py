@@ -43,6 +43,19 @@ LAWS = [
     "  value: 4.0                                      # a number: constant",
     "",
 ]
+SIGNALS = [
+    "A signal is a formula, or a mapping with a type (a filter, a controller). Loads take formulas as they take laws:",
+    "",
+    "  signals:",
+    "    error: 0.5 - knee.angle                                    # an output of a joint",
+    "    smooth: {type: lag, input: tip.velocity.z, time_constant: 20 ms}",
+    "    torque: $gain*error - 2*knee.rate + min(smooth, 3)*sin(6*time)",
+    "  loads:",
+    "    motor: {type: joint_moment, joint: knee, value: torque}",
+    "",
+    "mecano explain formula says what may stand in one.",
+    "",
+]
 WRITTEN = {
     "include": ["  include: [laws.yaml, parts/wheel.yaml]"],
     "repeat": ["  nodes:", "    p$i: {repeat: {i: 0..5}, position: [0.1 * $i, 0, 0]}", "  elements:",
@@ -152,7 +165,7 @@ def _section(section):
     """Return the text on a section, with the names of the kinds or terms that it may contain."""
     names = [kind.name for kind in (*KINDS.values(), *SHAPES.values()) if kind.section == section.name]
     names = list(TERMS) if section.name == "laws" else names
-    written = LAWS if section.name == "laws" else []
+    written = {"laws": LAWS, "signals": SIGNALS}.get(section.name, [])
     if not names:
         return "\n".join([describe_section(section), *WRITTEN.get(section.name, ())])
     listed = wrap(", ".join(names), WIDTH, initial_indent="  ", subsequent_indent="  ")

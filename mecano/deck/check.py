@@ -5,6 +5,7 @@ from dataclasses import replace
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
+from mecano.deck.formulas import check_formulas, drive, formula, signal_entry
 from mecano.deck.language import LANGUAGE
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
@@ -64,6 +65,10 @@ CHECKS = {
     "law": law_or_name,
     "curve": law_or_name,
     "law_in_place": law_in_place,
+    "drive": drive,
+    "formula": formula,
+    "signal_entry": signal_entry,
+    "joint": values.named,
     "parameter": parameter,
     "arguments": arguments,
     "mapping": mapping,
@@ -111,6 +116,7 @@ def checked_values(root, sections, scope):
     _check_saved_times(result, root, scope)
     complete_tyres(result.get("tire_laws", {}), root, scope)
     resolve(result, scope)
+    check_formulas(result, scope)
     _stop_at(problems, UNCHECKED)
     check_model(result, root, scope)
     _stop_at(problems)

@@ -43,7 +43,7 @@ class Deck:
         reading it as a deck gives the same values. Absent values (None, or an infinite bound) are omitted.
         """
         names = {}
-        for section in ("laws", "grounds", "tire_laws", "sections", "elements"):
+        for section in ("laws", "grounds", "tire_laws", "sections", "elements", "joints"):
             names |= {id(value): name for name, value in self.values[section].items()}
         return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from textwrap import wrap
 
 from mecano.deck.examples import example_lines
+from mecano.model.measured import measurable
 from mecano.schema import Field
 
 WIDTH = 100
@@ -15,6 +16,8 @@ def describe(kind):
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
+    if kind.measures:
+        parts += ["", *wrap(f"Signals can take {', '.join(measurable(kind))} of it (mecano explain signals).", WIDTH)]
     for field in dict.fromkeys(field for field, _, _ in kind.optional):
         parts += _option(field, [(part, label) for name, part, label in kind.optional if name == field])
     if kind.multipliers:

@@ -1,7 +1,7 @@
 """Example lines of decks for each kind, shape of a section and term of a law, shown by `mecano explain`.
 
-All belong to one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe and a
-law viscous (tests/test_deck_examples.py).
+All belong to one imaginary deck with nodes crank, rod, slider, wheel..., a ground road, tire laws, a section pipe, a
+law viscous, joints knee and rail (tests/test_deck_examples.py).
 """
 
 from textwrap import wrap
@@ -56,6 +56,24 @@ EXAMPLES = {
     "moment": "twist: {type: moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "follower_moment": "twist: {type: follower_moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "couple": "drive: {type: couple, nodes: [crank, rod], axis: [0, 1, 0], value: 12 N m}",
+    "joint_moment":
+        "motor: {type: joint_moment, joint: knee, value: 40*(0.5 - knee.angle) - 2*knee.rate}",
+    "joint_force": "thruster: {type: joint_force, joint: rail, value: 3 kN}",
+    "line_force": "cylinder: {type: line_force, nodes: [crank, slider], value: -200*slider.velocity.x}",
+    "formula": "speed: {type: formula, value: 'hypot(slider.velocity.x, slider.velocity.z)'}",
+    "lag": "smooth: {type: lag, input: knee.rate, time_constant: 20 ms}",
+    "integrator": "offset: {type: integrator, input: 0.3 - rail.displacement}",
+    "washout": "shock: {type: washout, input: slider.velocity.z, time_constant: 0.5 s}",
+    "pid":
+        "command: {type: pid, input: 0.3 - rail.displacement, proportional: 80, integral: 40, derivative: 6, "
+        "derivative_time: 10 ms, lower: -200, upper: 200}",
+    "transfer_function":
+        "actuator: {type: transfer_function, input: knee.angle, numerator: [1], denominator: [1, 0.06, 0.01]}",
+    "state_space":
+        "observer: {type: state_space, inputs: [knee.angle, knee.rate], A: [[-10]], B: [[8, 2]], C: [1]}",
+    "switch": "valve: {type: switch, input: rail.velocity, upper: 0.1, lower: -0.1, high: 5, low: -5}",
+    "sample_and_hold": "seen: {type: sample_and_hold, input: knee.angle, period: 10 ms}",
+    "delay": "late: {type: delay, input: knee.rate, time: 30 ms}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",

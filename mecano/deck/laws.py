@@ -77,8 +77,8 @@ def _term(name, key, node, field, scope):
 
 
 def fits(term, wanted):
-    """Return True if a law with this term is allowed where ``wanted`` ("law" or "curve") is required."""
-    return wanted != "curve" or term.role == "curve"
+    """Return True if a law with this term is allowed where ``wanted`` ("law", "curve" or "drive") is required."""
+    return wanted not in ("curve", "drive") or term.role == "curve"
 
 
 def _with_points(values, term, node, scope):

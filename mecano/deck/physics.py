@@ -18,7 +18,7 @@ OTHER_AXIS = 1e-3  # rad
 
 
 def element_nodes(kind, values):
-    """Return the names of the nodes of an element, joint or load: its fields of node types, in their order."""
+    """Return the names of the nodes of an element, joint or load: its fields of node types, then those of a joint."""
     names = []
     for field in kind.fields:
         value = values[field.name]
@@ -26,6 +26,8 @@ def element_nodes(kind, values):
             names.append(value)
         elif field.type.name == "nodes" and value is not None:
             names.extend(value)
+        elif field.type.name == "joint":
+            names.extend(value["nodes"])
     return names
 
 
@@ -56,7 +58,7 @@ def check_model(values, root, scope):
             kind = scope.kinds[element["type"]]
             scope.subject = f"{kind.name} {quoted(name)}"
             names = element_nodes(kind, element)
-            if section != "loads":
+            if section != "loads" or len(names) > 1:
                 used.update(names)
             if name in left:
                 scope.refuse(key, "depends on itself, or on members that are wrong or depend on it")

@@ -12,15 +12,27 @@ def resolve(values, scope):
     for reference in scope.references:
         scope.subject = reference.subject
         known = nodes if reference.section == "nodes" else values[reference.section]
+        if reference.wanted == "drive" and reference.name in values["signals"] and reference.name not in known:
+            _put(reference, reference.name)  # the name of a signal is a formula
+            continue
         if reference.name not in known:
-            _unknown(reference, known, scope)
+            more = values["signals"] if reference.wanted == "drive" else ()
+            _unknown(reference, [*known, *more], scope)
             continue
         found = known[reference.name]
         if reference.section == "laws":
+            if reference.wanted == "drive" and reference.name in values["signals"]:
+                scope.refuse(reference.node, f"{quoted(reference.name)} is both a law and a signal")
             _check_terms(reference, found, scope)
-        if reference.home:
-            container, key = reference.home
-            container[key] = found
+        _put(reference, found)
+        if reference.section == "joints":
+            _check_joint(reference, found, scope)
+
+
+def _put(reference, value):
+    if reference.home:
+        container, key = reference.home
+        container[key] = value
 
 
 def unknown_names(root, scope):
@@ -34,6 +46,8 @@ def unknown_names(root, scope):
     for reference in scope.references:
         scope.subject = reference.subject
         names = known.get(reference.section, (reference.name,))
+        if reference.wanted == "drive":
+            names = [*known.get("laws", ()), *known.get("signals", ())]
         inside = reference.section == "nodes" and "." in reference.name
         if reference.name not in names and not inside:
             _unknown(reference, list(names), scope)
@@ -53,6 +67,8 @@ def _unknown(reference, known, scope):
         hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
     else:
         hint = f"the deck has no '{reference.section}'"
+    if reference.wanted == "drive":
+        what = "law or signal"
     meant = [kind for kind in scope.kinds if kind.startswith(f"{reference.name}_")]
     if reference.section == "laws" and len(meant) == 1:  # friction: adhesive
         hint = "; ".join(part for part in (hint, f"there is the type '{meant[0]}'") if part)
@@ -65,3 +81,12 @@ def _check_terms(reference, law, scope):
             text = f"law {quoted(reference.name)} is a force of extension and rate ({quoted(name)}); "
             scope.refuse(reference.node, text + "a curve is required here")
             return
+
+
+def _check_joint(reference, joint, scope):
+    """Note that a joint has not the coordinate along which a load works."""
+    output, kind = reference.options[0], scope.kinds[joint["type"]]
+    if output not in kind.measures:
+        can = [kind.name for kind in scope.kinds.values() if kind.section == "joints" and output in kind.measures]
+        text = f"{joint['type']} {quoted(reference.name)} has no {output} along which a load could work"
+        scope.refuse(reference.node, text, f"joints that have one: {', '.join(can)}")

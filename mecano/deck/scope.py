@@ -35,6 +35,7 @@ class Reference:
     wanted: str  # name of the type: "law", "curve", "ground"...
     node: Node
     subject: str
+    options: tuple = ()  # of the type
     home: tuple | None = None  # (container, key) of the checked value
 
 
@@ -50,6 +51,7 @@ class Scope:
     included: dict = field(default_factory=dict)  # file as shown -> its folder relative to that of the deck
     parameters: Parameters = field(default_factory=Parameters)
     references: list = field(default_factory=list)
+    formulas: list = field(default_factory=list)  # (formula, node, subject) of all that have been read
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it

@@ -22,6 +22,7 @@ from mecano.schema import (
     NUMBER,
     ORIENTATION,
     POSITION,
+    SIGNAL_ENTRY,
     TEXT,
     VECTOR,
     Field,
@@ -193,6 +194,10 @@ SECTIONS = (
     Field("elements", named(one_of_kinds("elements")), "-", "bodies, springs, wheels...", check=not_empty),
     Field("joints", named(one_of_kinds("joints")), "-", "constraints between nodes", {}),
     Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
+    Field(
+        "signals", named(SIGNAL_ENTRY), "-",
+        "named quantities that follow from the motion, from the time and from one another: sensors, controllers", {},
+    ),
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "surfaces on which wheels roll", {}),
     Field("tire_laws", named(Type("mapping", "a mapping", TIRE_LAW_FIELDS)), "-", "properties of tyres", {}),

@@ -3,9 +3,11 @@
 import re
 
 NOTES = {  # words with the same meaning: (targets, note)
-    "motor, actuator, drive, servo, angle driver, rheonomic": ("prescribed_angle prescribed_position couple", ""),
+    "motor, actuator, drive, servo, angle driver, rheonomic": (
+        "joint_moment joint_force prescribed_angle prescribed_position", ""
+    ),
     "linear actuator, hydraulic cylinder, jack, ram": (
-        "prescribed_position bar screw",
+        "line_force joint_force prescribed_length bar",
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
     "pulley, sheave, block": (
@@ -67,7 +69,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),
-    "tyre, tire, pneumatic, pacejka, brush": ("wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", ""),
+    "tyre, tire, pneumatic, pacejka, brush": (
+        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", ""
+    ),
     "wheel": ("flexible_wheel adhesive_wheel rigid_wheel paper_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
@@ -78,17 +82,17 @@ NOTES = {  # words with the same meaning: (targets, note)
     "pressure, distributed load, wind, aerodynamics, drag, lift": (
         "force follower_force", "not available; forces at nodes, as laws of time, are similar"
     ),
-    "function, signal, time series, spline, curve": ("laws table polynomial", ""),
+    "function, time series, spline, curve": ("laws formula table polynomial", ""),
     "ramp up, smooth step": ("step ramp", ""),
     "harmonic, excitation, vibration, sinusoidal": ("sine prescribed_position", ""),
     "noise, stochastic": ("random", ""),
     "sensor, probe, request, measure": (
-        "output",
+        "output formula",
         "all outputs of all elements are in the results; `mecano post --plot` draws them",
     ),
-    "controller, pid, feedback, control": (
-        "spring_damper", "not available; a spring_damper or torsion_spring_damper is a controller of position and rate"
-    ),
+    "controller, feedback, control, pd, regulator": ("pid formula signals joint_moment joint_force", ""),
+    "filter, low pass, high pass, derivative": ("lag washout transfer_function state_space", ""),
+    "integral, accumulator": ("integrator", ""),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),
     "equilibrium, static equilibrium": ("static initial", ""),
     "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),

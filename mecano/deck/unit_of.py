@@ -11,7 +11,7 @@ from mecano.laws.term import VALUE
 from mecano.schema import mapping
 
 EITHER = ("either", "shorthand")  # types of which the first option is another type
-LAWS = ("law", "curve", "law_in_place")
+LAWS = ("law", "curve", "drive", "law_in_place")
 SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
 
 

@@ -225,4 +225,5 @@ def named(node, field, scope):
     """Return a Reference to a name in the section of the type, replaced later by the entry of this name."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
-    return Reference(node.value, SECTION_OF[field.type.name], field.type.name, node, scope.subject)
+    type_ = field.type
+    return Reference(node.value, SECTION_OF[type_.name], type_.name, node, scope.subject, type_.options)

@@ -5,7 +5,7 @@ import re
 from mecano.deck.similar import similar
 from mecano.deck.units import is_quantity
 
-NUMERIC = ("number", "integer", "curve", "either")  # types whose values may be numbers
+NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
 MAX_SHOWN = 60
 MAX_LISTED = 12
 

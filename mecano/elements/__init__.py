@@ -6,6 +6,7 @@ from mecano.elements.bodies.rigid_link import RIGID_LINK
 from mecano.elements.bodies.superelement import SUPERELEMENT
 from mecano.elements.forces.brake import BRAKE
 from mecano.elements.forces.couple import COUPLE
+from mecano.elements.forces.joint_load import JOINT_FORCE, JOINT_MOMENT, LINE_FORCE
 from mecano.elements.forces.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
 from mecano.elements.joints.cylindrical import CYLINDRICAL
 from mecano.elements.joints.fixed import FIXED
@@ -31,6 +32,15 @@ from mecano.elements.members.bushing import BUSHING
 from mecano.elements.members.cable import BAR, CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
+from mecano.elements.signals.delay import DELAY
+from mecano.elements.signals.formula import FORMULA
+from mecano.elements.signals.integrator import INTEGRATOR
+from mecano.elements.signals.lag import LAG
+from mecano.elements.signals.pid import PID
+from mecano.elements.signals.sample_and_hold import SAMPLE_AND_HOLD
+from mecano.elements.signals.state_space import STATE_SPACE, TRANSFER_FUNCTION
+from mecano.elements.signals.switch import SWITCH
+from mecano.elements.signals.washout import WASHOUT
 from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
 from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
@@ -47,7 +57,9 @@ KINDS = {
         GEAR_PAIR, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
-        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, BRAKE,
+        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
+        FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
+        SAMPLE_AND_HOLD, DELAY,
     )
 }  # fmt: skip

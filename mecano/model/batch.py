@@ -9,7 +9,6 @@ import numpy as np
 
 from mecano.maths.dual import DUAL
 from mecano.model.loops import BATCH, record
-from mecano.model.numbering import SCALAR
 
 
 @dataclass
@@ -73,6 +72,7 @@ def batches(instances, of, n_slots, partition):
     groups = {}
     for number, item in enumerate(instances):
         scalars, rows = taken[number]
+        scalars = scalars + [taken[source][0][0] for source in item.inputs]
         coupled = [row for other in item.coupled_to for row in taken[other][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
         output_dofs = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
@@ -89,9 +89,8 @@ class _Places:
     """Hands out scalars and multipliers in the order of the instances, which is that of their numbering."""
 
     def __init__(self, of, n_slots):
-        self.n_scalars = int(np.sum(of.kind[: of.n_q] == SCALAR))
-        self.first_scalar, self.first_row = of.n_q - self.n_scalars, of.n_q
-        self.first_slot = n_slots - of.n_l - self.n_scalars
+        self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q
+        self.first_slot = n_slots - of.n_l - of.n_scalars
         self.scalar = self.row = 0
 
     def take(self, kind):

@@ -1,22 +1,9 @@
 """Elements and the parts they are made of, as one list, before anything is numbered."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-
-@dataclass
-class Instance:
-    """One element or part of an element, before it is numbered."""
-
-    owner: str
-    path: str  # section and name of the owner
-    kind: object
-    nodes: tuple  # indices
-    parameters: dict
-    n_parts: int = 0  # parts that follow it in the list
-    coupled_to: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
-    label: str = ""  # of its outputs
+from mecano.model.instance import Instance
+from mecano.model.wiring import wire
 
 
 def expand(model, context):
@@ -29,14 +16,17 @@ def expand(model, context):
         title, path = f"{element.kind.name} '{element.name}'", f"{kind.section}/{element.name}"
         record = kind.prepare(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)
-        instances.append(Instance(title, path, kind, nodes, record, len(parts)))
+        reads = kind.read(element.values) if kind.inputs else ()
+        instances.append(Instance(title, path, kind, nodes, record, len(parts), reads=reads))
         first = len(instances)
         for part in parts:
             on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.coupled_to)
-            instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label))
+            instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label, part.reads))
         for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
+    if any(item.reads for item in instances):
+        wire(instances, model, context)
     for item in instances:
-        if item.kind.acts:
+        if item.kind.acts and not item.kind.of_signals:
             used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
     return instances, shared, used

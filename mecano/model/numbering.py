@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
+TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT, SIGNAL = range(6)
 MASSLESS = -1  # in the place of SCALAR, for solvers, where a scalar has no inertia
 RELEASED = -2  # in the place of a constraint, for solvers, where its row says of reactions that they are shared
 AXES = "xyz"
@@ -44,7 +44,8 @@ class Numbering:
     r: np.ndarray  # (n_nodes,) first of the 3 entries of its rotation
     rotation: np.ndarray  # (n_nodes,) index of its rotation matrix
     rotation_dof: np.ndarray  # (n_rotations,) first entry of each rotation
-    kind: np.ndarray  # (n_all,) TRANSLATION ... ANGLE_CONSTRAINT
+    n_scalars: int  # own unknowns of elements, signals among them: the last of the n_q
+    kind: np.ndarray  # (n_all,) TRANSLATION ... SIGNAL
     group: np.ndarray  # (n_q,) unknowns of one node have one number
     name: list  # (n_all,) names a user can read
     of_rates: np.ndarray  # (n_l,) bool: constraints on velocities
@@ -74,7 +75,8 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     """Number all unknowns.
 
     nodes: names; used: set of ("x" or "R", node index) that some element works on; shared: list of
-    ("x" or "R", i, j); fixed: set of node indices; scalars: names; multipliers: list of (name, Row).
+    ("x" or "R", i, j); fixed: set of node indices; scalars: list of (name, SCALAR or SIGNAL); multipliers: list of
+    (name, Row).
     """
     of = _classes(len(nodes), shared)
     sharing = {}
@@ -83,7 +85,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     members, free, entries = sorted(sharing), _free(of, used, fixed), _Entries(sharing)
     for c in free:
         entries.add_class(c)
-    entries.add(scalars, [SCALAR] * len(scalars))
+    entries.add([name for name, _ in scalars], [kind for _, kind in scalars])
     n_q = len(entries.name)
     units = [row.constraint_unit for _, row in multipliers]
     kinds = [ANGLE_CONSTRAINT if unit[:3] == "rad" else LENGTH_CONSTRAINT for unit in units]
@@ -98,6 +100,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
         n_q=n_q,
         n_l=len(multipliers),
         n_all=len(entries.name),
+        n_scalars=len(scalars),
         x=np.array([entries.first[c] for c in of[::2]], np.int64),
         r=np.array([entries.first[c] for c in of[1::2]], np.int64),
         rotation=np.array([index[c] for c in of[1::2]], np.int64),

@@ -12,7 +12,7 @@ from mecano.model.instances import expand
 from mecano.model.loops import SYSTEM, loop_of, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
-from mecano.model.numbering import SCALAR, number
+from mecano.model.numbering import SCALAR, SIGNAL, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.state import State
 
@@ -25,11 +25,16 @@ class System:
     def __init__(self, model):
         model = with_ground(divided(model))
         self.model, self.nodes = model, model.nodes
-        self.context = Context(model.laws, np.asarray(model.gravity, float))
+        kinds = {element.kind.name: element.kind for element in model.elements}
+        self.context = Context(model.laws, np.asarray(model.gravity, float), kinds)
         instances, shared, used = expand(model, self.context)
         self.shared = [(what, i, j, instances[owner].owner) for what, i, j, owner in shared]
         multipliers = [(f"{item.owner}: {row.name}", row) for item in instances for row in item.kind.multipliers]
-        scalars = [f"{item.owner}: {name}" for item in instances for name in item.kind.scalars]
+        scalars = [
+            (f"{item.owner}: {name}", SIGNAL if item.kind.of_signals else SCALAR)
+            for item in instances
+            for name in item.kind.scalars
+        ]
         fixed = {i for i, node in enumerate(model.nodes) if node.fixed}
         names = [node.name for node in model.nodes]
         self.numbering = number(names, used, [s[:3] for s in shared], fixed, scalars, multipliers)
@@ -37,11 +42,9 @@ class System:
         self._slots(len(names))
         partition = ReactionPartition(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, partition)
-        self.massless = np.zeros(self.n_q, bool)
-        for b in self.batches:
-            first = 3 * len(b.kind.layout)
-            for name in b.kind.massless:
-                self.massless[b.dofs[:, first + b.kind.scalars.index(name)]] = True
+        self.massless = self._scalars(lambda kind: kind.massless)
+        self.signals = self.numbering.kind[: self.n_q] == SIGNAL
+        self.states = self._scalars(lambda kind: kind.states)  # those of the signals whose rates their rows determine
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
@@ -55,13 +58,21 @@ class System:
         self.size = np.zeros(self.numbering.n_all)
         self._record()
 
+    def _scalars(self, names):
+        """Which unknowns (n_q,) are the scalars of these ``names`` of their kind, as booleans."""
+        found = np.zeros(self.n_q, bool)
+        for b in self.batches:
+            first = 3 * len(b.kind.layout)
+            for name in names(b.kind):
+                found[b.dofs[:, first + b.kind.scalars.index(name)]] = True
+        return found
+
     def _slots(self, n_nodes):
         """One force slot for each unknown of each node, shared or not; then scalars, then multipliers."""
         of = self.numbering
         three = np.arange(3)
         nodes = np.concatenate([np.stack([of.x, of.r], 1).reshape(-1, 1) + three], axis=1).ravel()
-        n_scalars = int(np.sum(of.kind[: of.n_q] == SCALAR))
-        rest = np.arange(of.n_q - n_scalars, of.n)
+        rest = np.arange(of.n_q - of.n_scalars, of.n)
         self.slot_dof = np.concatenate([nodes, rest]) if n_nodes else rest
         self.n_slots = len(self.slot_dof)
 

@@ -12,7 +12,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, vec
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coordinate:
     """A number that follows from the positions and rotations of nodes."""
 

@@ -1,4 +1,4 @@
-r"""Couple: a moment between two nodes as a function of time, about an axis that the first carries, as of a motor.
+r"""Couple: a moment between two nodes by a law or a signal, about an axis that the first carries, as of a motor.
 
 With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
 
@@ -10,63 +10,66 @@ so that node b is turned about +axis and node a about -axis; the surroundings (t
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, vec
-from mecano.schema import CURVE, DIRECTION, NODE_PAIR, Field
+from mecano.schema import DIRECTION, DRIVE, NODE_PAIR, Field
 
 RECORD = record(law="i", axis=3)
 
 
-@kernel
-def residual(p, at, f):
-    """Add opposite moments on both nodes."""
-    size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
-    add_vec(f, 0, size, s)
-    add_vec(f, 3, -size, mat(at.R[1]).T @ (mat(at.R[0]) @ s))
+def _functions(demand):
+    """Return ``residual`` and ``observe``."""
 
+    @kernel
+    def residual(p, at, f):
+        size, s = demand(p, at), vec(p.axis, 0)
+        add_vec(f, 0, size, s)
+        add_vec(f, 3, -size, mat(at.R[1]).T @ (mat(at.R[0]) @ s))
 
-@kernel
-def observe(p, at, F, y, e):
-    """Moment, relative rate about the axis, power."""
-    size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
-    y[0] = size
-    y[1] = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
-    y[2] = size * y[1]
-    e[3] = y[2]
+    @kernel
+    def observe(p, at, F, y, e):
+        size, s = demand(p, at), vec(p.axis, 0)
+        y[0] = size
+        y[1] = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
+        y[2] = size * y[1]
+        e[3] = y[2]
+
+    return residual, observe
 
 
 def prepare(d, nodes, context):
     """Record of one couple: the axis in the axes of the first node."""
     axis = np.asarray(d["axis"], float)
-    return {"law": context.laws.add(d["value"]), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
+    return {"law": law_of(d["value"], context), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
 
 
 def sample(rng):
-    """A falling curve about a random axis."""
+    """A falling curve and a signal, about random axes."""
     value = (("exponential", {"start": 5.0, "limit": 2.0, "rate": 0.3, "origin": -9.0}),)
-    return [({"axis": rng.normal(size=3), "value": value}, 2, "")]
+    return [({"axis": rng.normal(size=3), "value": value}, 2, "") for value in (value, "torque")]
 
 
-COUPLE = Kind(
-    name="couple",
-    section="loads",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("R0", "R1"),
-    fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axis) and b; either may be ground"),
-        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field("value", CURVE, "N m", "moment on b about the axis, and on a against it, as a function of time [s]"),
-    ),
-    outputs=(
-        Output("moment", "N m", "moment on b about the axis"),
-        Output("rate", "rad/s", "angular velocity of b relative to a about the axis"),
-        Output("power", "W", "power given to both nodes"),
-    ),
-    prepare=prepare,
-    residual=residual,
-    observe=observe,
-    sample=sample,
-)
+def _kind(demand):
+    residual, observe = _functions(demand)
+    return Kind(
+        name="couple", section="loads", doc=__doc__, dtype=RECORD, layout=("R0", "R1"),
+        fields=(
+            Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axis) and b; either may be ground"),
+            Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+            Field(
+                "value", DRIVE, "N m",
+                "moment on b about the axis, and on a against it: a function of time [s], or a formula of signals",
+            ),
+        ),
+        outputs=(
+            Output("moment", "N m", "moment on b about the axis"),
+            Output("rate", "rad/s", "angular velocity of b relative to a about the axis"),
+            Output("power", "W", "power given to both nodes"),
+        ),
+        prepare=prepare, residual=residual, observe=observe, sample=sample,
+    )  # fmt: skip
+
+
+COUPLE = on_demand(_kind, "value", 6)

@@ -1,10 +1,10 @@
-r"""Loads at a node, as functions of time: forces and moments, dead (fixed direction) or following the node.
+r"""Loads at a node, by laws of time or signals: forces and moments, dead (fixed direction) or following the node.
 
-With the unit direction d, inertial for dead loads and carried by the node for followers, a force F(t) gives
+With the unit direction d, inertial for dead loads and carried by the node for followers, a force F gives
 
 .. math::  f_x = -F d \quad\text{(dead)}, \qquad f_x = -F R d \quad\text{(follower)}
 
-and a moment M(t), in material axes,
+and a moment M, in material axes,
 
 .. math::  f_\Theta = -M R^T d \quad\text{(dead)}, \qquad f_\Theta = -M d \quad\text{(follower)}
 
@@ -15,20 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, put, vec
-from mecano.schema import CURVE, DIRECTION, NODE, Field
+from mecano.schema import DIRECTION, DRIVE, NODE, Field
 
 RECORD = record(law="i", direction=3)
 EQUATIONS = __doc__.partition("\n\n")[2]
-
-
-@kernel
-def _load(p, laws, t):
-    """Size and unit direction."""
-    return evaluate_curve(laws, p.law, t)[0], vec(p.direction, 0)
 
 
 @kernel
@@ -39,67 +33,70 @@ def _report(size, inertial, direction, v, y, e):
     e[3] = y[3]
 
 
-@kernel
-def force(p, at, f):
-    """Add the dead force."""
-    size, d = _load(p, at.laws, at.t)
-    add_vec(f, 0, -size, d)
+def _force(demand):
+    """Return ``residual`` and ``observe`` of the dead force."""
+
+    @kernel
+    def residual(p, at, f):
+        add_vec(f, 0, -demand(p, at), vec(p.direction, 0))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        d = vec(p.direction, 0)
+        _report(demand(p, at), d, d, at.v, y, e)
+
+    return residual, observe
 
 
-@kernel
-def observe_force(p, at, F, y, e):
-    """Force and power."""
-    size, d = _load(p, at.laws, at.t)
-    _report(size, d, d, at.v, y, e)
+def _follower_force(demand):
+    """Return ``residual`` and ``observe`` of the force carried by the node."""
+
+    @kernel
+    def residual(p, at, f):
+        add_vec(f, 0, -demand(p, at), mat(at.R[0]) @ vec(p.direction, 0))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        inertial = mat(at.R[0]) @ vec(p.direction, 0)
+        _report(demand(p, at), inertial, inertial, at.v, y, e)
+
+    return residual, observe
 
 
-@kernel
-def follower_force(p, at, f):
-    """Add the force carried by the node."""
-    size, d = _load(p, at.laws, at.t)
-    add_vec(f, 0, -size, mat(at.R[0]) @ d)
+def _moment(demand):
+    """Return ``residual`` and ``observe`` of the dead moment."""
+
+    @kernel
+    def residual(p, at, f):
+        add_vec(f, 0, -demand(p, at), mat(at.R[0]).T @ vec(p.direction, 0))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        d = vec(p.direction, 0)
+        _report(demand(p, at), d, mat(at.R[0]).T @ d, at.v, y, e)
+
+    return residual, observe
 
 
-@kernel
-def observe_follower_force(p, at, F, y, e):
-    """Force and power."""
-    size, d = _load(p, at.laws, at.t)
-    inertial = mat(at.R[0]) @ d
-    _report(size, inertial, inertial, at.v, y, e)
+def _follower_moment(demand):
+    """Return ``residual`` and ``observe`` of the moment carried by the node."""
 
+    @kernel
+    def residual(p, at, f):
+        add_vec(f, 0, -demand(p, at), vec(p.direction, 0))
 
-@kernel
-def moment(p, at, f):
-    """Add the dead moment."""
-    size, d = _load(p, at.laws, at.t)
-    add_vec(f, 0, -size, mat(at.R[0]).T @ d)
+    @kernel
+    def observe(p, at, F, y, e):
+        d = vec(p.direction, 0)
+        _report(demand(p, at), mat(at.R[0]) @ d, d, at.v, y, e)
 
-
-@kernel
-def observe_moment(p, at, F, y, e):
-    """Moment and power."""
-    size, d = _load(p, at.laws, at.t)
-    _report(size, d, mat(at.R[0]).T @ d, at.v, y, e)
-
-
-@kernel
-def follower_moment(p, at, f):
-    """Add the moment carried by the node."""
-    size, d = _load(p, at.laws, at.t)
-    add_vec(f, 0, -size, d)
-
-
-@kernel
-def observe_follower_moment(p, at, F, y, e):
-    """Moment and power."""
-    size, d = _load(p, at.laws, at.t)
-    _report(size, mat(at.R[0]) @ d, d, at.v, y, e)
+    return residual, observe
 
 
 def prepare(d, nodes, context):
     """Record of a dead load."""
     direction = np.asarray(d["direction"], float)
-    return {"law": context.laws.add(d["value"]), "direction": direction / np.linalg.norm(direction)}
+    return {"law": law_of(d["value"], context), "direction": direction / np.linalg.norm(direction)}
 
 
 def prepare_follower(d, nodes, context):
@@ -109,7 +106,7 @@ def prepare_follower(d, nodes, context):
 
 
 def sample(rng):
-    """A swelling sine and a smooth step, in random directions."""
+    """A swelling sine, a smooth step, a signal, in random directions."""
     sine = (
         ("sine", {"amplitude": 2.0, "frequency": 0.3, "phase": 0.4, "offset": 0.0}),
         ("linear", {"slope": 0.5, "offset": rng.uniform(3, 4)}),
@@ -118,7 +115,7 @@ def sample(rng):
         ("step", {"time": -5.0, "rise": 10.0, "from": 1.0, "to": 3.0}),
         ("constant", {"value": rng.uniform(1, 2)}),
     )
-    return [({"direction": rng.normal(size=3), "value": value}, 1, "") for value in (sine, step)]
+    return [({"direction": rng.normal(size=3), "value": value}, 1, "") for value in (sine, step, "thrust")]
 
 
 @dataclass(frozen=True)
@@ -128,21 +125,24 @@ class _Quantity:
     name: str
     unit: str
 
-    def kind(self, name, layout, follows, residual, observe):
-        """A kind of load of this quantity."""
+    def kind(self, name, layout, follows, functions):
+        """A kind of load of this quantity; functions(demand) -> (residual, observe)."""
+        return on_demand(lambda demand: self._by(name, layout, follows, *functions(demand)), "value", 3 * len(layout))
+
+    def _by(self, name, layout, follows, residual, observe):
         carries = " and that carries its direction" if follows else ""
         given = "direction at the start, inertial" if follows else "direction, inertial"
         what = "that follows its node" if follows else "with a fixed direction"
         return Kind(
             name=name,
             section="loads",
-            doc=f"{self.name.capitalize()} at a node, a function of time, {what}.\n\n{EQUATIONS}",
+            doc=f"{self.name.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
             dtype=RECORD,
             layout=layout,
             fields=(
                 Field("node", NODE, "-", f"node that it acts on{carries}"),
                 Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
-                Field("value", CURVE, self.unit, f"{self.name} as a function of time [s]"),
+                Field("value", DRIVE, self.unit, f"{self.name}: a function of time [s], or a formula of signals"),
             ),
             outputs=(
                 Output(self.name, self.unit, f"{self.name} on the node, inertial", (3,)),
@@ -156,7 +156,7 @@ class _Quantity:
 
 
 _FORCE, _MOMENT = _Quantity("force", "N"), _Quantity("moment", "N m")
-FORCE = _FORCE.kind("force", ("x0",), False, force, observe_force)
-FOLLOWER_FORCE = _FORCE.kind("follower_force", ("x0", "R0"), True, follower_force, observe_follower_force)
-MOMENT = _MOMENT.kind("moment", ("R0",), False, moment, observe_moment)
-FOLLOWER_MOMENT = _MOMENT.kind("follower_moment", ("R0",), True, follower_moment, observe_follower_moment)
+FORCE = _FORCE.kind("force", ("x0",), False, _force)
+FOLLOWER_FORCE = _FORCE.kind("follower_force", ("x0", "R0"), True, _follower_force)
+MOMENT = _MOMENT.kind("moment", ("R0",), False, _moment)
+FOLLOWER_MOMENT = _MOMENT.kind("follower_moment", ("R0",), True, _follower_moment)

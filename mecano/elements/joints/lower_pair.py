@@ -18,6 +18,7 @@ from mecano.constraints.along_coordinate.measure import (
     put_sliding,
     put_turning,
 )
+from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.of_coordinates import (
@@ -45,7 +46,7 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.element_interface import Kind, Part
+from mecano.element_interface import Kind, Measured, Part
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, Field
 
@@ -139,8 +140,22 @@ def lower_pair(name, doc, pair, sample):
         fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
         optional=_optional(pair), memory=("angle",) if pair.turns else (),
         prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),
-        commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample,
+        commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample, measures=_measures(pair),
     )  # fmt: skip
+
+
+def _measures(pair):
+    """Return the ``measures``: the turning about the axis and the sliding along it, where they are free."""
+
+    def angle(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
+
+    def displacement(d, nodes, context):
+        p = pair.place(d, nodes, context)
+        return Measured(SLIDE, (0, 1), {"mu": p["mu"][2]}, p["start"][2])
+
+    return {**({"angle": angle} if pair.turns else {}), **({"displacement": displacement} if pair.slides else {})}
 
 
 def _fields(pair):

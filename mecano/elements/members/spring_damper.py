@@ -9,12 +9,15 @@ N > 0 pulls the nodes together.
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.signal import SIGNAL
+from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Measured, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_force, law_force, potential
+from mecano.maths.dual import number
 from mecano.maths.vector import add_vec
 from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
 
@@ -81,6 +84,25 @@ def sample(rng):
     return [*samples, ({"law": cubic}, 2, "between")]
 
 
+@kernel
+def force_residual(p, at, f):
+    """Add the row of the sensor of the force."""
+    length, rate, _ = line(at.q, at.v)
+    f[6] += number(at.q[6]) - law_force(at.laws, p.law, length - p.natural_length, rate)
+
+
+def _measured(zero):
+    return lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}, zero(prepare(d, nodes, context)))
+
+
+def _measured_force(d, nodes, context):
+    return Part(FORCE_SENSOR, (0, 1), prepare(d, nodes, context))
+
+
+FORCE_SENSOR = Kind(
+    name="spring_force_sensor", section="", doc="Sensor of the axial force of a spring-damper.", dtype=RECORD,
+    layout=("x0", "x1"), residual=force_residual, **SIGNAL,
+)  # fmt: skip
 SPRING_DAMPER = Kind(
     name="spring_damper",
     section="elements",
@@ -110,4 +132,8 @@ SPRING_DAMPER = Kind(
     observe=observe,
     event_values=event_values,
     sample=sample,
+    measures={
+        "length": _measured(lambda p: 0.0), "extension": _measured(lambda p: p["natural_length"]),
+        "force": _measured_force,
+    },
 )  # fmt: skip

@@ -9,11 +9,11 @@ ends together:
 """
 
 from mecano.constraints.along_coordinate.law import law_values, report
-from mecano.constraints.coordinates.twist import followed
+from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_phases import EVENTS, PHASES
-from mecano.element_interface import Kind, Output
+from mecano.element_interface import Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
@@ -52,6 +52,11 @@ def sample(rng):
     return [*samples, ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": 0.7}, 2, "between")]
 
 
+def _angle(d, nodes, context):
+    p = prepare(d, nodes, context)
+    return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
+
+
 TORSION_SPRING_DAMPER = Kind(
     name="torsion_spring_damper",
     section="elements",
@@ -80,4 +85,5 @@ TORSION_SPRING_DAMPER = Kind(
     event_values=TWIST_LAW.event_values,
     commit=TWIST_LAW.commit,
     sample=sample,
+    measures={"angle": _angle},
 )

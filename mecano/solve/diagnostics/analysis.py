@@ -57,12 +57,13 @@ class Analysis:
     release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
     gradient: Entries
     names: list  # of the equations of the unknowns
+    signals: np.ndarray  # (n_q,) bool: which of the unknowns are signals, no motions
     complete: bool = True
 
     @property
     def mobility(self):
         """Number of independent motions that the constraints leave."""
-        return self.gradient.shape[1] - self.rank
+        return self.gradient.shape[1] - self.rank - int(self.signals.sum())
 
     @cached_property
     def mechanisms(self):
@@ -72,7 +73,9 @@ class Analysis:
         """
         if not self.small:
             return None
-        return groups(_null_projector(self.gradient.dense(np.arange(self.gradient.shape[0])), self.rank), self.motions)
+        projector = _null_projector(self.gradient.dense(np.arange(self.gradient.shape[0])), self.rank)
+        projector[self.signals] = projector[:, self.signals] = 0.0
+        return groups(projector, self.motions)
 
     @property
     def small(self):
@@ -103,7 +106,7 @@ def analyse(system, s, length):
     if len(loops) > DENSE_ROWS:
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
-        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, False)
+        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, system.signals, False)
     null = _left_null(B.dense(loops))
     redundant, rank = groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
@@ -111,7 +114,7 @@ def analyse(system, s, length):
         _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
     )
     dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
-    return Analysis(rank, redundant, dependent, release_matrix, B, names)
+    return Analysis(rank, redundant, dependent, release_matrix, B, names, system.signals)
 
 
 def gradient(system, s, length):

@@ -13,7 +13,7 @@ import numpy as np
 from mecano.element_interface import nothing
 from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model
-from mecano.model.numbering import AXES, SCALAR, Classes
+from mecano.model.numbering import AXES, Classes
 from mecano.model.system import System
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, dependent_rows, gradient, groups
 
@@ -91,7 +91,7 @@ def _apart(system, s, length):
                     values.append([sign])
             names.append(f"{owner}: {PARTS[what].format(AXES[axis])}")
     n = 6 * len(system.nodes)
-    n_scalars = int(np.sum(whole.numbering.kind[: whole.n_q] == SCALAR))
+    n_scalars = whole.numbering.n_scalars
     group = np.concatenate([np.repeat(np.arange(len(system.nodes)), 6), len(system.nodes) + np.arange(n_scalars)])
     shape = (len(names), n + n_scalars)
     return Entries(*(np.concatenate(part) for part in (rows, cols, values)), shape), size, names, group
@@ -112,16 +112,16 @@ def _state(system, whole, s):
     three = np.arange(3)
     apart.z[all_.x[:, None] + three] = s.z[one.x[:, None] + three]
     apart.R[all_.rotation] = s.R[one.rotation]
-    apart.z[: whole.n_q][all_.kind[: whole.n_q] == SCALAR] = s.z[: system.n_q][one.kind[: system.n_q] == SCALAR]
+    apart.z[all_.n_q - all_.n_scalars : all_.n_q] = s.z[one.n_q - one.n_scalars : one.n_q]
     return replace(apart, phases=s.phases, memory=s.memory)
 
 
 def _columns(whole):
     """Columns (n_q,) of the unknowns of a model with the joints taken apart; see ``_apart``."""
     of, n = whole.numbering, 6 * len(whole.nodes)
-    columns, scalar = np.zeros(of.n_all, np.int64), of.kind == SCALAR
+    columns = np.zeros(of.n_all, np.int64)
     three = np.arange(3)
     columns[of.x[:, None] + three] = 6 * np.arange(len(whole.nodes))[:, None] + three
     columns[of.r[:, None] + three] = 6 * np.arange(len(whole.nodes))[:, None] + 3 + three
-    columns[scalar] = n + np.arange(int(scalar.sum()))
+    columns[of.n_q - of.n_scalars : of.n_q] = n + np.arange(of.n_scalars)
     return columns[: whole.n_q]

@@ -55,7 +55,7 @@ def _resting(system):
             own = b.dofs[:, 3 * len(b.kind.layout) :]
             own = own[own < system.n_q]
             resting[own[system.numbering.kind[own] == SCALAR]] = True
-    return resting
+    return resting | system.signals
 
 
 def _as_bodies(system, s, length, bodies, resting):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.jit.entry import Indices, Vector, entry
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, SIGNAL, TRANSLATION
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 
 HUGE = 1e300  # beyond this a number counts as infinite
@@ -54,7 +54,8 @@ def norms(
     large force. The row of a constraint that is let go says that reactions are shared (compliance.py) and is judged as
     the force by which they are not. No force is judged below what the rounding of positions as large as ``reach`` [m]
     makes of it; for scalars without inertia that is at most MASSLESS_SHARE, since in short steps the stiffness is that
-    of the masses. ``share`` makes all tolerances smaller, but for this.
+    of the masses. ``share`` makes all tolerances smaller, but for this. Signals are judged by their increments
+    (increments.py), as nothing is known of the size of their residuals.
     """
     force = moment = scalar = massless = distance = angle = shared = 0.0
     force_size = moment_size = scalar_size = TINY
@@ -70,6 +71,8 @@ def norms(
             scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
         elif kind[i] == MASSLESS:
             massless, scalar_size = max(massless, x), max(scalar_size, size[i])
+        elif kind[i] == SIGNAL:
+            continue
         elif kind[i] == LENGTH_CONSTRAINT:
             distance = max(distance, x / k)
         elif kind[i] == RELEASED:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.jit.entry import Vector, entry
+from mecano.solve.time.signals import solve_signals
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
@@ -107,8 +108,9 @@ class EventMonitor:
 
     def settle(self, s):
         """Return the initial state with its phases consistent with the event values; these changes are not recorded."""
+        s = s.copy() if self.system.signals.any() else s
         for _ in range(10):
-            hit = self.values(s) > 0
+            hit = self.values(solve_signals(self.system, s)) > 0
             if not hit.any():
                 break
             s, _ = self.apply(s, hit)

@@ -184,6 +184,9 @@ def freedom(system, s, stability, length):
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
+STILL = 1e-9  # of the largest component: nodes that move by less do not
+
+
 def words(system, s, shape, length, inertial=False, most=NAMED):
     """A motion (n_q,) of the free unknowns at ``s`` in words: which nodes move how, the most mobile first.
 
@@ -200,7 +203,11 @@ def words(system, s, shape, length, inertial=False, most=NAMED):
             vector = (np.eye(3) if inertial else R) @ shape[first : first + 3]
             moves.append((unit * float(np.linalg.norm(vector)), f"node '{node.name}' {verb} {_direction(vector)}"))
     first_scalar = next((i for i in range(system.n_q) if of.kind[i] > ROTATION), system.n_q)
-    moves += [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
+    changes = [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
+    signals = system.signals[first_scalar:]
+    moves += [change for change, signal in zip(changes, signals, strict=True) if not signal]
+    if max(moves, default=(0.0,))[0] <= STILL * np.abs(shape).max(initial=0.0):  # signals have units of any size
+        moves = changes
     moves.sort(key=lambda move: -move[0])
     named = [text for size, text in moves if size > SMALL * moves[0][0]]
     rest = f"; and {len(named) - most} more" if len(named) > most else ""

@@ -16,6 +16,7 @@ from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.increments import displaced, moved
+from mecano.solve.time.signals import settle_signals
 
 DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
 RATE_ITERATIONS = 100
@@ -47,12 +48,13 @@ class Consistent:
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
         # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
-        self.loose = loose & ((diagonal <= 0.0) | system.massless)
+        self.loose = loose & ((diagonal <= 0.0) | system.massless | system.signals)
         self.massless = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
-        if len(self.massless):
-            massless = np.zeros(system.n, bool)
-            massless[self.massless] = True
-            data[:-1][massless[system.rows] | massless[system.cols]] = 0.0
+        if len(self.massless) or system.signals.any():
+            alone = np.zeros(system.n, bool)
+            alone[self.massless] = True
+            alone[: system.n_q] |= system.signals
+            data[:-1][alone[system.rows] | alone[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -137,6 +139,10 @@ class Consistent:
         keep them fulfilled while all velocities stay.
         """
         own, of = self.massless, self.system.numbering
+        if self.system.signals.any():
+            settle_signals(self.system, s, DIFFERENCE * h)
+            signals = np.flatnonzero(self.system.signals)
+            self.bare.z[signals] = s.z[signals]
         for _ in range(SETTLING if len(own) else 0):
             self.settle_rates(s)
             fast = self._fast(s, FAST * h)
@@ -197,8 +203,8 @@ class Consistent:
         system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
         top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
         a, reaction = self._solve_again(top, self.k * gamma)
-        s.a[:] = 0.0
-        s.a[: system.n_q] = a
+        s.a[system.n_q :] = 0.0
+        s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
         s.z[system.n_q : system.n] = reaction + self.k * gamma
         if len(system.coupled_multipliers):
             self._apply_coupled_friction(s)

@@ -254,7 +254,8 @@ class GeneralizedAlpha:
         modal_filter = self._modal_filter(s, scales)
         if modal_filter is None:
             return a
-        part = np.where(self.system.massless, a, modal_filter(a))  # scalars without inertia swing with nothing
+        alone = self.system.massless | self.system.signals
+        part = np.where(alone, a, modal_filter(a))  # scalars without inertia swing with nothing
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
     def _modal_filter(self, s, scales):

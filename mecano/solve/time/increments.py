@@ -8,8 +8,10 @@ from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
-from mecano.model.numbering import MASSLESS, ROTATION, SCALAR
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL
 from mecano.solve.time.turning_error import turning_error
+
+SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 
 
 @kernel
@@ -59,7 +61,8 @@ def predict(
         v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
         z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
-        reach = max(reach, abs(z_out[i]))
+        if kind[i] != SIGNAL:
+            reach = max(reach, abs(z_out[i]))
         v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         acceleration_out[i] = guess
     for i in range(n_q, n):
@@ -72,16 +75,20 @@ def predict(
 def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out):
     """Take off dz (n,), the solution for the residual; velocities and accelerations by cC and cM, multipliers by k.
 
-    Returns the largest displacement over ``length``, or rotation [rad]; inf when it is not finite.
+    Returns the largest displacement over ``length``, rotation [rad], or change of a signal relative to it; inf when it
+    is not finite.
     """
+    signal = 0.0
     for i in range(n_q):
         z_out[i] -= dz[i]
         v_out[i] -= cC * dz[i]
         a_out[i] -= cM * dz[i]
+        if kind[i] == SIGNAL:
+            signal = max(signal, abs(dz[i]) / max(abs(z_out[i]), SMALL))
     for i in range(n_q, n):
         z_out[i] -= k * dz[i]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out)
-    return largest(dz, kind, n_q, length)
+    return max(signal, largest(dz, kind, n_q, length))
 
 
 @entry
@@ -92,7 +99,8 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
         x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
         if not x <= 1e300:
             return np.inf
-        worst = max(worst, x)
+        if kind[i] != SIGNAL:
+            worst = max(worst, x)
     return worst
 
 
@@ -123,13 +131,13 @@ def finish(
 
 @entry
 def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float) -> float:
-    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar that does not RELAX.
+    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar with inertia.
 
     It counts over ``length`` for displacements and scalars.
     """
     worst = square = 0.0
     for i in range(n_q):
-        if kind[i] == MASSLESS:
+        if kind[i] == MASSLESS or kind[i] == SIGNAL:
             continue
         change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
         begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes

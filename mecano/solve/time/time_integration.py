@@ -11,6 +11,7 @@ from mecano.solve.diagnostics import failure
 from mecano.solve.events.events import EventMonitor, locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.run_state import RunState
+from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
 from mecano.solve.time.stride import PROBE, STRETCH, Strides
 
@@ -64,7 +65,7 @@ class TimeIntegrator:
 
     def begin(self, s, h):
         """RunState at the start: consistent velocities, accelerations and multipliers."""
-        s = replace(s, memory=self.system.commit(s))
+        s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         self._observe(s)
@@ -83,9 +84,10 @@ class TimeIntegrator:
         self._before, self.method.pause = run, lambda: self.pause(self._before)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
-            if stop - run.motion.t < self._shortest(stop):
-                run = replace(run, motion=replace(run.motion, t=stop))
             while run.motion.t < stop:
+                if stop - run.motion.t < self._shortest(stop):  # an event may lie so near before it
+                    run = replace(run, motion=replace(run.motion, t=stop))
+                    break
                 run = self._onward(run, stop)
                 for report in self.reporters:
                     report(run)

@@ -1,0 +1,16 @@
+"""What signals have in common: their first scalar is their value, which is also their first output."""
+
+from mecano.element_interface import Output
+from mecano.jit.kernel import kernel
+from mecano.schema import FORMULA, NUMBER, Field
+
+SIGNAL = {"scalars": ("value",), "of_signals": True}
+VALUE = Output("value", "SI", "value of the signal, in SI units")
+INPUT = Field("input", FORMULA, "-", "what goes in: a formula of signals, outputs of elements, motions of nodes, time")
+INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
+
+
+@kernel
+def observe_value(p, at, F, y, e):
+    """Write the value of a signal, its first local unknown."""
+    y[0] = at.q[0]

@@ -1,0 +1,100 @@
+"""Checks of formulas of signals, and of what takes a law of the time or a formula; names in them are looked up last."""
+
+from dataclasses import replace
+
+from mecano.deck.compose import Node
+from mecano.deck.containers import IDENTIFIER, kind
+from mecano.deck.expressions import NAME, ExpressionError, is_arithmetic
+from mecano.deck.laws import law_or_name
+from mecano.deck.parameters import Refused
+from mecano.deck.scope import INVALID, Reference
+from mecano.deck.units import is_quantity
+from mecano.element_interface import SECTIONS
+from mecano.laws.formula import FormulaError, read_formula
+from mecano.model.measured import UnknownQuantity, meaning
+
+
+def signal_entry(node, field, scope):
+    """An entry of the section ``signals``: a formula, or a mapping with a type."""
+    if type(node.value) is dict:
+        return kind(node, field, scope)
+    written = Node({"type": (node, _as("formula", node)), "value": (node, node)}, node.source, node.line, node.column)
+    return kind(written, field, scope)
+
+
+def drive(node, field, scope):
+    """A law of the time as for a curve, or a formula as a text; a Reference for a name, of a law or a signal."""
+    text = node.value
+    if type(text) is str and IDENTIFIER.fullmatch(text):
+        return Reference(text, "laws", "drive", node, scope.subject)
+    if type(text) is str and not is_quantity(text) and not is_arithmetic(text):
+        found = _read(text, node, scope)
+        if found is INVALID or found.references or found.depends_on_time:
+            return _noted(found, node, scope)
+    return law_or_name(node, replace(field, type=replace(field.type, name="curve")), scope)
+
+
+def formula(node, field, scope):
+    """A formula as a text in which parameters are numbers."""
+    if type(node.value) in (int, float):
+        return repr(float(node.value))
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    return _noted(_read(node.value, node, scope), node, scope)
+
+
+def _as(text, node):
+    return Node(text, node.source, node.line, node.column, text)
+
+
+def _read(text, node, scope):
+    """The Formula of a text whose parameters have their values, or INVALID with the problem noted."""
+    try:
+        numbers = NAME.sub(lambda match: _number(match, scope), text)
+    except Refused:
+        return INVALID
+    except ExpressionError as error:
+        return scope.refuse_expression(node, error)
+    try:
+        found = read_formula(numbers)
+    except FormulaError as error:
+        exact = numbers == text
+        message = f"the formula '{text}': {error.message}"
+        return scope.refuse_expression(node, ExpressionError(message, error.column if exact else 0))
+    return found
+
+
+def _number(match, scope):
+    value = scope.parameters(match[1], match.start())
+    return f"({value!r})" if value < 0.0 else repr(value)
+
+
+def _noted(found, node, scope):
+    if found is INVALID:
+        return INVALID
+    scope.formulas.append((found, node, scope.subject))
+    return found.text
+
+
+def check_formulas(values, scope):
+    """Note the names in formulas that mean nothing in the checked ``values`` of a deck, or several things."""
+    kinds = {(section, name): scope.kinds[d["type"]] for section in SECTIONS for name, d in values[section].items()}
+    for found, node, subject in scope.formulas:
+        scope.subject = subject
+        for name, column in zip(found.references, found.columns, strict=True):
+            try:
+                meaning(name, kinds, values["nodes"])
+            except UnknownQuantity as error:
+                near = (name.split(".")[-1] if "cannot" in error.message else name.split(".")[0], error.known)
+                exact = found.text == node.value
+                place = ExpressionError(error.message, column if exact else 0)
+                _refuse(node, place, scope.suggest(*near) if near[1] else "", scope)
+
+
+def _refuse(node, error, hint, scope):
+    line, start = node.mark.text, node.column
+    if line[start : start + 1] in "'\"":
+        start += 1
+    exact = line[start : start + len(node.value)] == node.value
+    place = Node(node.value, node.source, node.line, start + error.column) if exact else node
+    scope.refuse(place, error.message, hint)

@@ -1,0 +1,108 @@
+r"""Loads along the coordinate of a joint, or along the line between two nodes: actuators, motors, cylinders.
+
+A load P works along a coordinate c of the nodes, in the sense in which c grows:
+
+.. math::  f = -P\, \nabla c
+
+with the power :math:`P\, \dot c` given by the surroundings. c is the angle of the joint about its axis
+(``joint_moment``), its displacement along the axis (``joint_force``), or the distance of two nodes (``line_force``;
+P > 0 pushes them apart). P is a law of the time or a formula of signals, such as a controller that measures the angle.
+"""
+
+from mecano.constraints.along_coordinate.demand import law_of, on_demand
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.coordinates.distance import DISTANCE
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.joint_frame import at_one_place
+from mecano.element_interface import Kind, Output, nothing, record
+from mecano.jit.kernel import kernel
+from mecano.schema import DRIVE, NODE_PAIR, Field, joint_with
+
+EQUATIONS = __doc__.partition("\n\n")[2]
+
+
+def _functions(coordinate, demand):
+    """Return ``residual`` and ``observe`` of a load along a coordinate."""
+    gradient = coordinate.gradient
+
+    @kernel
+    def residual(p, at, f):
+        add_along(f, -demand(p, at), gradient(p, at))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0] = demand(p, at)
+        y[1] = rate_of(gradient(p, at), at.v)
+        y[2] = y[0] * y[1]
+        e[3] = y[2]
+
+    return residual, observe
+
+
+def _load(name, what, coordinate, field, prepare, check, sample):
+    """Return the Kind of a load along a coordinate of the nodes that the ``field`` names."""
+    quantity, unit = coordinate.load
+    rate_unit = f"{coordinate.unit}/s"
+
+    def kind(demand):
+        residual, observe = _functions(coordinate, demand)
+        return Kind(
+            name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}",
+            dtype=record(law="i", **coordinate.axes), layout=coordinate.layout,
+            fields=(
+                field, Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals"),
+            ),
+            outputs=(
+                Output(quantity, unit, f"{quantity} along the coordinate"),
+                Output("rate", rate_unit, "rate of the coordinate"),
+                Output("power", "W", "power given to the nodes"),
+            ),
+            prepare=prepare, check=check, residual=residual, observe=observe, sample=sample,
+        )  # fmt: skip
+
+    return on_demand(kind, "value", 3 * len(coordinate.layout))
+
+
+def _along_joint(output):
+    """Return the ``prepare`` of a load along an output of a joint, a Measured on both of its nodes."""
+
+    def prepare(d, nodes, context):
+        kind = context.kinds[d["joint"]["type"]]
+        return {"law": law_of(d["value"], context), **kind.measures[output](d["joint"], nodes, context).axes}
+
+    return prepare
+
+
+def _along_line(d, nodes, context):
+    return {"law": law_of(d["value"], context)}
+
+
+def _sample(rng):
+    """By a law and by a signal: the load along a cylindrical joint, or between two nodes."""
+    joint = {"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None}
+    law = (("linear", {"slope": 2.0, "offset": 0.5}),)
+    return [({"joint": joint, "value": value}, 2, "") for value in (law, "command")]
+
+
+def _line_sample(rng):
+    return [({"value": d["value"]}, nodes, phase) for d, nodes, phase in _sample(rng)]
+
+
+def _joint(output):
+    return Field("joint", joint_with(output), "-", f"joint with the output '{output}', along which the load works")
+
+
+JOINT_MOMENT = _load(
+    "joint_moment", "Moment about the axis of a joint, as of a motor", TWIST, _joint("angle"),
+    _along_joint("angle"), nothing, _sample,
+)  # fmt: skip
+JOINT_FORCE = _load(
+    "joint_force", "Force along the axis of a joint, as of a linear motor", SLIDE, _joint("displacement"),
+    _along_joint("displacement"), nothing, _sample,
+)  # fmt: skip
+LINE_FORCE = _load(
+    "line_force", "Force along the line between two nodes, as of a hydraulic cylinder", DISTANCE,
+    Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
+    _along_line, lambda d, nodes: at_one_place(nodes), _line_sample,
+)  # fmt: skip

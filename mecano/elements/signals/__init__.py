@@ -1,0 +1,1 @@
+"""Signals: named numbers that follow from the motion, from the time and from one another."""

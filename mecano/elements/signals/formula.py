@@ -1,0 +1,74 @@
+r"""Formula: a signal that follows at once from outputs of elements, from other signals, the time and parameters.
+
+.. math::  y = c(u_1, ..., u_n, t)
+
+It may have numbers, parameters (``$gain``), ``time``, ``pi``, signals by name, outputs of elements and joints
+(``elbow.angle``, ``strut.force``) and the motion of nodes (``tip.position.z``, ``tip.velocity.x``,
+``tip.angular_velocity.y``), + - * / ** ( ), and the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, log,
+tanh, hypot, abs, sign, min, max. All are in SI units and radians. Where two things have a name, the section of the deck
+tells them apart: ``joints.elbow.angle``. In the section ``signals`` the text alone will do: ``torque: 40*error``.
+
+y is an unknown of the model: where forces depend on it, the implicit step knows their exact derivatives by the motion,
+and signals that need one another are solved together.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+from mecano.constraints.along_coordinate.signal import SIGNAL, VALUE, observe_value
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.laws.formula import evaluate_formula, read_formula
+from mecano.maths.dual import number
+from mecano.schema import FORMULA as FORMULA_TYPE
+from mecano.schema import Field
+
+OWN = 0  # local unknowns: the value; then the inputs
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equation of the value."""
+    f[OWN] += number(at.q[OWN]) - evaluate_formula(at.laws, p.program, at.t, at.q, OWN)
+
+
+def prepare(d, nodes, context):
+    """Record: where the program stands in the table of laws."""
+    return {"program": context.laws.append(read_formula(d["value"]).numbers)}
+
+
+def variant(d):
+    """Return the kind with as many inputs as the formula has."""
+    return _of_size(len(read_formula(d["value"]).references))
+
+
+@cache
+def _of_size(n):
+    return replace(FORMULA, inputs=tuple(f"input_{i}" for i in range(1, n + 1)), variant=None)
+
+
+def sample(rng):
+    """All operations; none."""
+    return [
+        ({"value": "3*a.angle - b**2/(c + 4) + min(a.angle, b, 0.5) - max(c, 0.1)*time"}, 1, ""),
+        ({"value": "sin(a) + cos(b)*tan(c) - atan2(a, 1 + c) + hypot(a, b + 2) + abs(c) + sign(a)"}, 1, ""),
+        ({"value": "asin(a) + acos(b) + atan(c) + sqrt(4 + a) + exp(b)*log(2 + c) - tanh(-a) + (2 + a)**b"}, 1, ""),
+        ({"value": "time**2"}, 1, ""),
+    ]
+
+
+FORMULA = Kind(
+    name="formula",
+    section="signals",
+    doc=__doc__,
+    dtype=record(program="i"),
+    fields=(Field("value", FORMULA_TYPE, "-", "the formula"),),
+    outputs=(VALUE,),
+    reads=lambda d: read_formula(d["value"]).references,
+    prepare=prepare,
+    variant=variant,
+    residual=residual,
+    observe=observe_value,
+    sample=sample,
+    **SIGNAL,
+)

@@ -1,0 +1,46 @@
+r"""Lag of first order: a low-pass filter, an actuator or sensor that follows with a time constant.
+
+.. math::  T \dot y + y = g u
+"""
+
+from mecano.constraints.along_coordinate.signal import INITIAL, INPUT, SIGNAL, VALUE, observe_value
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
+from mecano.schema import NUMBER, Field, positive
+
+OWN, U = 0, 1  # local unknowns: the value; the input
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equation of the value."""
+    f[OWN] += number(at.v[OWN]) + (number(at.q[OWN]) - p.gain * number(at.q[U])) / p.time_constant
+
+
+def sample(rng):
+    """A lag with a gain."""
+    return [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")]
+
+
+LAG = Kind(
+    name="lag",
+    section="signals",
+    doc=__doc__,
+    dtype=record(time_constant=(), gain=(), initial=()),
+    fields=(
+        INPUT,
+        Field("time_constant", NUMBER, "s", "T", check=positive),
+        Field("gain", NUMBER, "-", "g, the value over a constant input", 1.0),
+        INITIAL,
+    ),
+    outputs=(VALUE,),
+    states=("value",),
+    inputs=("input",),
+    prepare=lambda d, nodes, context: {name: d[name] for name in ("time_constant", "gain", "initial")},
+    start=lambda p: [p["initial"]],
+    residual=residual,
+    observe=observe_value,
+    sample=sample,
+    **SIGNAL,
+)

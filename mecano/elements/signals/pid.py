@@ -1,0 +1,171 @@
+r"""PID controller, with limits and without windup.
+
+Of the error e that goes in,
+
+.. math::
+   u = K_P\, e + x_I + \frac{K_D}{T_D} (e - x_D), \qquad y = \min(\max(u, y_{min}), y_{max}), \\
+   \dot x_I = K_I\, e + (y - u)/T_t, \qquad T_D\, \dot x_D = e - x_D
+
+The derivative is filtered with the time constant :math:`T_D`. At a limit the integral is drawn back with the tracking
+time :math:`T_t` (back-calculation; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5), so that the controller
+comes back as soon as the error does. Without the gain of a part its state is not there. Reaching a limit, and leaving
+it, are events.
+"""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+from mecano.constraints.along_coordinate.signal import INITIAL, INPUT, VALUE, observe_value
+from mecano.element_interface import Event, Kind, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number, select
+from mecano.schema import NUMBER, Field, positive
+
+LOWER, WITHIN, UPPER = range(3)
+NONE = 1e300  # a limit that is not there
+RECORD = record(
+    proportional=(), integral=(), derivative=(), derivative_time=(), lower=(), upper=(), tracking_time=(), initial=(),
+    at_integral="i", at_filtered="i", at_input="i",
+)  # fmt: skip
+"""Gains, times, limits; local unknowns of the states x_I and x_D, or -1, and of the input. The value is unknown 0."""
+
+
+@kernel
+def demanded(p, at):
+    """Return u, and the difference e - x_D."""
+    e = number(at.q[p.at_input])
+    u, change = p.proportional * e, 0.0 * e
+    if p.at_integral >= 0:
+        u = u + number(at.q[p.at_integral])
+    if p.at_filtered >= 0:
+        change = e - number(at.q[p.at_filtered])
+        u = u + p.derivative / p.derivative_time * change
+    return u, change
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equations of the value and of the states."""
+    u, change = demanded(p, at)
+    y = select(at.phase == WITHIN, u, select(at.phase == UPPER, p.upper, p.lower))
+    f[0] += number(at.q[0]) - y
+    if p.at_integral >= 0:
+        rate = p.integral * number(at.q[p.at_input]) + (y - u) / p.tracking_time
+        f[p.at_integral] += number(at.v[p.at_integral]) - rate
+    if p.at_filtered >= 0:
+        f[p.at_filtered] += number(at.v[p.at_filtered]) - change / p.derivative_time
+
+
+@kernel
+def event_values(p, at, g):
+    """How far the demand is beyond each limit, or back from it."""
+    u = demanded(p, at)[0]
+    g[0], g[1] = u - p.upper, p.upper - u
+    g[2], g[3] = p.lower - u, u - p.lower
+
+
+def prepare(d, nodes, context):
+    """Record of one controller."""
+    scalars = _scalars(d)
+    places = {f"at_{name}": scalars.index(name) if name in scalars else -1 for name in ("integral", "filtered")}
+    gains = {name: d[name] for name in ("proportional", "integral", "derivative", "initial")}
+    return {
+        **gains, **places, "at_input": len(scalars), "derivative_time": d["derivative_time"] or 1.0,
+        "lower": max(d["lower"], -NONE), "upper": min(d["upper"], NONE), "tracking_time": _tracking_time(d),
+    }  # fmt: skip
+
+
+def _tracking_time(d):
+    """Return the tracking time: as given, or proportional over integral gain, or a second."""
+    if d["tracking_time"] is not None:
+        return d["tracking_time"]
+    return d["proportional"] / d["integral"] if d["proportional"] and d["integral"] else 1.0
+
+
+def _scalars(d):
+    return ("value", *("integral",) * bool(d["integral"]), *("filtered",) * bool(d["derivative"]))
+
+
+def variant(d):
+    """Return the kind with the states of those parts that have a gain."""
+    return _with(_scalars(d))
+
+
+@cache
+def _with(scalars):
+    return replace(
+        PID, scalars=scalars, states=scalars[1:], variant=None, start=_start_integral if "integral" in scalars else None
+    )
+
+
+def _start_integral(p):
+    values = [0.0, p["initial"], 0.0]
+    return values[: 2 + (p["at_filtered"] >= 0)]
+
+
+def check(d, nodes):
+    """Texts on limits in the wrong order, a derivative without a time, a start without an integral."""
+    found = []
+    if not d["lower"] < d["upper"]:
+        found.append("'lower' must be less than 'upper'")
+    if d["derivative"] and d["derivative_time"] is None:
+        found.append("'derivative_time', the time constant of its filter, is missing for 'derivative'")
+    if d["initial"] and not d["integral"]:
+        found.append("'initial' is the start of the integral: give 'integral', its gain")
+    return found
+
+
+def sample(rng):
+    """At each limit and between them; parts alone."""
+    d = {"input": "a", "proportional": 2.0, "integral": 3.0, "derivative": 0.5, "derivative_time": 0.2}
+    limits = {"lower": -0.05, "upper": 0.1, "tracking_time": 0.4}
+    return [
+        *(({**d, **limits}, 1, phase) for phase in ("lower", "within", "upper")),
+        ({"input": "a", "proportional": 2.0}, 1, "within"), ({"input": "a", "integral": 2.0}, 1, "within"),
+    ]  # fmt: skip
+
+
+PID = Kind(
+    name="pid",
+    section="signals",
+    doc=__doc__,
+    dtype=RECORD,
+    of_signals=True,
+    scalars=("value",),
+    inputs=("input",),
+    phases=("lower", "within", "upper"),
+    at_start=lambda p: WITHIN,
+    events=(
+        Event("upper limit", "within", "upper", "the demand rises to the upper limit"),
+        Event("upper limit left", "upper", "within", "the demand falls from the upper limit"),
+        Event("lower limit", "within", "lower", "the demand falls to the lower limit"),
+        Event("lower limit left", "lower", "within", "the demand rises from the lower limit"),
+    ),
+    fields=(
+        INPUT,
+        Field("proportional", NUMBER, "-", "K_P", 0.0),
+        Field("integral", NUMBER, "-", "K_I, per second", 0.0),
+        Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
+        Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
+        Field("lower", NUMBER, "-", "the value is never below; no limit when absent", -math.inf),
+        Field("upper", NUMBER, "-", "the value is never above; no limit when absent", math.inf),
+        Field(
+            "tracking_time",
+            NUMBER,
+            "s",
+            "T_t in which the integral is drawn back at a limit; when absent K_P/K_I, or 1 s without one",
+            None,
+            positive,
+        ),
+        replace(INITIAL, doc="integral x_I at the start"),
+    ),
+    outputs=(VALUE,),
+    prepare=prepare,
+    check=check,
+    variant=variant,
+    residual=residual,
+    observe=observe_value,
+    event_values=event_values,
+    sample=sample,
+)

@@ -1,0 +1,57 @@
+r"""Sample and hold: the input as it was at the last sampling time, as a computer sees it.
+
+.. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
+
+Steps of time end at all sampling times, the first of which is the start of the run.
+"""
+
+import numpy as np
+
+from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
+from mecano.schema import NUMBER, Field, positive
+
+OWN, U = 0, 1  # local unknowns: the value; the input
+HELD, NEXT, STARTED = range(3)  # of the memory
+ROUNDING = 1e-9  # of the period, by which a step may end before a sampling time
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equation of the value."""
+    f[OWN] += number(at.q[OWN]) - at.m[HELD]
+
+
+@kernel
+def commit(p, at, m_out):
+    """Sample at a sampling time."""
+    if at.m[STARTED] == 0.0 or at.t >= at.m[NEXT] - ROUNDING * p.period:
+        m_out[HELD] = at.q[U]
+        m_out[NEXT] = (at.t if at.m[STARTED] == 0.0 else at.m[NEXT]) + p.period
+        m_out[STARTED] = 1.0
+
+
+def times(d, start, end):
+    """Sampling times after the start."""
+    return (start + d["period"] * np.arange(1, int((end - start) / d["period"]) + 1)).tolist()
+
+
+SAMPLE_AND_HOLD = Kind(
+    name="sample_and_hold",
+    section="signals",
+    doc=__doc__,
+    dtype=record(period=()),
+    fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive)),
+    outputs=(VALUE,),
+    inputs=("input",),
+    memory=("held", "next", "started"),
+    prepare=lambda d, nodes, context: {"period": d["period"]},
+    residual=residual,
+    observe=observe_value,
+    commit=commit,
+    times=times,
+    sample=lambda rng: [({"input": "a", "period": 0.1}, 1, "")],
+    **SIGNAL,
+)

@@ -1,0 +1,167 @@
+r"""Linear systems: a plant, a filter or a controller in state space, or as a transfer function.
+
+.. math::  \dot x = A x + B u, \qquad y = C x + D u
+
+with several inputs u and one value y. ``transfer_function`` is that of one input,
+
+.. math::  \frac{y(s)}{u(s)} = \frac{b_0 + b_1 s + ... + b_m s^m}{a_0 + a_1 s + ... + a_n s^n}, \qquad m \le n,
+
+in controllable canonical form; coefficients are given in ascending powers of s. The states are zero at the start.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from mecano.constraints.along_coordinate.signal import INPUT, VALUE, observe_value
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import constant, number
+from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
+
+RECORD = record(n="i", m="i", table="i")
+"""Numbers of states and of inputs; where the rows of [A B], then the row [C D] stand in the table of laws."""
+
+
+@kernel
+def _row(p, at, i):
+    """Return row i of [A B; C D] times states and inputs."""
+    width = p.n + p.m
+    total = constant(0.0, number(at.q[0]))
+    for j in range(width):
+        total = total + at.laws[p.table + i * width + j] * number(at.q[1 + j])
+    return total
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equations of the value and of all states."""
+    f[0] += number(at.q[0]) - _row(p, at, p.n)
+    for i in range(p.n):
+        f[1 + i] += number(at.v[1 + i]) - _row(p, at, i)
+
+
+def _packed(A, B, C, D, context):
+    n, m = B.shape
+    return {"n": n, "m": m, "table": context.laws.append(np.block([[A, B], [C, D]]))}
+
+
+def canonical(d):
+    """Return A, B, C, D of a transfer function in controllable canonical form."""
+    a, b = np.array(d["denominator"], float), np.array(d["numerator"], float)
+    n = len(a) - 1
+    a, b = a / a[-1], np.pad(b, (0, n + 1 - len(b))) / a[-1]
+    A = np.eye(n, k=1)
+    A[n - 1 :] = -a[:n]
+    B = np.zeros((n, 1))
+    B[n - 1 :] = 1.0
+    return A, B, (b[:n] - b[n] * a[:n])[None, :], np.array([[b[n]]])
+
+
+def matrices_of(d):
+    """Return A, B, C, D of a system in state space; D is zero where it is absent."""
+    B = np.array(d["B"], float)
+    C = np.array(d["C"], float)[None, :]
+    D = np.zeros((1, B.shape[1])) if d["D"] is None else np.array(d["D"], float)[None, :]
+    return np.array(d["A"], float), B, C, D
+
+
+def prepare_space(d, nodes, context):
+    """Record of a system in state space."""
+    return _packed(*matrices_of(d), context)
+
+
+def prepare_transfer(d, nodes, context):
+    """Record of a transfer function."""
+    return _packed(*canonical(d), context)
+
+
+def check_space(d, nodes):
+    """Texts on matrices that do not fit."""
+    A, B, C, D = matrices_of(d)
+    n, m, found = len(A), len(d["inputs"]), []
+    if A.shape != (n, n):
+        found.append(f"'A' must be square; it has {A.shape[0]} rows and {A.shape[1]} columns")
+    if B.shape != (n, m):
+        found.append(f"'B' must have {n} rows, as 'A', and {m} columns, one for each input")
+    if C.shape[1] != n:
+        found.append(f"'C' must have {n} numbers, one for each state")
+    if D.shape[1] != m:
+        found.append(f"'D' must have {m} numbers, one for each input")
+    return found
+
+
+def check_transfer(d, nodes):
+    """Texts on polynomials that are none of a system."""
+    a, b = d["denominator"], d["numerator"]
+    if len(a) < 2 or a[-1] == 0.0:
+        return ["'denominator' must have two coefficients or more, the last of them not zero"]
+    if not b or len(b) > len(a):
+        return ["'numerator' must have a coefficient, and not more than the denominator"]
+    return []
+
+
+@cache
+def _of_size(name, n, m):
+    states = tuple(f"state_{i}" for i in range(1, n + 1))
+    return Kind(
+        **DECLARED[name], scalars=("value", *states), states=states,
+        inputs=tuple(f"input_{i}" for i in range(1, m + 1)),
+    )  # fmt: skip
+
+
+def sample_space(rng):
+    """Two states and inputs, three states and one input."""
+    A, B, C = [[-1.0, 0.3], [0.2, -2.0]], [[1.0, 0.5], [0.0, 2.0]], [0.7, 0.4]
+    third = rng.normal(size=(3, 3)).tolist(), [[1.0], [0.0], [2.0]], [1.0, 2.0, 3.0]
+    return [
+        ({"inputs": ["a", "b"], "A": A, "B": B, "C": C, "D": [0.1, 0.2]}, 1, ""),
+        ({"inputs": ["a"], **dict(zip("ABC", third, strict=True))}, 1, ""),
+    ]
+
+
+def sample_transfer(rng):
+    """Proper and strictly proper."""
+    return [
+        ({"input": "a", "numerator": [2.0, 0.5, 0.3], "denominator": [4.0, 2.0, 0.5]}, 1, ""),
+        ({"input": "a", "numerator": [1.0], "denominator": [1.0, 0.2]}, 1, ""),
+    ]
+
+
+SHARED = {
+    "section": "signals", "doc": __doc__, "dtype": RECORD, "outputs": (VALUE,), "of_signals": True,
+    "residual": residual, "observe": observe_value,
+}  # fmt: skip
+DECLARED = {
+    "state_space": {
+        **SHARED,
+        "name": "state_space",
+        "fields": (
+            Field("inputs", list_of(FORMULA), "-", "what goes in: formulas"),
+            Field("A", ROWS, "-", "rows of the matrix of the states"),
+            Field("B", ROWS, "-", "rows of the matrix of the inputs"),
+            Field("C", NUMBERS, "-", "the value by each of the states"),
+            Field("D", NUMBERS, "-", "the value by each of the inputs; zero when absent", None),
+        ),
+        "prepare": prepare_space,
+        "check": check_space,
+        "reads": lambda d: d["inputs"],
+        "variant": lambda d: _of_size("state_space", len(d["A"]), len(d["inputs"])),
+        "sample": sample_space,
+    },
+    "transfer_function": {
+        **SHARED,
+        "name": "transfer_function",
+        "fields": (
+            INPUT,
+            Field("numerator", NUMBERS, "-", "coefficients of ascending powers of s"),
+            Field("denominator", NUMBERS, "-", "coefficients of ascending powers of s"),
+        ),
+        "prepare": prepare_transfer,
+        "check": check_transfer,
+        "reads": lambda d: [d["input"]],
+        "variant": lambda d: _of_size("transfer_function", len(d["denominator"]) - 1, 1),
+        "sample": sample_transfer,
+    },
+}
+STATE_SPACE, TRANSFER_FUNCTION = (Kind(**declared) for declared in DECLARED.values())

@@ -1,0 +1,46 @@
+r"""Washout: a high-pass filter, which lets changes pass and forgets what stays.
+
+.. math::  y = g\,(u - x), \qquad T \dot x = u - x
+
+x follows the input with the time constant T; y/T is its rate, so that a washout with the gain 1/T is a derivative that
+is filtered.
+"""
+
+from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
+from mecano.schema import NUMBER, Field, positive
+
+OWN, X, U = 0, 1, 2  # local unknowns: the value, the state; the input
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equations of value and state."""
+    change = number(at.q[U]) - number(at.q[X])
+    f[OWN] += number(at.q[OWN]) - p.gain * change
+    f[X] += number(at.v[X]) - change / p.time_constant
+
+
+WASHOUT = Kind(
+    name="washout",
+    section="signals",
+    doc=__doc__,
+    dtype=record(time_constant=(), gain=(), initial_state=()),
+    fields=(
+        INPUT,
+        Field("time_constant", NUMBER, "s", "T", check=positive),
+        Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
+        Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
+    ),
+    outputs=(VALUE,),
+    **SIGNAL | {"scalars": ("value", "state")},
+    states=("state",),
+    inputs=("input",),
+    prepare=lambda d, nodes, context: {name: d[name] for name in ("time_constant", "gain", "initial_state")},
+    start=lambda p: [0.0, p["initial_state"]],
+    residual=residual,
+    observe=observe_value,
+    sample=lambda rng: [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")],
+)

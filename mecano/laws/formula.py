@@ -1,0 +1,240 @@
+"""Formulas of signals: arithmetic of numbers, the time and named quantities, evaluated with exact derivatives.
+
+A formula is a text, such as ``40*(0.5 - elbow.angle) - 2*elbow.rate``. It becomes a program of the flat table of laws
+(table.py): pairs of an operation and a number, for a stack of ``DEPTH`` places. One compiled function evaluates the
+programs of all formulas, so a new formula compiles nothing.
+"""
+
+import ast
+import math
+from typing import NamedTuple
+
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, at_most, atan2, chain, constant, cos, exp, number, select, sin, sqrt, tan, value
+
+DEPTH = 8  # places of the stack
+LONGEST, DEEPEST = 500, 50  # characters, levels of brackets
+
+NUMBER, INPUT, TIME = 0, 1, 2
+NEGATIVE, SIN, COS, TAN, ASIN, ACOS, ATAN, SQRT, EXP, LOG, TANH, ABS, SIGN = range(10, 23)
+ADD, SUBTRACT, MULTIPLY, DIVIDE, POWER, MIN, MAX, ATAN2, HYPOT = range(30, 39)
+UNARY = {
+    "sin": SIN, "cos": COS, "tan": TAN, "asin": ASIN, "acos": ACOS, "atan": ATAN, "sqrt": SQRT, "exp": EXP,
+    "log": LOG, "tanh": TANH, "abs": ABS, "sign": SIGN,
+}  # fmt: skip
+BINARY = {"atan2": ATAN2, "hypot": HYPOT}
+SEVERAL = {"min": MIN, "max": MAX}  # of two arguments or more
+FUNCTIONS = (*UNARY, *BINARY, *SEVERAL)
+OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
+CONSTANTS = {"pi": math.pi}
+
+
+class FormulaError(Exception):
+    """What is wrong with a formula, and at which character of it."""
+
+    def __init__(self, message, column=0):
+        super().__init__(message)
+        self.message, self.column = message, column
+
+
+class Formula(NamedTuple):
+    """A formula that has been read."""
+
+    text: str
+    references: tuple  # names of the quantities that it reads, each once: "elbow.angle", "error"
+    columns: tuple  # of the text, where each of them first stands
+    program: tuple  # (operation, number) of every step
+
+    @property
+    def depends_on_time(self):
+        """True where the time stands in it."""
+        return (TIME, 0.0) in self.program
+
+    @property
+    def reference(self):
+        """The name of the one quantity that the formula is, or ""."""
+        return self.references[0] if self.program == ((INPUT, 0.0),) else ""
+
+    @property
+    def numbers(self):
+        """The program as it stands in the table of laws."""
+        return [float(len(self.program)), *(x for step in self.program for x in step)]
+
+
+def read_formula(text):
+    """Return the Formula of a text. Raises FormulaError."""
+    if len(text) > LONGEST:
+        raise FormulaError(f"a formula has at most {LONGEST} characters: give parts of it names of their own")
+    body = text.strip().removeprefix("=").strip()
+    skipped = text.find(body) if body else 0
+    try:
+        tree = ast.parse(body, mode="eval").body
+    except SyntaxError as error:
+        if body.count("(") > body.count(")"):
+            raise FormulaError("a bracket is not closed: a formula with a comma stands in quotes", skipped) from None
+        raise FormulaError("it cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
+    except (ValueError, MemoryError, RecursionError):
+        raise FormulaError("it cannot be understood") from None
+    return _Reader(text, skipped).formula(tree)
+
+
+class _Reader:
+    """One walk through the tree of a formula, which writes its program."""
+
+    def __init__(self, text, skipped):
+        self.text, self.skipped, self.references, self.program = text, skipped, {}, []
+
+    def formula(self, tree):
+        most = self._put(tree, 0)
+        if most > DEPTH:
+            raise FormulaError("it has too many levels of brackets: give parts of it names of their own, as signals")
+        return Formula(self.text, tuple(self.references), tuple(self.references.values()), tuple(self.program))
+
+    def _put(self, tree, level):
+        """Write the steps of a part of the tree; the places of the stack that they need."""
+        if level > DEEPEST:
+            raise FormulaError("it has too many levels of brackets", self._column(tree))
+        if isinstance(tree, ast.BinOp) and type(tree.op) in OPERATORS:
+            return self._pairs(OPERATORS[type(tree.op)], (tree.left, tree.right), level)
+        if isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.USub | ast.UAdd):
+            return self._one(NEGATIVE if isinstance(tree.op, ast.USub) else None, tree.operand, level)
+        if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
+            return self._call(tree, level)
+        return self._leaf(tree)
+
+    def _one(self, code, operand, level):
+        most = self._put(operand, level + 1)
+        if code is not None:
+            self.program.append((code, 0.0))
+        return most
+
+    def _pairs(self, code, operands, level):
+        """Steps of an operation of two operands, or of one after the other of several."""
+        most = self._put(operands[0], level + 1)
+        for operand in operands[1:]:
+            most = max(most, 1 + self._put(operand, level + 1))
+            self.program.append((code, 0.0))
+        return most
+
+    def _call(self, tree, level):
+        name, count = tree.func.id, len(tree.args)
+        if name in UNARY and count == 1:
+            return self._one(UNARY[name], tree.args[0], level)
+        if (name in BINARY and count == 2) or (name in SEVERAL and count > 1):
+            return self._pairs((BINARY | SEVERAL)[name], tree.args, level)
+        if name in FUNCTIONS:
+            raise FormulaError(f"'{name}' takes another number of arguments", self._column(tree))
+        raise FormulaError(f"there is no function '{name}'; known: {', '.join(FUNCTIONS)}", self._column(tree))
+
+    def _leaf(self, tree):
+        """A number, the time, a constant, or the name of a quantity."""
+        if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
+            self.program.append((NUMBER, float(tree.value)))
+        elif isinstance(tree, ast.Name) and tree.id in CONSTANTS:
+            self.program.append((NUMBER, CONSTANTS[tree.id]))
+        elif isinstance(tree, ast.Name) and tree.id == "time":
+            self.program.append((TIME, 0.0))
+        else:
+            name = self._name(tree)
+            self.references.setdefault(name, self._column(tree))
+            self.program.append((INPUT, float(list(self.references).index(name))))
+        return 1
+
+    def _name(self, tree):
+        if isinstance(tree, ast.Name):
+            return tree.id
+        if isinstance(tree, ast.Attribute):
+            return f"{self._name(tree.value)}.{tree.attr}"
+        what = "it may have numbers, names, + - * / ** ( ) and functions only"
+        raise FormulaError(what, self._column(tree))
+
+    def _column(self, tree):
+        return self.skipped + tree.col_offset
+
+
+@kernel
+def evaluate_formula(laws, start, t, q, own):
+    """Return the value of the formula at ``start`` of the table of laws, with its slope.
+
+    Its inputs follow the local unknown number ``own`` in q (n_local,); ``t`` is the time [s].
+    """
+    like = number(q[own])
+    zero = constant(0.0, like)
+    a = b = c = d = e = f = g = h = zero  # the stack, a on top
+    i = start + 1
+    for _ in range(int(laws[start])):
+        code, x = int(laws[i]), laws[i + 1]
+        if code < NEGATIVE:
+            b, c, d, e, f, g, h = a, b, c, d, e, f, g
+            a = number(q[own + 1 + int(x)]) if code == INPUT else constant(t if code == TIME else x, like)
+        elif code < ADD:
+            a = of_one(code, a)
+        else:
+            a = of_two(code, b, a)
+            b, c, d, e, f, g = c, d, e, f, g, h
+        i += 2
+    return a
+
+
+@kernel
+def of_one(code, a):
+    """Return the value of an operation on one number."""
+    x = value(a)
+    if code == NEGATIVE:
+        return -a
+    if code == SIN:
+        return sin(a)
+    if code == COS:
+        return cos(a)
+    if code == TAN:
+        return tan(a)
+    if code == ASIN:
+        return chain(a, math.asin(x), 1.0 / math.sqrt(1.0 - x * x))
+    if code == ACOS:
+        return chain(a, math.acos(x), -1.0 / math.sqrt(1.0 - x * x))
+    if code == ATAN:
+        return chain(a, math.atan(x), 1.0 / (1.0 + x * x))
+    if code == SQRT:
+        return sqrt(a)
+    if code == EXP:
+        return exp(a)
+    if code == LOG:
+        return chain(a, math.log(x), 1.0 / x)
+    if code == TANH:
+        y = math.tanh(x)
+        return chain(a, y, 1.0 - y * y)
+    if code == ABS:
+        return abs(a)
+    return chain(a, select(x > 0.0, 1.0, select(x < 0.0, -1.0, 0.0)), 0.0)
+
+
+@kernel
+def of_two(code, a, b):
+    """Return the value of an operation on two numbers."""
+    if code == ADD:
+        return a + b
+    if code == SUBTRACT:
+        return a - b
+    if code == MULTIPLY:
+        return a * b
+    if code == DIVIDE:
+        return a / b
+    if code == POWER:
+        return power(a, b)
+    if code == MIN:
+        return at_most(a, b)
+    if code == MAX:
+        return at_least(a, b)
+    if code == ATAN2:
+        return atan2(a, b)
+    return sqrt(a * a + b * b)
+
+
+@kernel
+def power(a, b):
+    """Return a**b; of a negative a, the slope by b is taken as zero: b is a whole number there."""
+    x, n = value(a), value(b)
+    y = x**n
+    by_a = n * x ** (n - 1.0) if n != 0.0 else 0.0
+    by_b = y * math.log(x) if x > 0.0 else 0.0
+    return chain(a, y, by_a) + chain(b, 0.0, by_b)

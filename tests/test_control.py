@@ -1,0 +1,197 @@
+"""Signals that drive loads: motions with control against independent integrations and closed forms."""
+
+import numpy as np
+import pytest
+from convergence import at_times
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
+from small_motions import eigenvalues
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.errors import AssemblyError
+
+CONTROL = "Signals and control"
+G, I_BAR = 9.81, 1.0 / 12.0
+
+
+def planar_bars(t, y, K, D):
+    """Rates of the angles of both bars from the x axis towards -z, and of their rates, with motors in the hinges."""
+    a, b, da, db = y
+    first, second = K * (0.5 - a) - D * da, K * (-1.0 - (b - a)) - D * (db - da)
+    c, s = np.cos(a - b), np.sin(a - b)
+    M = np.array([[I_BAR + 1.25, 0.5 * c], [0.5 * c, I_BAR + 0.25]])
+    Q = first - second + 1.5 * G * np.cos(a) - 0.5 * s * db**2, second + 0.5 * G * np.cos(b) + 0.5 * s * da**2
+    return [da, db, *np.linalg.solve(M, Q)]
+
+
+def test_controlled_double_pendulum(verify):
+    times = np.linspace(0.2, 2.0, 10)
+    options = {"rtol": 1e-12, "atol": 1e-13, "method": "DOP853", "args": (60.0, 8.0)}
+    y = solve_ivp(planar_bars, (0.0, 2.0), np.zeros(4), t_eval=times, **options).y
+    found, balance = [], []
+    for h in (1e-3, 5e-4):
+        m = RecordedRun(input_deck("controlled_double_pendulum", f"time.step={h}"))
+        steps = np.searchsorted(m.time, times - 0.5 * h)
+        found.append(np.stack([m["joints/shoulder/angle"], m["joints/knee/angle"]])[:, steps])
+        balance.append(np.ptp(m["energy/balance"]))
+    expected = np.stack([y[0], y[1] - y[0]])
+    verify(CONTROL, "double pendulum with motors: angles over 2 s [rad]", found[1], expected, "SciPy", absolute=1e-5)
+    assert balance[0] / balance[1] == pytest.approx(4.0, abs=0.1)  # the work is summed by the trapezoidal rule
+    assert balance[1] <= 3e-4 * np.abs(m["energy/given"]).max()
+
+
+def oscillator(t, m=2.0, c=12.0, k=500.0, F=30.0):
+    """Displacement of a damped oscillator that a constant force begins to push."""
+    decay = 0.5 * c / m
+    w = np.sqrt(k / m - decay**2)
+    return F / k * (1.0 - np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t)))
+
+
+def test_controlled_cart(verify):
+    found = []
+    for h in (2e-3, 1e-3):
+        m = RecordedRun(input_deck("controlled_cart", f"time.step={h}"))
+        found.append(m["joints/rail/displacement"][np.searchsorted(m.time, np.arange(0.1, 2.0, 0.1) - 0.5 * h)])
+    expected = oscillator(np.arange(0.1, 2.0, 0.1))
+    verify.second_order(CONTROL, "cart held by a motor: displacement [m]", *found, expected, 1e-7, "closed form")
+
+
+LOOP = """
+    mecano: 1
+    gravity: none
+    nodes: {cart: {position: [0, 0, 0]}}
+    elements: {body: {type: rigid_body, node: cart, mass: 2, inertia: [1, 1, 1]}}
+    joints: {rail: {type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}
+    signals: {first: SIGNAL, second: "2 + 0.5*first"}
+    loads: {push: {type: joint_force, joint: rail, value: first}}
+    time: {end: 0.1, step: 0.01}
+    """
+
+
+def test_signals_may_need_one_another():
+    m = RecordedRun(deck(LOOP.replace("SIGNAL", '"1 + second"')))
+    np.testing.assert_allclose(m["signals/first/value"], 6.0, rtol=1e-12)
+    np.testing.assert_allclose(m["joints/rail/velocity"], 3.0 * m.time, atol=1e-12)
+
+
+def test_signals_that_do_not_determine_one_another_are_refused():
+    with pytest.raises(AssemblyError, match="first.*not determined: signals need one another in a circle"):
+        RecordedRun(deck(LOOP.replace("SIGNAL", '"2*second"')))
+
+
+def ramp_response(t, w, d):
+    """Response of 1/(s^2/w^2 + 2 d s/w + 1) to the ramp t."""
+    damped, decay = w * np.sqrt(1.0 - d * d), np.exp(-d * w * t)
+    wave = 2.0 * d / w * np.cos(damped * t) + (2.0 * d * d - 1.0) / damped * np.sin(damped * t)
+    return t - 2.0 * d / w + decay * wave
+
+
+FILTERS = {
+    "lag": lambda t: t - 0.2 * (1.0 - np.exp(-5.0 * t)),
+    "integral": lambda t: 0.5 + 0.5 * t * t,
+    "washout": lambda t: 1.0 - np.exp(-5.0 * t),
+    "second_order": lambda t: ramp_response(t, 10.0, 0.3),
+    "same_in_space": lambda t: ramp_response(t, 10.0, 0.3),
+}
+
+
+@pytest.fixture(scope="module")
+def filters():
+    return [RecordedRun(input_deck("filters", f"time.step={h}")) for h in (0.01, 0.005)]
+
+
+@pytest.mark.parametrize("name", FILTERS)
+def test_filters_of_a_ramp(filters, verify, name):
+    times = np.arange(0.1, 1.0, 0.1)
+    found = [at_times(m, m[f"signals/{name}/value"], times) for m in filters]
+    expected = FILTERS[name](times)
+    if name == "integral":  # of second order, exact for a parabola
+        np.testing.assert_allclose(found[1], expected, atol=1e-10)
+    else:
+        verify.second_order(
+            CONTROL, f"{name} of a ramp", *found, expected, 5e-7 if name == "lag" else 2e-6, "closed form"
+        )
+
+
+class Servo:
+    """The cart of position_servo.yaml: x, v, thrust, integral, filtered error."""
+
+    m, kp, ki, kd, td, most, tt, lag = 2.0, 80.0, 60.0, 20.0, 0.02, 15.0, 0.3, 0.01
+
+    def rates(self, t, y):
+        e = 0.4 - y[0]
+        u = self.kp * e + y[3] + self.kd * (e - y[4]) / self.td
+        command = np.clip(u, -self.most, self.most)
+        integral = self.ki * e + (command - u) / self.tt
+        return [y[1], y[2] / self.m, (command - y[2]) / self.lag, integral, (e - y[4]) / self.td]
+
+    def motion(self, times):
+        """The displacement at ``times``; short steps leave the corners at the limits an error of 1e-9."""
+        options = {"rtol": 1e-10, "atol": 1e-12, "max_step": 5e-4, "method": "DOP853"}
+        return solve_ivp(self.rates, (0.0, times[-1]), np.zeros(5), t_eval=times, **options).y[0]
+
+
+def test_position_servo(verify):
+    times, found = np.arange(0.1, 3.0, 0.1), []
+    for h in (1e-3, 5e-4):
+        m = RecordedRun(input_deck("position_servo", f"time.step={h}"))
+        found.append(CubicHermiteSpline(m.time, m["joints/rail/displacement"], m["joints/rail/velocity"])(times))
+        assert m.event_records[-1].name == "upper limit left" and m.event_records[-1].t == pytest.approx(
+            0.0681, abs=2e-4
+        )
+        assert m["signals/command/value"].max() == 15.0
+    verify.second_order(
+        CONTROL, "cart with a PID controller at its limit [m]", *found, Servo().motion(times), 2e-7, "SciPy"
+    )
+
+
+def test_poles_of_a_closed_loop(verify):
+    within_limits = "signals.command.lower=-1e6", "signals.command.upper=1e6"
+    found, s = eigenvalues(input_deck("position_servo", *within_limits)), Servo()
+    # times s (T_D s + 1): m s^3 (T s + 1)(T_D s + 1) + (K_P s + K_I)(T_D s + 1) + K_D s^2
+    plant = np.polymul([s.m, 0.0, 0.0, 0.0], np.polymul([s.lag, 1.0], [s.td, 1.0]))
+    control = np.polyadd(np.polymul([s.kp, s.ki], [s.td, 1.0]), [s.kd, 0.0, 0.0])
+    poles = np.roots(np.polyadd(plant, control))
+    expected = np.array(sorted(poles, key=lambda x: (abs(x), x.imag)))
+    verify(CONTROL, "poles of the loop [1/s]", found, expected, "roots of its polynomial", relative=1e-8)
+
+
+@pytest.fixture(scope="module")
+def digital():
+    return RecordedRun(input_deck("digital_control"))
+
+
+def sampled_cart(count, m=2.0, period=0.05, late=0.03):
+    """Displacements at the sampling times: constant forces between them move the cart on exactly."""
+    x, v, force, found = 0.0, 0.0, 0.0, [0.0]
+    before = 0.0
+    for _ in range(count):
+        force = 40.0 * (0.4 - before) - 15.0 * v
+        s = period - late  # when, in this period, the position is taken that the next sample sees
+        before = x + v * s + 0.5 * force / m * s * s
+        x, v = x + v * period + 0.5 * force / m * period**2, v + force / m * period
+        found.append(x)
+    return np.array(found)
+
+
+def test_digital_controller(verify, digital):
+    times = 0.05 * np.arange(1, 40)
+    found = at_times(digital, digital["joints/rail/displacement"], times)
+    verify(CONTROL, "cart with a digital controller [m]", found, sampled_cart(39)[1:], "closed form", absolute=1e-9)
+
+
+def test_relay_with_hysteresis(verify, digital):
+    times = [h.t for h in digital.event_records if h.name in ("switches on", "switches off")]
+    verify(CONTROL, "times of a relay [s]", times, 0.04 + 0.08 * np.arange(len(times)), "closed form", absolute=1e-9)
+    assert len(times) == 25
+
+
+def test_a_delay_longer_than_a_step_and_shorter():
+    """Of a parabola, which linear interpolation between steps misses by h^2/8 of its curvature at most."""
+    late = "late: {type: delay, input: rail.displacement, time: 0.025}"
+    text = LOOP.replace("SIGNAL", "6").replace("second:", f"{late}, second:")
+    for h in (0.01, 0.04):
+        m = RecordedRun(deck(text.replace("end: 0.1, step: 0.01", f"end: 0.4, step: {h}")))
+        wanted = np.where(m.time > 0.025, 1.5 * (m.time - 0.025) ** 2, 0.0)
+        np.testing.assert_allclose(m["signals/late/value"], wanted, atol=3.0 * h * h / 8.0 + 1e-12)
+        assert np.abs(m["signals/late/value"] - wanted).max() > 1e-6

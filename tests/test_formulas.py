@@ -1,0 +1,140 @@
+"""Formulas of signals: what they are worth, and how wrong ones are refused."""
+
+import math
+
+import numpy as np
+import pytest
+from time_runs import deck
+
+from mecano.errors import DeckError
+from mecano.laws.formula import FormulaError, evaluate_formula, read_formula
+from mecano.maths.dual import Dual
+
+VALUES = {"a": 0.7, "b.angle": -1.3, "n.position.z": 2.5}
+TEXTS = [
+    "1 + 2*3 - 4/5", "-2**2", "2**-1", "a - b.angle - n.position.z", "min(a, b.angle, 3)*max(1, a)", "sqrt(a)**3",
+    "hypot(a, b.angle)", "atan2(b.angle, a)", "abs(b.angle) + sign(b.angle)", "exp(-a)*cos(pi*time)", "tanh(a)/log(3)",
+    "asin(a) + acos(a) + atan(a) + tan(a) + sin(a)", "((((a + 1)*2 + 1)*2 + 1)*2 + 1)", "+a",
+]  # fmt: skip
+
+
+def worth(text, values, time=0.4):
+    formula = read_formula(text)
+    laws = np.array(formula.numbers)
+    q = np.array([0.0, *(values[name] for name in formula.references)], object)
+    return evaluate_formula(laws, 0, time, q, 0)
+
+
+def plain(text, time=0.4):
+    functions = {name: getattr(math, name) for name in ("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "tanh")}
+    functions |= {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "hypot": math.hypot, "abs": abs, "min": min}
+    functions |= {"max": max, "pi": math.pi, "time": time, "sign": lambda x: math.copysign(1.0, x)}
+    for name, value in VALUES.items():
+        text = text.replace(name, f"({value})") if "." in name else text
+    return eval(text, functions | {"a": VALUES["a"]})
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_values(text):
+    assert worth(text, VALUES) == pytest.approx(plain(text), rel=1e-15)
+
+
+@pytest.mark.parametrize("text", [text for text in TEXTS if "a" in read_formula(text).references])
+def test_slopes(text):
+    h = 1e-5
+    found = worth(text, {name: Dual(value, float(name == "a")) for name, value in VALUES.items()})
+    both = [worth(text, VALUES | {"a": VALUES["a"] + d}) for d in (h, -h)]
+    slope = found.slope if isinstance(found, Dual) else 0.0
+    assert slope == pytest.approx((both[0] - both[1]) / (2.0 * h), rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "column"),
+    [
+        ("* 2", "cannot be understood", 0),
+        ("min(a", "a bracket is not closed", 0),
+        ("a if b else c", "numbers, names", 0),
+        ("2*sinus(a)", "no function 'sinus'; known: sin, cos", 2),
+        ("sin(a, b)", "'sin' takes another number of arguments", 0),
+        ("max(a)", "'max' takes another number of arguments", 0),
+        ("a[0]", "numbers, names", 0),
+        ("__import__('os')", "no function", 0),
+        ("+".join(["(a*b)"] * 101), "at most 500 characters", 0),
+        ("a+(a+(a+(a+(a+(a+(a+(a+(a+a))))))))", "too many levels", 0),
+    ],
+)
+def test_wrong_formulas(text, message, column):
+    with pytest.raises(FormulaError, match=message.replace("(", "[(]")) as error:
+        read_formula(text)
+    assert error.value.column == column
+
+
+CART = """
+    mecano: 1
+    gravity: none
+    parameters: {k: 3, minus: -2}
+    nodes: {cart: {position: [0, 0, 0]}}
+    elements: {body: {type: rigid_body, node: cart, mass: 2, inertia: [1, 1, 1]}}
+    joints: {rail: {type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}
+    signals:
+      thrust: SIGNAL
+    loads: {push: {type: joint_force, joint: rail, value: thrust}}
+    time: {end: 0.1, step: 0.01}
+    """
+
+
+def test_parameters_are_numbers_in_formulas():
+    values = deck(CART.replace("SIGNAL", "$k*rail.displacement - $minus")).values["signals"]["thrust"]
+    assert values == {"type": "formula", "value": "3.0*rail.displacement - (-2.0)"}
+
+
+@pytest.mark.parametrize(
+    ("signal", "message", "hint"),
+    [
+        ("2*rial.displacement", "there is no 'rial' whose 'displacement' could be measured", "'rail'"),
+        ("2*rail.angle", "'angle' of 'rail' cannot be measured; measured can be displacement, velocity", ""),
+        ("2*trust", "there is no signal 'trust'", "'thrust'"),
+        ("cart.position", "'position' of 'cart' cannot be measured; measured can be position.x", ""),
+        ("body.mass", "'mass' of 'body' cannot be measured; nothing of it can be measured", ""),
+        ("2*$q", "unknown parameter 'q'", "k, minus"),
+        ("{type: lag, input: rail.displacement, time_constant: -1}", "greater than zero", ""),
+        ("{type: lagg, input: rail.displacement}", "unknown type 'lagg'", "'lag'"),
+        ("{type: pid, input: 1, derivative: 2}", "'derivative_time'", ""),
+        ("{type: transfer_function, input: 1, numerator: [1, 2, 3], denominator: [1, 2]}", "'numerator'", ""),
+        ("{type: state_space, inputs: [1], A: [[1, 2]], B: [[1]], C: [1]}", "'A' must be square", ""),
+    ],
+)
+def test_wrong_signals(signal, message, hint):
+    with pytest.raises(DeckError) as error:
+        deck(CART.replace("SIGNAL", signal))
+    problem = error.value.problems[0]
+    assert message in problem.message and hint in problem.hint and problem.mark.line == 9
+
+
+@pytest.mark.parametrize(
+    ("load", "message", "hint"),
+    [
+        ("joint: rail, value: trust", "unknown law or signal 'trust'", "'thrust'"),
+        ("joint: rial, value: thrust", "unknown joint 'rial'", "'rail'"),
+        ("joint: rail, value: 2*cart.velocity.w", "'velocity.w' of 'cart' cannot be measured", "velocity"),
+        ("joint: rail, value: {damper: {coefficient: 2}}", "must be a number", ""),
+    ],
+)
+def test_wrong_loads(load, message, hint):
+    with pytest.raises(DeckError) as error:
+        deck(CART.replace("SIGNAL", "1").replace("joint: rail, value: thrust", load))
+    problem = error.value.problems[0]
+    assert message in problem.message and hint in problem.hint
+
+
+def test_a_load_along_a_coordinate_that_a_joint_has_not():
+    with pytest.raises(DeckError) as error:
+        deck(CART.replace("SIGNAL", "1").replace("joint_force", "joint_moment"))
+    (problem,) = error.value.problems
+    assert "prismatic 'rail' has no angle along which a load could work" in problem.message
+    assert "hinge" in problem.hint
+
+
+def test_a_name_of_several_things():
+    text = CART.replace("rail", "cart").replace("SIGNAL", "cart.velocity.x + joints.cart.velocity")
+    assert deck(text).values["signals"]["thrust"]["value"] == "cart.velocity.x + joints.cart.velocity"
