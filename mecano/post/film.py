@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from mecano.errors import ResultsError, UsageError
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.shapes import BODY, CABLE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.wire import view
 from mecano.results.whole_file import appearing, make_folder
@@ -22,7 +22,13 @@ WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
 SIZE, DOTS = (8.0, 6.0), 90  # inches, per inch
 MARGIN = 1.08
-LINES = {ROD: ("#0072b2", 2.4), SPRING: ("#d55e00", 1.6), BODY: ("#444444", 3.0), WHEEL: ("#333333", 1.5)}
+LINES = {
+    ROD: ("#0072b2", 2.4),
+    CABLE: ("#0072b2", 1.2),
+    SPRING: ("#d55e00", 1.6),
+    BODY: ("#444444", 3.0),
+    WHEEL: ("#333333", 1.5),
+}
 MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
 COLOURS = "viridis"
 

@@ -10,8 +10,8 @@ from mecano.post.ground import ground_path
 from mecano.post.shapes import WHEEL, Motion, shapes
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
-COLOURED = (("stress", "Pa", ("stress",)), ("axial force", "N", ("force", "tension")))
-"""Name, unit, outputs of elements; of the section force of a beam the first component."""
+STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
+"""What elements can be coloured by: name, unit."""
 
 
 @dataclass(frozen=True)
@@ -82,19 +82,17 @@ def scene_of(run, most):
 def _colours(run, shape, rows):
     """What an element can be coloured by: name -> values (instants, pieces)."""
     d, found = run.deck.get("elements", {}).get(shape.name), {}
-    for what, _, outputs in COLOURED if d else ():
-        for output in outputs:
-            paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
-            if all(path in run.paths for path in paths):
-                values = np.stack([run.results.find(path).values[rows] for path in paths], axis=1)
-                if values.ndim == 2 or d["type"] == "beam":
-                    found[what] = values.reshape(*values.shape[:2], -1)[..., 0]
+    for (what, _), output in ((STRESS, "stress"), (AXIAL, run.display(d).axial)) if d else ():
+        paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
+        if output and all(path in run.paths for path in paths):
+            values = np.stack([run.results.find(path).values[rows] for path in paths], axis=1)
+            found[what] = values.reshape(*values.shape[:2], -1)[..., 0]
     return found
 
 
 def _ranges(coloured):
     """Name, unit, lowest and highest value of all that something can be coloured by and that is not zero throughout."""
-    for what, unit, _ in COLOURED:
+    for what, unit in (STRESS, AXIAL):
         arrays = [colours[what] for colours in coloured if what in colours]
         if any(array.any() for array in arrays):
             yield [what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)]

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.compiled.kernel import kernel
-from mecano.contract import Kind, Output, record
+from mecano.contract import Display, Kind, Output, record
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
@@ -137,6 +137,7 @@ class _Quantity:
             name=name,
             section="loads",
             doc=f"{self.name.capitalize()} at a node, a function of time, {what}.\n\n{EQUATIONS}",
+            display=Display(force=self.name if self.unit == "N" else ""),
             dtype=RECORD,
             layout=layout,
             fields=(

@@ -24,7 +24,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )  # fmt: skip
-from mecano.contract import Kind, Output, nothing
+from mecano.contract import Display, Kind, Output, nothing
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
@@ -88,6 +88,7 @@ FIXED = Kind(
     name="fixed",
     section="joints",
     doc=__doc__,
+    display=Display(force="force"),
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,

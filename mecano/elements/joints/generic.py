@@ -34,7 +34,7 @@ from mecano.constraints.pair import (
     put_reactions,
 )  # fmt: skip
 from mecano.constraints.uses.measure import MOMENT
-from mecano.contract import Kind, Output, Part, record
+from mecano.contract import Display, Kind, Output, Part, record
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field, choice, list_of, mapping
@@ -136,6 +136,7 @@ GENERIC_JOINT = Kind(
     name="generic",
     section="joints",
     doc=__doc__,
+    display=Display(force="force", along_axes=True),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

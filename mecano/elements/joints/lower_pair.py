@@ -39,7 +39,7 @@ from mecano.constraints.pair import (
 from mecano.constraints.uses.friction import check_friction, friction_fields
 from mecano.constraints.uses.law import SLIDING_FIELDS, TURNING_FIELDS
 from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, follow_turning, put_sliding, put_turning
-from mecano.contract import Kind, Part
+from mecano.contract import Display, Kind, Part
 from mecano.schema import DIRECTION, Field
 
 
@@ -73,6 +73,7 @@ class LowerPair:
     shared: Shared | None = None
     fields: tuple = ()  # of its own, after the axis
     place: Callable = axis_place  # (d, nodes, context) -> {mu, xi, start}
+    pictures: tuple = ()
 
     @property
     def turns(self):
@@ -129,6 +130,7 @@ def lower_pair(name, doc, pair, sample):
 
     return Kind(
         name=name, section="joints", doc=doc, dtype=PAIR_RECORD, layout=("x0", "R0", "x1", "R1"),
+        display=Display(support=not pair.slides, pictures=pair.pictures, force="force", along_axes=True),
         fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
         optional=_optional(pair), memory=("angle",) if pair.turns else (),
         prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),

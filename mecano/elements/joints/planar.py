@@ -19,7 +19,7 @@ from mecano.constraints.of_coordinates import TWIST_LAW, turning_parts
 from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
 from mecano.constraints.uses.law import TURNING_FIELDS
 from mecano.constraints.uses.measure import MOMENT, TURNING, follow_turning, put_turning
-from mecano.contract import Kind, Output
+from mecano.contract import Display, Kind, Output
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
@@ -54,6 +54,7 @@ PLANAR = Kind(
     name="planar",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("planes",)),
     dtype=AXES_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

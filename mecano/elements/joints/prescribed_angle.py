@@ -15,7 +15,7 @@ from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import RELATIVE_ANGLE
 from mecano.constraints.uses.hold import TARGET, target
-from mecano.contract import Kind, Output, Part, record
+from mecano.contract import Display, Kind, Output, Part, record
 from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field
 
@@ -55,6 +55,7 @@ PRESCRIBED_ANGLE = Kind(
     name="prescribed_angle",
     section="joints",
     doc=__doc__,
+    display=Display("nothing", pictures=("angles",)),
     dtype=RECORD,
     layout=("R0", "R1"),
     fields=(

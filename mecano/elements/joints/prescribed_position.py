@@ -12,7 +12,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.uses.hold import TARGET, target
-from mecano.contract import Kind, Output, Part, record
+from mecano.contract import Display, Kind, Output, Part, record
 from mecano.maths.vector import dot, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
 
@@ -50,6 +50,7 @@ PRESCRIBED_POSITION = Kind(
     name="prescribed_position",
     section="joints",
     doc=__doc__,
+    display=Display("nothing", pictures=("slides",)),
     dtype=RECORD,
     layout=("x0",),
     fields=(

@@ -30,7 +30,7 @@ from mecano.constraints.of_coordinates import (
 from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
 from mecano.constraints.uses.law import TURNING_FIELDS
 from mecano.constraints.uses.measure import REACTIONS, SLIDING, TURNING, angle_in_turn, put_sliding
-from mecano.contract import Kind, Part, record
+from mecano.contract import Display, Kind, Part, record
 from mecano.maths.vector import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
 
@@ -81,6 +81,7 @@ SCREW = Kind(
     name="screw",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("gears",)),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

@@ -23,7 +23,7 @@ import numpy as np
 from mecano.compiled.kernel import kernel
 from mecano.constraints.augmented import add_constraint, add_scalar, put_levels
 from mecano.constraints.carried import carried
-from mecano.contract import Event, Kind, Output, Row, record
+from mecano.contract import Display, Event, Kind, Output, Row, record
 from mecano.elements.members.smooth_line import nearest_station, smooth_line
 from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm, put, skew, vec
 from mecano.schema import NODE, NODES, Field
@@ -214,6 +214,7 @@ DECLARED = {
     "name": "slider_on_beam",
     "section": "joints",
     "doc": __doc__,
+    "display": Display(pictures=("curves",), force="force"),
     "dtype": RECORD,
     "scalars": ("position",),
     "fields": (

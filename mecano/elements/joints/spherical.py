@@ -13,7 +13,7 @@ from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.uses.friction import check_friction, friction_fields, radius
-from mecano.contract import Kind, Output, Part, nothing
+from mecano.contract import Display, Kind, Output, Part, nothing
 from mecano.maths.vector import put, vec
 
 
@@ -55,6 +55,7 @@ SPHERICAL = Kind(
     name="spherical",
     section="joints",
     doc=__doc__,
+    display=Display(force="force"),
     layout=("x0", "x1"),
     fields=(
         NODES,

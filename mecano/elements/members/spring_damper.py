@@ -13,7 +13,7 @@ from mecano.compiled.kernel import kernel
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
 from mecano.constraints.stop_modes import EVENTS, MODES, law_record, put_stop_events
-from mecano.contract import Kind, Output, record
+from mecano.contract import Display, Kind, Output, record
 from mecano.laws.table import evaluate_force, law_force, potential
 from mecano.maths.vector import add_vec
 from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
@@ -85,6 +85,7 @@ SPRING_DAMPER = Kind(
     name="spring_damper",
     section="elements",
     doc=__doc__,
+    display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(

@@ -14,7 +14,7 @@ from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_modes import EVENTS, MODES
 from mecano.constraints.uses.law import law_values, report
-from mecano.contract import Kind, Output
+from mecano.contract import Display, Kind, Output
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 
@@ -56,6 +56,7 @@ TORSION_SPRING_DAMPER = Kind(
     name="torsion_spring_damper",
     section="elements",
     doc=__doc__,
+    display=Display("nothing", pictures=("torsion_springs",)),
     dtype=TWIST_LAW.dtype,
     layout=("R0", "R1"),
     fields=(
