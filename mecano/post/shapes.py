@@ -65,6 +65,15 @@ class Motion:
         carried = _rotated(start * (1, -1, -1, -1), np.array(direction, float)[None])
         return _rotated(self.vector(path), carried)
 
+    def turn(self, node):
+        """Unit quaternions (instants, 4) by which a node has turned since the start."""
+        path = f"nodes/{node}/rotation"
+        w, u = np.split(self.vector(path), (1,), axis=1)
+        w0, u0 = np.split(self.run.results.find(path, slice(1)).values * (1, -1, -1, -1), (1,), axis=1)
+        return np.concatenate(
+            [w * w0 - np.sum(u * u0, axis=1, keepdims=True), w * u0 + w0 * u + np.cross(u, u0)], axis=1
+        )
+
 
 def apart(points):
     """True when ``points`` (instants, n, 3) [m] are not at one place all the time."""
