@@ -140,6 +140,38 @@ class Measured:
 
 
 @dataclass(frozen=True)
+class Display:
+    """How a kind is drawn, and to which of the standard pictures its outputs belong; results files carry it.
+
+    Attributes
+    ----------
+    shape : str
+        One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, wheel, curve, joint, nothing.
+        Without one an element is a line between its nodes, a joint a dot at its last node.
+    support : bool
+        A joint with the ground is drawn as a support: it holds a point.
+    pictures : tuple of str
+        Names of pictures of post/plans.py; a kind in none has a picture of its own with all its outputs.
+    force : str
+        The output, a vector [N], that is drawn as an arrow.
+    along_axes : bool
+        That vector is along mu_1, mu_2 and the axis of the joint, not inertial.
+    force_at : str
+        The output where it acts, inertial [m]; without one it acts at the last node.
+    axial : str
+        The output that is the axial force, of a vector its first component, > 0 in tension.
+    """
+
+    shape: str = ""
+    support: bool = True
+    pictures: tuple = ()
+    force: str = ""
+    along_axes: bool = False
+    force_at: str = ""
+    axial: str = ""
+
+
+@dataclass(frozen=True)
 class Part:
     """A basic constraint or element that a kind is made of: on which of its nodes, with which values of its record.
 
@@ -170,6 +202,7 @@ class Kind:
     layout: tuple = ()
     fields: tuple = ()  # schema.Field, the node fields first
     outputs: tuple = ()  # Output
+    display: Display = Display()
     optional: tuple = ()
     """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
     scalars: tuple = ()  # names of own scalar unknowns

@@ -54,18 +54,20 @@ def test_every_kind_with_outputs_is_on_a_sheet(tmp_path):
     runs = open_runs([every_kind.write(tmp_path / "all.h5", kinds=KINDS)])
     shown = {sheet.name: sheet for sheet in sheets.default_sheets(runs)}
     subjects = {subject for sheet in shown.values() for subject in sheet.subjects}
-    limit = plans.REACTIONS.kinds  # more joints than one sheet takes: the others are named as left out
-    for kind in KINDS.values():
-        if kind.outputs and kind.name not in limit:
+    reacting = [k for k in KINDS.values() if k.section == "joints" or "reactions" in k.display.pictures]
+    for kind in KINDS.values():  # more joints than one sheet takes: the others are named as left out
+        if kind.outputs and kind not in reacting:
             assert f"one_{kind.name}" in subjects
-    assert f"6 of {len(limit)}, those that vary most" in shown["reactions"].heading
-    named = {name for plan in plans.plans(list(KINDS)) for name in plan.kinds}
-    assert named >= {kind.name for kind in KINDS.values() if kind.outputs}
+    assert f"6 of {len(reacting)}, those that vary most" in shown["reactions"].heading
+    named = {plan.name for plan in plans.plans(runs)}
+    for path, d in runs[0].pieces.items():
+        assert not KINDS[d["type"]].outputs or named & set(plans.pictures_of(runs[0], path)), path
 
 
-def test_a_kind_without_a_plan_shows_all_its_outputs(monkeypatch):
+def test_a_kind_without_a_plan_shows_all_its_outputs(tmp_path, monkeypatch):
     monkeypatch.setattr(plans, "_PLANS", ())
-    (own,) = plans.plans(["wheel"])
+    runs = open_runs([every_kind.write(tmp_path / "wheel.h5", kinds={"wheel": KINDS["wheel"]})])
+    (own,) = plans.plans(runs)
     assert [view.outputs[0].partition(".")[0] for view in own.views] == [o.name for o in KINDS["wheel"].outputs]
 
 
@@ -118,7 +120,7 @@ def test_strut_force_is_shown_over_its_stroke(shown, runs):
 
 
 def test_single_numbers_keep_their_sign_and_lengths_are_named(shown, runs):
-    plan = Plan("moments", "Moments", ("torsion_spring_damper",), (View("moment", ("moment.magnitude",)),))
+    plan = Plan("torsion_springs", "Moments", (View("moment", ("moment.magnitude",)),))
     (panel,) = planned_panels(plan, runs)[0]
     expected = values(runs[0], "one_torsion_spring_damper.moment")
     assert expected.min() < 0.0 and panel.label == "moment" and panel.whats == ("moment",)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.constraints.ground import LEAN, prepare_ground, too_low
-from mecano.element_interface import Output
+from mecano.element_interface import Display, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
@@ -15,6 +15,7 @@ PLACED = (
     Field("ground", GROUND, "-", "ground it rolls on"),
 )
 FIELDS = (*PLACED, Field("radius", NUMBER, "m", "radius", check=positive))
+WHEEL_DISPLAY = Display("wheel", pictures=("wheels",), force="contact_force", force_at="contact_point")
 CONTACT_OUTPUTS = (
     Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
     Output("loaded_radius", "m", "distance from the centre to the contact in the wheel plane; the radius in the air"),

@@ -6,23 +6,32 @@ are little-endian, as text in base64.
 
 import base64
 import json
+import re
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
 
 from mecano.errors import UsageError
+from mecano.post.deformation import quaternions
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel, event_marks
 from mecano.post.sheets import default_sheets, overview
+from mecano.post.verdict import sound, verdict
 from mecano.results.whole_file import appearing, make_folder
 
 MOST_FRAMES = 600
 FILMS = (".gif", ".webp", ".mp4")
 MOST_PLOTS = 4
+FILES = {
+    "styles": ("uplot/uPlot.min.css", "page.css"),
+    "libraries": ("three/three.min.js", "uplot/uPlot.iife.min.js"),
+    "program": ("motion.js", "solids.js", "stage.js", "curves.js", "player.js"),
+}
+"""What stands in the place of {{styles}} and the like in page.html, in this order."""
 STEPS_OF_ROUNDING = 65535
 
 
@@ -48,18 +57,30 @@ def animate(path, page, plots=(), title=None):
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--animate {page}: the name ends with .html, {' or '.join(FILMS)}")
     [run] = open_runs([path])
-    scene = scene_of(run, MOST_FRAMES)
-    data = {
-        "title": title or run.title, **_motion(scene),
-        "plots": [_plot(panel, scene.rows) for panel in _panels(run, plots)],
-        "events": [[mark.time, f"{mark.element}: {mark.text}"] for mark in event_marks([run])],
-    }  # fmt: skip
-    template = resources.files("mecano.post").joinpath("animation.html").read_text(encoding="utf-8")
-    text = script_text(data)
+    text = page_text(page_data(run, plots, title))
     make_folder(page.parent)
     with appearing(page) as hidden:
-        hidden.write_text(template.replace('"DATA"', text), encoding="utf-8")
+        hidden.write_text(text, encoding="utf-8")
     return page
+
+
+def page_data(run, plots=(), title=None):
+    """What a page plays of a run, as plain data. Raises as ``animate``."""
+    scene, results = scene_of(run, MOST_FRAMES), run.results
+    return {
+        "title": title or run.title, "status": verdict(results), "sound": sound(results), **_motion(scene),
+        "plots": [_plot(panel, scene.rows) for panel in _panels(run, plots)],
+        "events": [{"time": mark.time, "element": mark.element, "name": mark.text} for mark in event_marks([run])],
+    }  # fmt: skip
+
+
+def page_text(data):
+    """The page that plays plain data, with the libraries and all else that it needs."""
+    folder = resources.files("mecano.post").joinpath("browser")
+    parts = {name: "\n".join(folder.joinpath(one).read_text("utf-8") for one in files) for name, files in FILES.items()}
+    parts["data"] = script_text(data)
+    page = folder.joinpath("page.html").read_text("utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], page)
 
 
 def script_text(data):
@@ -69,20 +90,45 @@ def script_text(data):
 
 
 def _motion(scene):
-    """Times, shapes, colours and grounds, as the page wants them."""
-    middle, size = scene.middle, scene.size
+    """Times, shapes, colours, forces and grounds, as the page wants them."""
     return {
-        "times": _floats(scene.times), "axis": scene.axis, "middle": _floats(middle), "size": size,
-        "follow": scene.follow, "up": scene.up, "quantities": scene.ranges,
-        "shapes": [
-            {
-                "style": shape.style, "name": shape.name, "points": _rounded((shape.points - middle[:, None]) / size),
-                "count": shape.points.shape[1], "colours": {what: _floats(values) for what, values in colours.items()},
-            }
-            for shape, colours in zip(scene.shapes, scene.colours, strict=True)
+        "times": _floats(scene.times), "axis": scene.axis, "middle": _floats(scene.middle), "size": scene.size,
+        "follow": scene.follow, "up": scene.up.tolist(), "eye": scene.eye.tolist(), "quantities": scene.ranges,
+        "shapes": [_shape(scene, i) for i in range(len(scene.shapes))],
+        "groups": [
+            {"places": _floats((part.places - scene.middle) / scene.size), "turns": _floats(quaternions(part.turns))}
+            for part in scene.parts
         ],
-        "grounds": [_floats(line) for line in scene.grounds],
+        "arrows": [
+            {
+                "kind": arrow.kind, "name": arrow.name, "values": _floats(arrow.values),
+                "places": _floats((arrow.places - scene.middle) / scene.size),
+            }
+            for arrow in scene.arrows
+        ],
+        "grounds": [[_floats(line) for line in lines] for lines in scene.grounds],
     }  # fmt: skip
+
+
+def _shape(scene, i):
+    """One shape; points of flexible parts, whose deformation can be magnified, are not rounded."""
+    shape, orientation = scene.shapes[i], scene.orientations[i]
+    points = (shape.points - scene.middle[:, None]) / scene.size
+    data = {
+        "style": shape.style, "name": shape.name, "kind": scene.kinds[i], "count": shape.points.shape[1],
+        "colours": {what: _floats(values) for what, values in scene.colours[i].items()},
+    }  # fmt: skip
+    group = next((number for number, part in enumerate(scene.parts) if i in part.shapes), None)
+    if group is None:
+        data["points"] = _rounded(points)
+    else:
+        rest = (shape.points[0] - scene.parts[group].start) / scene.size
+        data |= {"exact": _floats(points), "group": group, "rest": _floats(rest)}
+    if orientation.turn is not None:
+        data["turn"] = _floats(orientation.turn)
+    if orientation.axis is not None:
+        data["axis"] = _floats(orientation.axis)
+    return data | ({"radius": orientation.radius} if orientation.radius else {})
 
 
 def _panels(run, plots):

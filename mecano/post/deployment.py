@@ -1,6 +1,7 @@
 """Deployment margin: what the motors of a structure that unfolds have to spare.
 
-Motors are hinges with a law and a latch. Against the mean of their angles, from the start to the first lock:
+Motors are joints with a law of their angle and a latch. Against the mean of their angles, from the start to the
+first lock:
 
     torque       work of their laws per angle, the mean of all motors
     resisting    work done against everything else per angle: energy stored (weight, springs, deformation), dissipated,
@@ -55,10 +56,10 @@ def margin_told(angle, margin):
 
 
 def motors(run):
-    """Names of the hinges with a law and a latch -> the sign of the way to the latch."""
+    """Names of the joints with a law of their angle and a latch -> the sign of the way to the latch."""
     joints = run.deck.get("joints", {}).items()
-    driven = ((name, d) for name, d in joints if d["type"] == "hinge" and d.get("turning_law") and d.get("latch"))
-    return {name: float(np.sign(d["latch"]["angle"])) for name, d in driven}
+    driven = ((name, d["latch"]) for name, d in joints if d.get("turning_law") and d.get("latch"))
+    return {name: float(np.sign(latch["angle"])) for name, latch in driven if "angle" in latch}
 
 
 class _Curves:

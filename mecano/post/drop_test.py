@@ -16,7 +16,7 @@ from mecano.post.runs import Run
 from mecano.post.shapes import Motion
 from mecano.post.sheet import QUOTED, Curve, Panel, Sheet
 
-WHEELS = ("wheel", "flexible_wheel", "adhesive_wheel")  # that deform
+PICTURE = "drop_test"  # to which wheels that deform and absorbers belong
 ABSORBING = ("gas_spring", "oil_damper", "metering_pin")  # terms of the law of a shock absorber
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 
@@ -59,7 +59,7 @@ def _impacts(run, number):
     """The Impact of each wheel that touches down."""
     absorbers = tuple(name for name, d in run.deck.get("elements", {}).items() if _absorbs(run, d))
     for name, d in run.deck.get("elements", {}).items():
-        if absorbers and d["type"] in WHEELS:
+        if absorbers and d.get("ground") and PICTURE in run.display(d).pictures:
             start, end = _contact(run, name)
             time = run.results.time
             during = (time >= start) & (time <= end)
@@ -68,7 +68,7 @@ def _impacts(run, number):
 
 
 def _absorbs(run, d):
-    law = d.get("law") if d["type"] == "spring_damper" else None
+    law = d.get("law") if PICTURE in run.display(d).pictures else None
     terms = run.deck.get("laws", {}).get(law, {}) if isinstance(law, str) else law or {}
     return any(term in terms for term in ABSORBING)
 
@@ -131,10 +131,10 @@ def spin_up_and_spring_back(drag):
 
 
 def _axle_drag(one):
-    """Force of the wheel on the gear against the motion, in the hinge that carries it; None without one."""
+    """Force of the wheel on the gear against the motion, in the joint that carries it; None without one."""
     node = one.run.deck["elements"][one.wheel]["node"]
     for name, d in one.run.deck.get("joints", {}).items():
-        if d["type"] == "hinge" and d["nodes"][1] == node and d["nodes"][0] != "ground":
+        if one.run.display(d).along_axes and d["nodes"][1] == node and d["nodes"][0] != "ground":
             force = one.run.results.find(f"joints/{name}/force").values
             gear = Motion(one.run, slice(None))
             axes = (gear.turned(d["nodes"][0], mu) for mu in triad(d["axis"], d.get("axis_1")))

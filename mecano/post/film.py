@@ -11,18 +11,24 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError, UsageError
+from mecano.post.eye import projection
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import BODY, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.shapes import BODY, CABLE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
-from mecano.post.wire import view
 from mecano.results.whole_file import appearing, make_folder
 
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
 SIZE, DOTS = (8.0, 6.0), 90  # inches, per inch
 MARGIN = 1.08
-LINES = {ROD: ("#0072b2", 2.4), SPRING: ("#d55e00", 1.6), BODY: ("#444444", 3.0), WHEEL: ("#333333", 1.5)}
+LINES = {
+    ROD: ("#0072b2", 2.4),
+    CABLE: ("#0072b2", 1.2),
+    SPRING: ("#d55e00", 1.6),
+    BODY: ("#444444", 3.0),
+    WHEEL: ("#333333", 1.5),
+}
 MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
 COLOURS = "viridis"
 
@@ -69,12 +75,12 @@ class _Picture:
     """The axes of the film, and what is exchanged in them from frame to frame."""
 
     def __init__(self, scene, ax, title):
-        self._scene, self._ax, self._projection = scene, ax, view(scene.up)
+        self._scene, self._ax, self._projection = scene, ax, projection(scene.eye, scene.up)
         self._limits()
         ax.set_axis_off()
         ax.set_aspect("equal")
         ax.set_title(title, loc="left", fontweight="bold")
-        for line in scene.grounds:
+        for line in (line for lines in scene.grounds for line in lines):
             ax.plot(*self._flat(line).T, color="#c8b89a", linewidth=1.0, zorder=1)
         self._time = ax.text(0.0, 0.0, "", transform=ax.transAxes, color=INK)
         self._lines = {i: self._line(shape) for i, shape in enumerate(scene.shapes) if shape.style not in MARKS}

@@ -14,7 +14,6 @@ from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
 PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of these where they are single numbers
-AXIAL = ("force", "tension")  # outputs that are forces along the line of an element; of a beam the first component
 
 
 NUMBERS = 2**20  # of the results file that are taken at once, 8 MB: what is made of them is up to four times as much
@@ -139,18 +138,9 @@ def _data(motion, owners):
         values = motion.vector(path)[:, None]
         name = output if series.shape else PLAIN.get(output, output)
         _fill(found, name, series, cells, values, shape)
-        if series.unit == "N" and output in AXIAL and owner.startswith("elements/"):
-            along = _along(run, owner, values)
-            if along is not None:
-                _fill(found, "axial_force", series, cells, along, shape)
+        if output == run.display(run.pieces[owner]).axial:
+            _fill(found, "axial_force", series, cells, values if values.ndim == 2 else values[..., 0], shape)
     return found
-
-
-def _along(run, owner, values):
-    """The part of a force along the line of an element; None where it has no such line."""
-    if values.ndim == 2:
-        return values
-    return values[..., 0] if run.pieces[owner]["type"] == "beam" else None
 
 
 def _fill(found, name, series, cells, values, shape):

@@ -26,11 +26,15 @@ def ground_line(deck, ground, axes, centre, half_width):
 
 
 def ground_path(deck, ground, centres, radius):
-    """Lines (k, 3) on the ground along the way of a wheel, whose ``centres`` (n, 3) and ``radius`` [m] are given."""
+    """Yield three lines (k, 3) on the ground along the way of wheels: to the left, in the middle, to the right.
+
+    ``centres`` (wheels, n, 3) are those of the wheels, ``radius`` the largest of theirs [m].
+    """
     normal = np.array(ground["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)
     profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
-    way = centres[-1] - centres[0]
+    way = (centres[:, -1] - centres[:, 0]).mean(axis=0)
+    centres = centres.reshape(-1, 3)
     way -= (way @ normal) * normal
     if np.linalg.norm(way) < radius:
         way = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])

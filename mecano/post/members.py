@@ -32,7 +32,7 @@ def member_sheets(runs):
 def _members(run):
     """(name, deck values) of the members with results."""
     elements = run.deck.get("elements", {}).items()
-    found = [(name, d) for name, d in elements if d["type"] == "beam"]
+    found = [(name, d) for name, d in elements if run.display(d).shape == "beam"]
     return [(name, d) for name, d in found if f"elements/{piece_names(name, d)[0]}/moment" in run.paths]
 
 

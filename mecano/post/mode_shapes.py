@@ -85,7 +85,7 @@ def mode_sketches(file):
     """A Sketch for each mode of a ModesFile, at PHASES; the largest displacement is AMPLITUDE of the mechanism."""
     things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
     paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
-    run = SimpleNamespace(deck=file.resolved, things=things, paths=paths)
+    run = SimpleNamespace(deck=file.resolved, things=things, paths=paths, display=lambda d: file.displays[d["type"]])
     return [_sketch(run, file, mode) for mode in range(len(file.values))]
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.post.plans import ON_GROUND
+from mecano.post.plans import ON_GROUND, pictures_of
 from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
@@ -61,7 +61,7 @@ def _size(values):
 
 def _things(plan, runs):
     """Paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
-    return list(dict.fromkeys(path for run in runs for path, d in run.pieces.items() if d["type"] in plan.kinds))
+    return list(dict.fromkeys(path for run in runs for path in run.pieces if plan.name in pictures_of(run, path)))
 
 
 def _most_active(things, view, runs):

@@ -1,11 +1,10 @@
-"""The pictures that are made without being asked for: which outputs of which kinds of elements, joints and loads.
+"""The standard pictures: which outputs they show of the elements, joints and loads that belong to them.
 
-A kind that no plan names gets a sheet of its own with all its outputs.
+A kind declares by ``Display.pictures`` to which of them it belongs; all joints belong to the reactions besides, all
+loads to the loads. A kind of elements that belongs to none has a picture of its own with all its outputs.
 """
 
 from dataclasses import dataclass
-
-from mecano.elements import KINDS
 
 ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say something only while a wheel is pressed
 
@@ -26,18 +25,16 @@ class View:
 
 @dataclass(frozen=True)
 class Plan:
-    """A sheet for all elements of some kinds; the most important views first, ``lead`` of them equally so."""
+    """A sheet for all that belongs to it; the most important views first, ``lead`` of them equally so."""
 
     name: str
     heading: str
-    kinds: tuple
     views: tuple
     lead: int = 1
 
 
 WHEELS = Plan(
     "wheels", "Wheels",
-    ("wheel", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel", "skate"),
     (
         View("height of the centre", ("height",)),
         View("radial force", ("radial_force|normal_force",)),
@@ -53,7 +50,7 @@ WHEELS = Plan(
     lead=4,
 )  # fmt: skip
 BEAMS = Plan(
-    "beams", "Beams", ("beam",),
+    "beams", "Beams",
     (
         View("equivalent stress", ("stress",)),
         View("axial force", ("force.x",)),
@@ -63,7 +60,7 @@ BEAMS = Plan(
     ),
 )  # fmt: skip
 STRUTS = Plan(
-    "struts", "Springs and struts", ("spring_damper",),
+    "struts", "Springs and struts",
     (
         View("compression force", ("compression_force",), against="stroke"),
         View("stroke", ("stroke",)),
@@ -73,7 +70,7 @@ STRUTS = Plan(
     lead=2,
 )  # fmt: skip
 TORSION_SPRINGS = Plan(
-    "torsion_springs", "Torsion springs", ("torsion_spring_damper",),
+    "torsion_springs", "Torsion springs",
     (
         View("moment", ("moment",), against="angle"),
         View("angle", ("angle",)),
@@ -82,16 +79,16 @@ TORSION_SPRINGS = Plan(
     ),
 )  # fmt: skip
 ANGLES = Plan(
-    "angles", "Angles of joints", ("hinge", "universal", "cylindrical", "prescribed_angle"),
+    "angles", "Angles of joints",
     (View("angle", ("angle", "angle_a", "angle_b")), View("angular velocity", ("rate", "rate_a", "rate_b"))),
     lead=2,
 )  # fmt: skip
 SLIDES = Plan(
-    "slides", "Displacements of joints", ("prismatic", "cylindrical", "prescribed_position"),
+    "slides", "Displacements of joints",
     (View("displacement", ("displacement",)), View("velocity", ("velocity",))),
 )  # fmt: skip
 GEARS = Plan(
-    "gears", "Gears, racks, screws", ("gear_pair", "rack_and_pinion", "screw"),
+    "gears", "Gears, racks, screws",
     (
         View("angle", ("angle", "angle_a", "angle_b")),
         View("angular velocity", ("rate", "rate_a", "rate_b")),
@@ -100,7 +97,7 @@ GEARS = Plan(
     ),
 )  # fmt: skip
 PLANES = Plan(
-    "planes", "Sliding in planes", ("planar",),
+    "planes", "Sliding in planes",
     (
         View("displacement along mu_2", ("displacement.y",), against="displacement.x"),
         View("displacement", ("displacement.x", "displacement.y")),
@@ -109,7 +106,7 @@ PLANES = Plan(
     ),
 )  # fmt: skip
 CURVES = Plan(
-    "curves", "Points on curves and beams", ("point_on_curve", "slider_on_beam"),
+    "curves", "Points on curves and beams",
     (
         View("place on the curve", ("position",)),
         View("normal force", ("normal_force",)),
@@ -119,7 +116,7 @@ CURVES = Plan(
     lead=2,
 )  # fmt: skip
 BODIES = Plan(
-    "bodies", "Bodies: centres of mass, rotation", ("rigid_body", "point_mass"),
+    "bodies", "Bodies: centres of mass, rotation",
     (
         View("speed", ("velocity.magnitude|node.velocity.magnitude",)),
         View("angular velocity", ("node.angular_velocity.magnitude",)),
@@ -130,14 +127,13 @@ BODIES = Plan(
 )  # fmt: skip
 REACTIONS = Plan(
     "reactions", "Reactions",
-    (*(kind.name for kind in KINDS.values() if kind.section == "joints"), "rigid_link"),
     (
         View("force", ("force.magnitude", "tension")),
         View("moment", ("moment.magnitude",)),
     ),
 )  # fmt: skip
 LOADS = Plan(
-    "loads", "Loads", tuple(kind.name for kind in KINDS.values() if kind.section == "loads"),
+    "loads", "Loads",
     (
         View("power", ("power",)),
         View("force", ("force.magnitude",)),
@@ -148,16 +144,29 @@ LOADS = Plan(
 _PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS)
 
 
-def plans(kinds):
-    """The plans for a model that uses these kinds, a plan of its own for each that is named by none."""
-    named = {kind for plan in _PLANS for kind in plan.kinds}
-    own = [_own_plan(KINDS[name]) for name in kinds if name not in named and name in KINDS and KINDS[name].outputs]
-    return [plan for plan in _PLANS if set(plan.kinds) & set(kinds)] + own
+def plans(runs):
+    """The plans of what the runs have, with one more for each kind that belongs to none."""
+    belonging = {path: (run, d["type"], pictures_of(run, path)) for run in runs for path, d in run.pieces.items()}
+    used = {name for _, _, pictures in belonging.values() for name in pictures}
+    standard = [plan for plan in _PLANS if plan.name in used]
+    known = {plan.name for plan in _PLANS}
+    own = {kind: (run, path) for path, (run, kind, pictures) in belonging.items() if not known & set(pictures)}
+    return standard + [plan for kind, (run, path) in own.items() if (plan := _own_plan(kind, run, path)).views]
 
 
-def _own_plan(kind):
+def pictures_of(run, path):
+    """Names of the pictures to which the element, joint or load of a path belongs."""
+    d, section = run.pieces[path], path.partition("/")[0]
+    by_section = {"joints": ("reactions",), "loads": ("loads",)}.get(section, ())
+    return (*run.display(d).pictures, *by_section, d["type"])
+
+
+def _own_plan(kind, run, path):
+    """A view of each output of the kind, as the element, joint or load of a path has them."""
+    outputs = {name.rpartition("/")[2]: series for name, series in run.results.series.items()
+               if name.rpartition("/")[0] == path}  # fmt: skip
     views = [
-        View(output.name.replace("_", " "), (f"{output.name}.magnitude" if output.shape else output.name,))
-        for output in kind.outputs
+        View(name.replace("_", " "), (f"{name}.magnitude" if series.shape else name,))
+        for name, series in outputs.items()
     ]
-    return Plan(kind.name, kind.name.replace("_", " ").capitalize(), (kind.name,), tuple(views))
+    return Plan(kind, kind.replace("_", " ").capitalize(), tuple(views))

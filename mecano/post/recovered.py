@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-KIND = "superelement"
-
 
 @dataclass(frozen=True)
 class Inner:
@@ -21,7 +19,8 @@ class Inner:
 
 def nodes_inside(d):
     """Names of the nodes inside a superelement with these deck values; none where its file has no shapes."""
-    return d["file"].get("interior_names") or [] if d.get("type") == KIND else []
+    file = d.get("file")
+    return file.get("interior_names") or [] if isinstance(file, dict) else []
 
 
 def recover(results, name, d, rows=slice(None)):

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import SECTIONS, Display
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
@@ -43,6 +43,10 @@ class Run:
             section, _, name = path.partition("/")
             found |= {f"{section}/{piece}": d for piece in piece_names(name, d)}
         return found
+
+    def display(self, d):
+        """How an element, joint or load with the deck values ``d`` is drawn: the Display of its kind."""
+        return self.results.displays.get(d["type"], Display())
 
     @cached_property
     def ranges(self):

@@ -1,17 +1,32 @@
-"""A motion in space as it is played: shapes at some saved times, what they can be coloured by, the ground."""
+"""A motion in space as it is played: shapes at some saved times, what they can be coloured by, forces, the ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
+from mecano.post.deformation import flexible_parts
+from mecano.post.eye import eye
+from mecano.post.forces import arrows
 from mecano.post.ground import ground_path
-from mecano.post.shapes import WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, GUIDE, JOINT, SUPPORT, WHEEL, Motion, shapes
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
-COLOURED = (("stress", "Pa", ("stress",)), ("axial force", "N", ("force", "tension")))
-"""Name, unit, outputs of elements; of the section force of a beam the first component."""
+STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
+"""What elements can be coloured by: name, unit."""
+FLEXIBLE = ("beam", "superelement")  # shapes that bend
+BENT, MOST_BENT = 4, 400  # lines in the place of one element of a beam; elements from which on it is one
+LOOKED_AT = 20  # instants by which the eye is chosen
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """How a shape turns: unit quaternions (n, 4) since the start, and an axis of it (n, 3); None where it has none."""
+
+    turn: np.ndarray | None = None
+    axis: np.ndarray | None = None
+    radius: float = 0.0  # of a wheel [m]
 
 
 @dataclass(frozen=True)
@@ -26,29 +41,43 @@ class Scene:
     axis : (str, str)
         What the times are, and their unit.
     shapes : list of Shape
+    kinds : list of str
+        Of each shape the kind of its element or joint; "" for a node.
     colours : list of dict
         Of each shape: name -> values (n, pieces).
     ranges : list of (name, unit, lowest, highest)
         Of all that something can be coloured by.
+    parts : list of Part
+        Flexible parts, whose deformation can be magnified.
+    orientations : list of Orientation
+        Of each shape.
+    arrows : list of Arrow
     middle : (n, 3) array
         Of the mechanism at each time [m].
     size : float
         Largest distance from the middle along an axis [m].
-    up : int
-        The vertical inertial axis.
-    grounds : list of (k, 3) arrays
-        Lines on the ground [m].
+    up : (3,) array
+        The vertical, against gravity: an inertial axis.
+    eye : (3,) array
+        Unit vector to the eye that sees the mechanism best.
+    grounds : list of lists of three (k, 3) arrays
+        Of each ground lines on it along the way of the wheels: left, middle, right [m].
     """
 
     rows: np.ndarray
     times: np.ndarray
     axis: tuple
     shapes: list
+    kinds: list
     colours: list
     ranges: list
+    parts: list
+    orientations: list
+    arrows: list
     middle: np.ndarray
     size: float
-    up: int
+    up: np.ndarray
+    eye: np.ndarray
     grounds: list
 
     @property
@@ -63,7 +92,8 @@ def scene_of(run, most):
     if not count:
         raise ResultsError(f"{run.results.path}: no saved times yet")
     rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-    drawn = shapes(Motion(run, rows))
+    motion = Motion(run, rows)
+    drawn = [_bent(motion, shape) for shape in shapes(motion)]
     if not drawn:
         raise ResultsError(f"{run.results.path}: nothing to be drawn, no node has a position")
     cloud = np.concatenate([s.points[:, -1:] if s.style == WHEEL else s.points for s in drawn], axis=1)
@@ -71,39 +101,128 @@ def scene_of(run, most):
     size = max(float(np.abs(s.points - middle[:, None]).max()) for s in drawn) or 1.0
     coloured = [_colours(run, shape, rows) for shape in drawn]
     ranges = list(_ranges(coloured))
-    reported = {what for what, *_ in ranges}
-    coloured = [{what: values for what, values in colours.items() if what in reported} for colours in coloured]
-    gravity, axis = run.deck.get("gravity"), (run.results.axis.path, run.results.axis.unit)
-    up = 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity)))
-    grounds = list(_grounds(run, drawn))
-    return Scene(rows, run.results.time[rows], axis, drawn, coloured, ranges, middle, size, up, grounds)
+    named = {what for what, *_ in ranges}
+    coloured = [{what: values for what, values in colours.items() if what in named} for colours in coloured]
+    flexible = {path.partition("/")[2] for path, d in run.things.items() if run.display(d).shape in FLEXIBLE}
+    up = vertical(run.deck.get("gravity"))
+    return Scene(
+        rows, run.results.time[rows], (run.results.axis.path, run.results.axis.unit), drawn,
+        [_kind(run, shape) for shape in drawn], coloured, ranges,
+        flexible_parts(drawn, flexible, _held(run, flexible)), [_orientation(motion, shape) for shape in drawn],
+        arrows(motion), middle, size, up,
+        _eye(drawn, cloud - middle[:, None], up), list(_grounds(run, drawn)),
+    )  # fmt: skip
+
+
+def vertical(gravity):
+    """Return the inertial axis (3,) that points up, against most of the gravity; z without any."""
+    if gravity is None or not any(gravity):
+        return np.array([0.0, 0.0, 1.0])
+    axis = int(np.argmax(np.abs(gravity)))
+    return -np.sign(gravity[axis]) * np.eye(3)[axis]
+
+
+def _deck_of(run, shape):
+    """Path and deck values of what a shape is of; ("", {}) of a node. Joints and elements may have the same name."""
+    sections = ("joints", "elements") if shape.style in (JOINT, SUPPORT, GUIDE) else ("elements", "joints")
+    paths = [f"{section}/{shape.name}" for section in sections]
+    path = next((path for path in paths if path in run.things), "")
+    return path, run.things.get(path, {})
+
+
+def _kind(run, shape):
+    return _deck_of(run, shape)[1].get("type", "node" if shape.style == SUPPORT else "")
+
+
+def _bent(motion, shape):
+    """A beam as a smooth line: a cubic between two nodes, along the directions that these carry."""
+    _, d = _deck_of(motion.run, shape)
+    if not d or motion.run.display(d).shape != "beam" or len(motion.run.pieces) > MOST_BENT:
+        return shape
+    nodes, points = shape.nodes, shape.points
+    u = np.linspace(0.0, 1.0, BENT, endpoint=False)[:, None]
+    pieces = []
+    for i, (a, b) in enumerate(zip(nodes[:-1], nodes[1:], strict=True)):
+        chord = points[0, i + 1] - points[0, i]
+        tangents = [motion.turned(node, chord)[:, None] for node in (a, b)]
+        p, q = points[:, None, i], points[:, None, i + 1]
+        pieces.append(
+            (2 * u**3 - 3 * u**2 + 1) * p + (u**3 - 2 * u**2 + u) * tangents[0]
+            + (3 * u**2 - 2 * u**3) * q + (u**3 - u**2) * tangents[1]
+        )  # fmt: skip
+    inner = ("",) * (BENT - 1)
+    names = tuple(name for node in nodes[:-1] for name in (node, *inner)) + (nodes[-1],)
+    return replace(shape, points=np.concatenate([*pieces, points[:, -1:]], axis=1), nodes=names)
+
+
+def _held(run, flexible):
+    """Names of the nodes where something else is attached to flexible parts, or that are fixed."""
+    held = {name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")}
+    for path, d in run.things.items():
+        section, _, name = path.partition("/")
+        if section == "joints" or (section == "elements" and name not in flexible):
+            held |= {*d.get("nodes", ()), d.get("node"), *d.get("attached", ())}
+    return held
+
+
+def _orientation(motion, shape):
+    """The Orientation of wheels, bodies and joints with an axis."""
+    path, d = _deck_of(motion.run, shape)
+    if shape.style == WHEEL:
+        return Orientation(motion.turn(d["node"]), motion.turned(d["node"], d["axis"]), _radius(shape.points[0]))
+    if shape.style == BODY:
+        return Orientation(motion.turn(shape.nodes[0]))
+    axis = d.get("axis") if path.startswith("joints/") and shape.style == JOINT else None
+    if axis is None:
+        return Orientation()
+    node = next((node for node in d["nodes"] if f"nodes/{node}/rotation" in motion.run.paths), None)
+    return Orientation() if node is None else Orientation(axis=motion.turned(node, axis))
+
+
+def _eye(drawn, cloud, up):
+    """The direction to the eye, by some instants."""
+    wheels = [
+        (shape.points[0, -1], np.cross(*(shape.points[0, [0, 12]] - shape.points[0, -1])), _radius(shape.points[0]))
+        for shape in drawn
+        if shape.style == WHEEL
+    ]
+    some = np.unique(np.linspace(0, len(cloud) - 1, LOOKED_AT).round().astype(int))
+    return eye(cloud[some], wheels, up)
+
+
+def _radius(points):
+    """Radius [m] of a wheel whose points (n, 3) end with its centre."""
+    return float(np.linalg.norm(points[:-1] - points[-1], axis=1).max())
 
 
 def _colours(run, shape, rows):
     """What an element can be coloured by: name -> values (instants, pieces)."""
     d, found = run.deck.get("elements", {}).get(shape.name), {}
-    for what, _, outputs in COLOURED if d else ():
-        for output in outputs:
-            paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
-            if all(path in run.paths for path in paths):
-                values = np.stack([run.results.find(path).values[rows] for path in paths], axis=1)
-                if values.ndim == 2 or d["type"] == "beam":
-                    found[what] = values.reshape(*values.shape[:2], -1)[..., 0]
+    for (what, _), output in ((STRESS, "stress"), (AXIAL, run.display(d).axial)) if d else ():
+        paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
+        if output and all(path in run.paths for path in paths):
+            values = np.stack([run.results.find(path).values[rows] for path in paths], axis=1)
+            found[what] = values.reshape(*values.shape[:2], -1)[..., 0]
     return found
 
 
 def _ranges(coloured):
     """Name, unit, lowest and highest value of all that something can be coloured by and that is not zero throughout."""
-    for what, unit, _ in COLOURED:
+    for what, unit in (STRESS, AXIAL):
         arrays = [colours[what] for colours in coloured if what in colours]
         if any(array.any() for array in arrays):
             yield [what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)]
 
 
 def _grounds(run, drawn):
-    """Lines (k, 3) on the ground along the way of each wheel."""
+    """Lines (k, 3), three of each ground, along the way of its wheels."""
+    wheels = {}
     for shape in drawn:
         d = run.deck.get("elements", {}).get(shape.name, {})
         if shape.style == WHEEL and "ground" in d:
-            radius = np.ptp(shape.points[0, :-1], axis=0).max() * 0.5
-            yield from ground_path(run.deck, run.deck["grounds"][d["ground"]], shape.points[:, -1], radius)
+            wheels.setdefault(d["ground"], []).append(shape.points)
+    for ground, points in wheels.items():
+        centres = np.stack([one[:, -1] for one in points])
+        yield list(
+            ground_path(run.deck, run.deck["grounds"][ground], centres, max(map(_radius, (p[0] for p in points))))
+        )

@@ -12,11 +12,9 @@ from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
+CABLE = "cable"  # a thin rod
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
 RIM_POINTS = 49
-NOT_A_PLACE = ("held_rotation", "prescribed_position", "prescribed_angle")
-
-SLIDING = ("prismatic", "cylindrical", "planar", "screw", "gear_pair", "rack_and_pinion")
 
 
 @dataclass(frozen=True)
@@ -67,6 +65,15 @@ class Motion:
         carried = _rotated(start * (1, -1, -1, -1), np.array(direction, float)[None])
         return _rotated(self.vector(path), carried)
 
+    def turn(self, node):
+        """Unit quaternions (instants, 4) by which a node has turned since the start."""
+        path = f"nodes/{node}/rotation"
+        w, u = np.split(self.vector(path), (1,), axis=1)
+        w0, u0 = np.split(self.run.results.find(path, slice(1)).values * (1, -1, -1, -1), (1,), axis=1)
+        return np.concatenate(
+            [w * w0 - np.sum(u * u0, axis=1, keepdims=True), w * u0 + w0 * u + np.cross(u, u0)], axis=1
+        )
+
 
 def apart(points):
     """True when ``points`` (instants, n, 3) [m] are not at one place all the time."""
@@ -86,11 +93,12 @@ def shapes(motion):
     for path, d in motion.run.things.items():
         section, _, name = path.partition("/")
         if section != "loads":
-            found += SHAPES.get(d["type"], _rod if section == "elements" else _joint)(motion, name, d)
+            shape = motion.run.display(d).shape or ("line" if section == "elements" else "joint")
+            found += SHAPES[shape](motion, name, d)
     for name in motion.nodes:
         if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None], (name,)))
-    order = (WHEEL, GUIDE, BODY, ROD, SPRING, MASS, SUPPORT, JOINT)
+    order = (WHEEL, GUIDE, BODY, CABLE, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
 
 
@@ -141,6 +149,10 @@ def _superelement(motion, name, d):
     ]
 
 
+def _cable(motion, name, d):
+    return _line(motion, name, d, CABLE)
+
+
 def _spring(motion, name, d):
     return _line(motion, name, d, SPRING)
 
@@ -157,10 +169,10 @@ def _joint(motion, name, d):
     """A dot at the place of a joint; a joint with the ground is a support too."""
     nodes = d.get("nodes", ())
     moving = [node for node in nodes if node in motion.nodes]
-    if d["type"] in NOT_A_PLACE or not moving:
+    if not moving:
         return []
     points = motion.position(moving[-1])[:, None]
-    held = len(moving) < len(nodes) and d["type"] not in SLIDING
+    held = len(moving) < len(nodes) and motion.run.display(d).support
     support = [Shape(SUPPORT, name, points[:1].repeat(len(points), axis=0))] if held else []
     return [*support, Shape(JOINT, name, points, (moving[-1],))]
 
@@ -204,17 +216,8 @@ def _flattened(points, ground):
 
 
 SHAPES = {
-    "beam": _beam,
-    "point_on_curve": _curve,
-    "rigid_body": _body,
-    "point_mass": _mass,
-    "spring_damper": _spring,
-    "torsion_spring_damper": lambda motion, name, d: [],
-    "rigid_rod": _rod,
-    "prescribed_length": _rod,
-    "superelement": _superelement,
-    **dict.fromkeys(
-        ("wheel", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "paper_wheel"), _wheel
-    ),
-}
-"""Functions of the kinds that are not drawn as a line between two nodes (elements) or as a dot (joints)."""
+    "line": _rod, "cable": _cable, "beam": _beam, "superelement": _superelement, "spring": _spring,
+    "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "joint": _joint,
+    "nothing": lambda motion, name, d: [],
+}  # fmt: skip
+"""What draws each ``Display.shape``."""

@@ -28,8 +28,7 @@ WARNINGS = {
 
 def default_sheets(runs):
     """All sheets of these runs; the sketches of the mechanism first."""
-    kinds = tuple(dict.fromkeys(d["type"] for run in runs for d in run.things.values()))
-    planned = [_planned(plan, runs) for plan in plans(kinds)]
+    planned = [_planned(plan, runs) for plan in plans(runs)]
     sheets = [
         _mechanism(runs),
         _path(runs),

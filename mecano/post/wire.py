@@ -8,14 +8,13 @@ from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
 from mecano.post.figure import plain_figure
-from mecano.post.shapes import BODY, GUIDE, ROD, SPRING, WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, CABLE, GUIDE, ROD, SPRING, WHEEL, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
 COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
 TALLEST = 1.4  # height over width of a view
 MARGIN = 0.06  # of the size of what is shown
-THIN = ("cable", "bar")  # kinds drawn thinner
 SUPPORT_SIZE = 7
 FAR = 2.0  # sizes: what travels farther is drawn about its own middle each time, it would be too small
 
@@ -41,11 +40,11 @@ def wire_figure(run, times, title):
     """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
-    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, SPRING, BODY, WHEEL, GUIDE)]
+    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, CABLE, SPRING, BODY, WHEEL, GUIDE)]
     if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
     projection = view()
-    lines = [(_is_thin(run, shape.name), shape.points @ projection.T) for shape in shown]
+    lines = [(shape.style == CABLE, shape.points @ projection.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
     supports = [run.results.find(f"nodes/{name}/position").values[rows] @ projection.T for name in fixed]
     shift, low, high = _frame(np.concatenate([points for _, points in lines], axis=1))
@@ -89,10 +88,6 @@ def _named(saved, asked):
     """The time that is drawn, and the one that was asked for where they differ."""
     shown, wanted = f"t = {saved:.4g} s", f"{asked:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
-
-
-def _is_thin(run, name):
-    return run.deck.get("elements", {}).get(name, {}).get("type") in THIN
 
 
 def _draw(ax, lines):

@@ -10,6 +10,7 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
 from mecano.results.disk import hdf5_appearing
+from mecano.results.provenance import read_displays
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source
 from mecano.results.writer import refuse_existing
@@ -47,6 +48,7 @@ class ModesFile:
     nodes: dict  # name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}
     inner: dict  # superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it
     resolved: dict  # the deck
+    displays: dict  # of its kinds: name -> Display
 
 
 def write_modes(path, contents, source, *, force=False):
@@ -110,7 +112,7 @@ def read_modes(path):
         resolved = json.loads(file["deck/resolved"][()])
         converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
         return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
-                         resolved)  # fmt: skip
+                         resolved, read_displays(file, resolved))  # fmt: skip
 
 
 def _groups(file, name):

@@ -5,13 +5,14 @@ import os
 import platform
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from glob import glob
 
 import h5py
 
 import mecano
+from mecano.element_interface import SECTIONS, Display
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
@@ -41,12 +42,28 @@ class Source:
         return {
             "text": self.deck_text,
             "resolved": to_json(self.resolved),
+            "displays": to_json({name: asdict(display) for name, display in displays(self.resolved).items()}),
             "overrides": to_json(list(self.overrides)),
             "includes": to_json(self.includes),
             "automatic": to_json(self.automatic),
             "model": to_json(self.model),
             "remarks": to_json(list(self.warnings)),
         }
+
+
+def displays(resolved):
+    """Return how the kinds of a resolved deck are drawn, as they declare it: name of the kind -> Display."""
+    from mecano.elements import KINDS
+
+    used = dict.fromkeys(d["type"] for section in SECTIONS for d in resolved.get(section, {}).values())
+    return {name: KINDS[name].display if name in KINDS else Display() for name in used}
+
+
+def read_displays(file, resolved):
+    """Return the same as ``displays``, from an open file that holds the deck; older ones do not tell."""
+    if "deck/displays" not in file:
+        return displays(resolved)
+    return {name: Display(**values) for name, values in json.loads(file["deck/displays"][()]).items()}
 
 
 def to_json(data):

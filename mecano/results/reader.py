@@ -18,12 +18,12 @@ from mecano.results.checked import UNREADABLE, checked, unreadable
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
-from mecano.results.provenance import began, lives
+from mecano.results.provenance import began, lives, read_displays
 from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
-_KEPT = tuple("time events steps extremes resolved metadata automatic model warnings checkpoint".split())
+_KEPT = tuple("time events steps extremes resolved displays metadata automatic model warnings checkpoint".split())
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
@@ -293,6 +293,11 @@ class Results:
     def resolved(self):
         """The deck as it was understood: plain data after overrides, includes and defaults."""
         return self._json("deck/resolved")
+
+    @cached_property
+    def displays(self):
+        """How the kinds of the deck are drawn: name of the kind -> Display; of older files as they declare it now."""
+        return read_displays(self._file, self.resolved)
 
     @cached_property
     def automatic(self):

@@ -1,6 +1,6 @@
 r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 from mecano.schema import NODE, NUMBER, Field, positive
@@ -38,6 +38,7 @@ POINT_MASS = Kind(
     name="point_mass",
     section="elements",
     doc=__doc__,
+    display=Display("mass", pictures=("bodies",)),
     dtype=RECORD,
     layout=("x0",),
     fields=(

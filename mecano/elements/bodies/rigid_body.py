@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.constraints.attachment import attached_rotations, attachment
 from mecano.constraints.joint_samples import ORIENTATIONS
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, dot, mat, put, skew, vec
 from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, positive
@@ -115,6 +115,7 @@ RIGID_BODY = Kind(
     name="rigid_body",
     section="elements",
     doc=__doc__,
+    display=Display("body", pictures=("bodies",)),
     dtype=RECORD,
     layout=("x0", "R0"),
     fields=(

@@ -10,7 +10,7 @@ start is held there by three constraints.
 
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
 from mecano.constraints.joint_samples import two_parallel, two_places
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import NODE_PAIR, Field
@@ -48,6 +48,7 @@ RIGID_LINK = Kind(
     name="rigid_link",
     section="elements",
     doc=__doc__,
+    display=Display(pictures=("reactions",), force="force"),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "master and follower"),),

@@ -20,7 +20,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.bodies.superelement_force import (
     add_forces,
@@ -260,6 +260,7 @@ DECLARED = {
     "name": "superelement",
     "section": "elements",
     "doc": __doc__,
+    "display": Display("superelement"),
     "dtype": RECORD,
     "fields": (
         Field("nodes", NODES, "-", "its boundary nodes, in the order of the matrices"),

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import DIRECTION, DRIVE, NODE, Field
@@ -137,6 +137,7 @@ class _Quantity:
             name=name,
             section="loads",
             doc=f"{self.name.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
+            display=Display(force=self.name if self.unit == "N" else ""),
             dtype=RECORD,
             layout=layout,
             fields=(

@@ -44,6 +44,7 @@ CYLINDRICAL = lower_pair(
         held=("about_2", "about_1", "along_1", "along_2"),
         ends=SLIDE,
         friction=Friction(ROUND_FRICTION, round_record, (RADIUS, LENGTH)),
+        pictures=("angles", "slides"),
     ),
     sample,
 )

@@ -23,7 +23,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )  # fmt: skip
-from mecano.element_interface import Kind, Output, nothing
+from mecano.element_interface import Display, Kind, Output, nothing
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
@@ -88,6 +88,7 @@ FIXED = Kind(
     name="fixed",
     section="joints",
     doc=__doc__,
+    display=Display(force="force"),
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,

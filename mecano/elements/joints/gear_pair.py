@@ -31,7 +31,7 @@ from mecano.constraints.body_fixed import relative_rotation, turning_rate
 from mecano.constraints.coordinates.twist import twist_gradient
 from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Kind, Output, Part
+from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
@@ -143,6 +143,7 @@ GEAR_PAIR = Kind(
     name="gear_pair",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("gears",)),
     dtype=MESH_RECORD,
     layout=("R0", "x1", "R1", "x2", "R2"),
     fields=(

@@ -33,7 +33,7 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import mat, vec
@@ -136,6 +136,7 @@ GENERIC_JOINT = Kind(
     name="generic",
     section="joints",
     doc=__doc__,
+    display=Display(force="force", along_axes=True),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

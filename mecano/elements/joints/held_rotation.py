@@ -5,7 +5,7 @@ With ground as the first node the second one translates only; the moment of the 
 
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import two_parallel
-from mecano.element_interface import Kind, Output
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import NODE_PAIR, Field
@@ -31,6 +31,7 @@ HELD_ROTATION = Kind(
     name="held_rotation",
     section="joints",
     doc=__doc__,
+    display=Display("nothing"),
     layout=("R0", "R1"),
     fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, mostly [ground, the node that shall not turn]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),

@@ -79,6 +79,7 @@ HINGE, HINGE_HELD = sharing_pair(
         ),
         fields=(AXIS_B,),
         place=_place,
+        pictures=("angles",),
     ),
     sample,
 )

@@ -46,7 +46,7 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.element_interface import Kind, Measured, Part
+from mecano.element_interface import Display, Kind, Measured, Part
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, Field
 
@@ -81,6 +81,7 @@ class LowerPair:
     shared: Shared | None = None
     fields: tuple = ()  # of its own, after the axis
     place: Callable = axis_place  # (d, nodes, context) -> {mu, xi, start}
+    pictures: tuple = ()
 
     @property
     def turns(self):
@@ -137,6 +138,7 @@ def lower_pair(name, doc, pair, sample):
 
     return Kind(
         name=name, section="joints", doc=doc, dtype=PAIR_RECORD, layout=("x0", "R0", "x1", "R1"),
+        display=Display(support=not pair.slides, pictures=pair.pictures, force="force", along_axes=True),
         fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
         optional=_optional(pair), memory=("angle",) if pair.turns else (),
         prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),

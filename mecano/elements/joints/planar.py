@@ -18,7 +18,7 @@ from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
 from mecano.constraints.of_coordinates import TWIST_LAW, turning_parts
 from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
-from mecano.element_interface import Kind, Output
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
@@ -54,6 +54,7 @@ PLANAR = Kind(
     name="planar",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("planes",)),
     dtype=AXES_RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

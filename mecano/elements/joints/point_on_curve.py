@@ -31,7 +31,7 @@ import numpy as np
 from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Kind, Output, Row, record
+from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.elements.joints.guiding_curve import (
     CURVE_RECORD,
     check_curve,
@@ -149,6 +149,7 @@ POINT_ON_CURVE = Kind(
     name="point_on_curve",
     section="joints",
     doc=__doc__,
+    display=Display("curve", pictures=("curves",), force="force"),
     dtype=RECORD,
     layout=("x0", "R0", "x1"),
     scalars=("position",),

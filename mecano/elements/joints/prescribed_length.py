@@ -12,7 +12,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.hold import TARGET, target
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, norm, vec
 from mecano.schema import CURVE, Field
@@ -59,6 +59,7 @@ PRESCRIBED_LENGTH = Kind(
     name="prescribed_length",
     section="joints",
     doc=__doc__,
+    display=Display("line"),
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(

@@ -11,7 +11,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.hold import TARGET, target
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.of_coordinates import HELD_COORDINATE
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 from mecano.schema import CURVE, DIRECTION, NODE, Field
@@ -50,6 +50,7 @@ PRESCRIBED_POSITION = Kind(
     name="prescribed_position",
     section="joints",
     doc=__doc__,
+    display=Display("nothing", pictures=("slides",)),
     dtype=RECORD,
     layout=("x0",),
     fields=(

@@ -60,6 +60,7 @@ PRISMATIC, PRISMATIC_HELD = sharing_pair(
         shared=Shared(one_rotation, ("along_1", "along_2"), _reactions, not_parallel),
         ends=SLIDE,
         friction=Friction(KEYED_FRICTION, keyed_record, (LENGTH, KEY_RADIUS)),
+        pictures=("slides",),
     ),
     sample,
 )

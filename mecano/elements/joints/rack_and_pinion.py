@@ -18,7 +18,7 @@ from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
@@ -70,6 +70,7 @@ RACK_AND_PINION = Kind(
     name="rack_and_pinion",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("gears",)),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

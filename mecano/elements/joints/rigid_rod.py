@@ -4,7 +4,7 @@ import numpy as np
 
 from mecano.constraints.joint_frame import NODES, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE
-from mecano.element_interface import Kind, Output, Part
+from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import norm, vec
 from mecano.schema import NUMBER, Field, positive
@@ -37,6 +37,7 @@ RIGID_ROD = Kind(
     name="rigid_rod",
     section="joints",
     doc=__doc__,
+    display=Display("line"),
     layout=("x0", "x1"),
     fields=(
         NODES,

@@ -29,7 +29,7 @@ from mecano.constraints.of_coordinates import (
     turning_parts,
 )
 from mecano.constraints.pair import AXES_FIELDS, AXIS_1, axis_place, pair_parts
-from mecano.element_interface import Kind, Part, record
+from mecano.element_interface import Display, Kind, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import put
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field
@@ -81,6 +81,7 @@ SCREW = Kind(
     name="screw",
     section="joints",
     doc=__doc__,
+    display=Display(support=False, pictures=("gears",)),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

@@ -22,7 +22,7 @@ import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
 from mecano.constraints.body_fixed import carried
-from mecano.element_interface import Event, Kind, Output, Row, record
+from mecano.element_interface import Display, Event, Kind, Output, Row, record
 from mecano.elements.members.smooth_line import nearest_station, smooth_line
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm, put, skew, vec
@@ -214,6 +214,7 @@ DECLARED = {
     "name": "slider_on_beam",
     "section": "joints",
     "doc": __doc__,
+    "display": Display(pictures=("curves",), force="force"),
     "dtype": RECORD,
     "scalars": ("position",),
     "fields": (

@@ -12,7 +12,7 @@ from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.element_interface import Kind, Output, Part, nothing
+from mecano.element_interface import Display, Kind, Output, Part, nothing
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import put, vec
 
@@ -55,6 +55,7 @@ SPHERICAL = Kind(
     name="spherical",
     section="joints",
     doc=__doc__,
+    display=Display(force="force"),
     layout=("x0", "x1"),
     fields=(
         NODES,

@@ -36,7 +36,7 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.element_interface import Kind, Output, Part, nothing, record
+from mecano.element_interface import Display, Kind, Output, Part, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
@@ -192,6 +192,7 @@ UNIVERSAL = Kind(
     name="universal",
     section="joints",
     doc=__doc__,
+    display=Display(pictures=("angles",), force="force"),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
     end_loads,
@@ -201,6 +201,7 @@ BEAM = Kind(
     name="beam",
     section="elements",
     doc=__doc__,
+    display=Display("beam", pictures=("beams",), axial="force"),
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(

@@ -41,7 +41,7 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.wound_line import CATCHES
-from mecano.element_interface import Event, Kind, Output, record
+from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
@@ -206,10 +206,12 @@ OUTPUTS = (
     Output("stress", "Pa", "axial force over area"),
 )
 
+DRAWN = Display("cable", axial="tension")
 BAR = Kind(
     name="bar",
     section="elements",
     doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
+    display=DRAWN,
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=FIELDS,
@@ -225,6 +227,7 @@ CABLE = Kind(
     name="cable",
     section="elements",
     doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
+    display=DRAWN,
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(*FIELDS, *WINDER_FIELDS),

@@ -14,7 +14,7 @@ from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
-from mecano.element_interface import Kind, Measured, Output, Part, record
+from mecano.element_interface import Display, Kind, Measured, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_force, law_force, potential
 from mecano.maths.dual import number
@@ -107,6 +107,7 @@ SPRING_DAMPER = Kind(
     name="spring_damper",
     section="elements",
     doc=__doc__,
+    display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(

@@ -13,7 +13,7 @@ from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_phases import EVENTS, PHASES
-from mecano.element_interface import Kind, Measured, Output
+from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
@@ -61,6 +61,7 @@ TORSION_SPRING_DAMPER = Kind(
     name="torsion_spring_damper",
     section="elements",
     doc=__doc__,
+    display=Display("nothing", pictures=("torsion_springs",)),
     dtype=TWIST_LAW.dtype,
     layout=("R0", "R1"),
     fields=(

@@ -12,7 +12,7 @@ exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of ine
 
 import numpy as np
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, carried_axis, check_touching, put_outputs
+from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, carried_axis, check_touching, put_outputs
 from mecano.constraints.ground import check_axle, ends, lean_of, on_the_slope, slope_below, unit
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
@@ -73,6 +73,7 @@ PAPER_WHEEL = Kind(
     name="paper_wheel",
     section="elements",
     doc=__doc__,
+    display=WHEEL_DISPLAY,
     dtype=RECORD,
     layout=("x0", "R0"),
     fields=FIELDS,

@@ -23,7 +23,7 @@ The node is the wheel body's: its rotation spins with the wheel. The wheel does 
 
 import math
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, check_touching, disc_record, put_outputs
+from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, check_touching, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
     MOST_BENDS,
@@ -176,6 +176,7 @@ RIGID_WHEEL = Kind(
     name="rigid_wheel",
     section="elements",
     doc=__doc__,
+    display=WHEEL_DISPLAY,
     dtype=RECORD,
     layout=("x0", "R0"),
     fields=(*FIELDS, *OPTIONS),

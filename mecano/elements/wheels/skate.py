@@ -13,7 +13,7 @@ import numpy as np
 from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
-from mecano.element_interface import Kind, Output, Part
+from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, put, vec
@@ -63,6 +63,7 @@ SKATE = Kind(
     name="skate",
     section="elements",
     doc=__doc__,
+    display=Display(pictures=("wheels",), force="contact_force"),
     dtype=RECORD,
     layout=("x0", "R0"),
     fields=(

@@ -1,8 +1,9 @@
 """What the wheels with a tyre law have in common: deck fields, outputs, energies, modes and events, checks, samples."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
-from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, carried_axis, put_contact
+from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
 from mecano.element_interface import Event, Output
 from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_radial
@@ -17,6 +18,7 @@ MOST_DEFORMATION = 0.5  # of the radius: at the start, of a law that does not sa
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
 EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)
 FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
+TYRE_DISPLAY = replace(WHEEL_DISPLAY, pictures=("wheels", "drop_test"))
 OUTPUTS = (
     *CONTACT_OUTPUTS,
     Output("deformation", "m", "radial deformation w of the tyre; zero in the air"),

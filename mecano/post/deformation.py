@@ -1,0 +1,86 @@
+"""Deformation of flexible parts, to be magnified: beams and superelements that share nodes, and their rigid motions.
+
+The rigid motion is the least-squares fit of the part to its shape at the start. Points at nodes of joints and bodies
+weigh much more than all others, so that a magnified part stays at the places where it is held.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.post.shapes import ROD
+
+HELD = 1e4  # weight of points where something else is attached, over that of others
+
+
+@dataclass(frozen=True)
+class Part:
+    """A flexible part: which ``shapes`` (numbers) are its own, how it moves as if rigid.
+
+    ``start`` (3,) is the weighted middle of its points at the start [m], ``places`` (n, 3) where that is, ``turns``
+    (n, 3, 3) how the part has turned since.
+    """
+
+    shapes: tuple
+    start: np.ndarray
+    places: np.ndarray
+    turns: np.ndarray
+
+
+def flexible_parts(shapes, flexible, held):
+    """Return the Parts of ``shapes``, whose first instant is the start, with names in ``flexible``.
+
+    ``held`` are names of nodes where other things are attached.
+    """
+    parts = []
+    for numbers in _together(
+        [i for i, shape in enumerate(shapes) if shape.name in flexible and shape.style == ROD], shapes
+    ):
+        points = np.concatenate([shapes[i].points for i in numbers], axis=1)
+        nodes = [node for i in numbers for node in shapes[i].nodes]
+        weights = np.array([HELD if node in held else 1.0 for node in nodes])
+        parts.append(Part(tuple(numbers), *rigid_fit(points[0], points, weights)))
+    return parts
+
+
+def _together(numbers, shapes):
+    """Numbers of the shapes that share nodes, list by list."""
+    groups = []
+    for i in numbers:
+        own = ({i}, set(filter(None, shapes[i].nodes)))
+        joined = [group for group in groups if group[1] & own[1]]
+        groups = [group for group in groups if group not in joined]
+        groups.append((own[0].union(*(g[0] for g in joined)), own[1].union(*(g[1] for g in joined))))
+    return [sorted(group) for group, _ in groups]
+
+
+def rigid_fit(reference, points, weights):
+    """Fit a rigid motion of ``reference`` (k, 3) to ``points`` (n, k, 3): middle (3,), places (n, 3), turns (n, 3, 3).
+
+    Least squares with ``weights`` (k,), by singular values (Kabsch 1976).
+    """
+    share = weights / weights.sum()
+    start, places = share @ reference, np.einsum("k,nkj->nj", share, points)
+    products = np.einsum("k,ki,nkj->nij", share, reference - start, points - places[:, None])
+    u, _, vh = np.linalg.svd(products)
+    flip = np.linalg.det(u) * np.linalg.det(vh)
+    v = np.swapaxes(vh, 1, 2)
+    v = np.concatenate([v[..., :2], (v[..., 2] * flip[:, None])[..., None]], axis=2)
+    return start, places, v @ np.swapaxes(u, 1, 2)
+
+
+def quaternions(turns):
+    """Return unit quaternions (n, 4) of rotation matrices (n, 3, 3), by the largest of their four components."""
+    R = turns
+    trace = np.trace(R, axis1=1, axis2=2)
+    squares = np.stack([trace, *(2.0 * R[:, i, i] - trace for i in range(3))], axis=1)
+    rows = np.empty((len(R), 4, 4))
+    rows[:, 0] = np.stack([1.0 + trace, *(R[:, k, j] - R[:, j, k] for j, k in ((1, 2), (2, 0), (0, 1)))], axis=1)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rows[:, 1 + i, 0] = R[:, k, j] - R[:, j, k]
+        rows[:, 1 + i, 1 + i] = 1.0 + 2.0 * R[:, i, i] - trace
+        rows[:, 1 + i, 1 + j] = R[:, i, j] + R[:, j, i]
+        rows[:, 1 + i, 1 + k] = R[:, i, k] + R[:, k, i]
+    chosen = rows[np.arange(len(R)), np.argmax(squares, axis=1)]
+    return chosen / np.linalg.norm(chosen, axis=1, keepdims=True)

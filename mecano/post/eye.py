@@ -1,0 +1,74 @@
+"""From where a mechanism is best seen: the direction in which its parts hide one another least."""
+
+import numpy as np
+
+AZIMUTHS = np.radians([a for a in range(-170, 181, 10) if 20 <= abs(a) % 90 <= 70])  # not along an axis
+ELEVATIONS = np.radians((14.0, 22.0, 35.0))
+USUAL = np.radians((-60.0, 22.0))  # the direction where all others are as good
+PREFERRED = 0.15  # what the usual direction is worth
+
+
+def eye(cloud, wheels=(), up=(0.0, 0.0, 1.0)):
+    """Return the unit vector (3,) from the mechanism to the eye.
+
+    Parameters
+    ----------
+    cloud : (n, k, 3) array
+        Points of the mechanism at some instants [m], about a common middle at each.
+    wheels : sequence of (centre (3,), axis (3,), radius)
+        At one instant; of two wheels that overlap in a picture one hides the other.
+    up : (3,) sequence
+        The vertical.
+    """
+    points = np.reshape(cloud, (-1, 3))
+    size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+    best = max(
+        ((azimuth, elevation) for elevation in ELEVATIONS for azimuth in AZIMUTHS),
+        key=lambda angles: _worth(angles, points / size, wheels, up),
+    )
+    return direction(*best, up)
+
+
+def direction(azimuth, elevation, up=(0.0, 0.0, 1.0)):
+    """Return the unit vector (3,) at an azimuth about ``up`` and an elevation over the horizontal [rad]."""
+    first, second = axes_across(up)
+    level = np.cos(azimuth) * first + np.sin(azimuth) * second
+    return np.cos(elevation) * level + np.sin(elevation) * np.asarray(up, float)
+
+
+def axes_across(up):
+    """Return two horizontal axes (3,), which with ``up`` are right-handed."""
+    vertical = int(np.argmax(np.abs(up)))
+    first = np.eye(3)[(vertical + 1) % 3]
+    return first, np.cross(up, first)
+
+
+def projection(eye, up=(0.0, 0.0, 1.0)):
+    """Return the matrix (2, 3) that projects positions to the right and up of a picture seen from ``eye``."""
+    right = np.cross(up, eye)
+    right = right / np.linalg.norm(right)
+    return np.stack([right, np.cross(eye, right)])
+
+
+def _worth(angles, points, wheels, up):
+    """How well a direction shows the points, the wheels beside one another, and the sides of these."""
+    seen = direction(*angles, up)
+    flat = projection(seen, up)
+    spread = np.sqrt(np.linalg.det(np.cov((points @ flat.T).T) + 1e-9 * np.eye(2)))
+    off = np.abs(np.angle(np.exp(1j * (angles[0] - USUAL[0])))) / np.pi + abs(angles[1] - USUAL[1])
+    return spread * (1.0 - PREFERRED * off) * _wheels_seen(wheels, seen, flat)
+
+
+def _wheels_seen(wheels, seen, flat):
+    """Share of the discs of wheels that others do not hide, over how far they are turned to the eye."""
+    if not wheels:
+        return 1.0
+    faces = [max(abs(axis @ seen) / np.linalg.norm(axis), 0.05) for _, axis, _ in wheels]
+    worth = np.mean(np.minimum(faces, 0.7))
+    for i, (a, _, radius) in enumerate(wheels):
+        for j, (b, _, other) in enumerate(wheels[:i]):
+            right, above = np.abs(flat @ (a - b))
+            width = radius * faces[i] + other * faces[j]
+            hidden = max(0.0, 1.0 - right / width) * max(0.0, 1.0 - above / (radius + other))
+            worth *= 1.0 - 0.8 * hidden
+    return worth

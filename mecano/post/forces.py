@@ -1,0 +1,49 @@
+"""Forces as arrows in space: of joints, wheels and loads, where they act, in inertial axes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.constraints.joint_frame import triad
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A force at some instants: of the ``kind`` ``name``, at ``places`` (n, 3) [m], ``values`` (n, 3) [N]."""
+
+    kind: str
+    name: str
+    places: np.ndarray
+    values: np.ndarray
+
+
+def arrows(motion):
+    """Return the Arrows of a Motion: of kinds that declare a force (``Display.force``), without those that are zero."""
+    found = []
+    for path, d in motion.run.pieces.items():
+        display, name = motion.run.display(d), path.partition("/")[2]
+        if display.force and f"{path}/{display.force}" in motion.run.paths:
+            place = _place(motion, path, d, display)
+            values = _force(motion, path, d, display)
+            if place is not None and values.any():
+                found.append(Arrow(d["type"], name, place, values))
+    return found
+
+
+def _place(motion, path, d, display):
+    """Where it acts (n, 3) [m]; None where that is not known."""
+    if display.force_at:
+        return motion.vector(f"{path}/{display.force_at}")
+    nodes = [node for node in (*d.get("nodes", ()), d.get("node")) if node in motion.nodes]
+    return motion.position(nodes[-1]) if nodes else None
+
+
+def _force(motion, path, d, display):
+    """The force (n, 3) [N] in inertial axes; of a joint from its axes, which its first node carries."""
+    force = motion.vector(f"{path}/{display.force}")
+    if not display.along_axes:
+        return force
+    first, axes = d["nodes"][0], triad(d["axis"], d.get("axis_1"))
+    if first not in motion.nodes:
+        return force @ axes
+    return sum(f[:, None] * motion.turned(first, mu) for f, mu in zip(force.T, axes, strict=True))

@@ -1,0 +1,78 @@
+"""Pictures follow from what kinds declare, and from results files alone."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from process import mecano_process
+from time_runs import INPUTS
+
+import mecano.post
+from mecano.elements import KINDS
+from mecano.post.plans import _PLANS
+from mecano.post.runs import open_runs
+from mecano.post.shapes import SHAPES, Motion, shapes
+from mecano.post.sheets import default_sheets
+
+NO_PLAN = {"drop_test"}  # a picture that is computed, not planned
+
+
+@pytest.fixture(scope="module")
+def drop(tmp_path_factory):
+    path = tmp_path_factory.mktemp("display") / "drop.h5"
+    command = ("run", INPUTS / "wheel_drop.yaml", "-q", "-o", path, "--set", "time.end=0.1")
+    assert mecano_process(*command)[0] == 0
+    return path
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
+def test_a_kind_declares_what_there_is(kind):
+    """Shapes that can be drawn, pictures that are made, outputs that it has with the units that they need."""
+    display, outputs = kind.display, {output.name: output for output in kind.outputs}
+    assert not display.shape or display.shape in SHAPES
+    assert set(display.pictures) <= {plan.name for plan in _PLANS} | NO_PLAN
+    for name, unit, shape in ((display.force, "N", [(3,)]), (display.force_at, "m", [(3,)]),
+                              (display.axial, "N", [(), (3,)])):  # fmt: skip
+        assert not name or (outputs[name].unit == unit and outputs[name].shape in shape), name
+
+
+def test_post_names_no_kind():
+    """No string of a file of post is the name of a kind, unless it is a shape, an output or a field besides."""
+    words = {*SHAPES, "force", "moment", "fixed"}
+    named = [
+        (file.name, kind)
+        for file in Path(mecano.post.__file__).parent.glob("*.py")
+        for kind in set(KINDS) - words
+        if f'"{kind}"' in file.read_text()
+    ]
+    assert named == []
+
+
+def test_the_file_alone_says_how_its_kinds_are_drawn(drop, tmp_path):
+    """A wheel whose file declares it a dot is a dot, and belongs to the picture that the file names."""
+    changed = tmp_path / "changed.h5"
+    changed.write_bytes(drop.read_bytes())
+    with h5py.File(changed, "a") as file:
+        displays = json.loads(file["deck/displays"][()])
+        kind = next(name for name, display in displays.items() if display["shape"] == "wheel")
+        displays[kind] |= {"shape": "mass", "pictures": ["bodies"]}
+        del file["deck/displays"]
+        file["deck/displays"] = json.dumps(displays)
+    [before], [after] = open_runs([drop]), open_runs([changed])
+    styles = [{shape.style for shape in shapes(Motion(run, np.arange(2)))} for run in (before, after)]
+    assert "wheel" in styles[0] and "wheel" not in styles[1]
+    names = [{sheet.name for sheet in default_sheets([run])} for run in (before, after)]
+    assert "wheels" in names[0] and "wheels" not in names[1]
+
+
+def test_an_older_file_is_drawn_as_the_kinds_declare_now(drop, tmp_path):
+    older = tmp_path / "older.h5"
+    older.write_bytes(drop.read_bytes())
+    with h5py.File(older, "a") as file:
+        del file["deck/displays"]
+    [run] = open_runs([older])
+    assert {name: display.shape for name, display in run.results.displays.items()} == {
+        name: KINDS[name].display.shape for name in run.results.displays
+    }
