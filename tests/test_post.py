@@ -11,11 +11,11 @@ import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
-from mecano.results.extremes import Extremes
 
 import mecano
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.model.extremes import Extremes
 from mecano.post import draw_panel, figure, plans, sheets, style, wire
 from mecano.post.extremes import telling
 from mecano.post.info import info

@@ -28,6 +28,8 @@ STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
 """How the reason begins when the disk took no more."""
+UNSAFE = 2**14
+"""Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
 _CLOSING = 2e-9
 """s for a byte of a file that is closed: for what the disk has not got yet, and a little for its sums."""
 
@@ -92,7 +94,7 @@ class Writer:
         self._disk = disk
         self._interval = flush_interval
         self._started, self._used, self._compiled = clocks.monotonic() - compile_time(), 0.0, 0.0
-        self._due = clocks.monotonic() + flush_interval
+        self._due, self._unsafe = clocks.monotonic() + flush_interval, 0
         self._size = layout.size
         self._slot = 0
         self._last_time = self._safe_time = None
@@ -143,7 +145,8 @@ class Writer:
         {"output": self._outputs, "solver": self._steps}[table].extend(rows)
         if table == "output":
             self._last_time = float(rows[-1, 0])
-        if clocks.monotonic() >= self._due:
+        self._unsafe += rows.size
+        if self._unsafe >= UNSAFE or clocks.monotonic() >= self._due:
             self.flush()
 
     def append_event(self, time, element, name, before="", after="", impulse=0.0, unit="", lost=0.0):
@@ -172,7 +175,7 @@ class Writer:
                 self._acknowledge()
         if self._disk.error is not None:
             self._give_up()
-        self._due = clocks.monotonic() + self._interval
+        self._due, self._unsafe = clocks.monotonic() + self._interval, 0
         return self.acknowledged
 
     @property

@@ -149,21 +149,22 @@ class after_steps:
     def __enter__(self):
         from mecano.solve.time.time_integration import TimeIntegrator
 
-        self.advance, outer = TimeIntegrator._advance, self
+        self.advance, self.ordinary, outer = TimeIntegrator._advance, TimeIntegrator.ordinary, self
         count = [0]
 
-        def advance(integrator, run, stop):
+        def advance(integrator, run, stop, trial=None):
             count[0] += 1
             if count[0] == outer.steps:
                 outer.change(integrator.system)
-            return outer.advance(integrator, run, stop)
+            return outer.advance(integrator, run, stop, trial)
 
         TimeIntegrator._advance = advance
+        TimeIntegrator.ordinary = lambda integrator, run, stop: (run, None, True)  # every step is counted
 
     def __exit__(self, *_):
         from mecano.solve.time.time_integration import TimeIntegrator
 
-        TimeIntegrator._advance = self.advance
+        TimeIntegrator._advance, TimeIntegrator.ordinary = self.advance, self.ordinary
 
 
 def told_of(error, chosen, found):

@@ -18,7 +18,7 @@ from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state,
 DONE, FULL, NOT_FINITE, ENDED = range(4)
 SAMPLE, ENTER, SAVE = range(3)
 NEGLIGIBLE_TIME = 1e-9  # of the interval between saved times: times so near are the same
-NUMBERS = 2**17  # in a buffer
+NUMBERS = 2**15  # in a buffer
 STEP_NUMBERS = 9  # time, size, iterations, error, its share, rejected trials, three norms
 
 OUTPUT = fields(
