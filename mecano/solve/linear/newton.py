@@ -152,6 +152,7 @@ def renew(w):
 def factor(w):
     """Factor the tangent and solve for the residual: STALE, or OTHERWISE where the fixed order does not do."""
     results = floats(w.solve_results, 3)
+    w.factorizations += 1
     call(w.solve, w.solve_words, w.solve_results)
     if not results[2] <= ACCEPT_BELOW:
         return OTHERWISE

@@ -1,0 +1,49 @@
+"""What reference runs cost, in counts that do not depend on the machine: steps, Newton iterations, factorizations."""
+
+import pytest
+from time_runs import input_deck
+
+from mecano.analyses import dynamic
+from mecano.solve.linear.sparse import LinearSolver
+
+GROWTH = 1.03  # from which on a count is one of a slower program: find out why, or say why it must be so
+REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all trials, factorizations
+    ("pendulum",): (2000, 2000, 3),
+    ("double_pendulum",): (5000, 8482, 1787),
+    ("four_bar",): (3000, 5342, 874),
+    ("rolling_disc",): (4000, 6374, 630),
+    ("nose_gear_rigid", "time.end=0.8"): (691, 1285, 1030),
+    ("strut", "time.end=1"): (1001, 1279, 52),
+    ("bouncing_ball",): (535, 535, 1336),
+    ("flexible_pendulum", "time.end=0.2"): (200, 400, 202),
+}
+
+
+def counts(deck, path, monkeypatch):
+    """(steps, iterations, factorizations) of a run."""
+    solve, solved, integrators = LinearSolver.solve, [], []
+    original = dynamic.integrator_of
+
+    def counted(*arguments, **options):
+        solved.append(1)
+        return solve(*arguments, **options)
+
+    def integrator_of(prepared):
+        integrators.append(original(prepared))
+        return integrators[0]
+
+    monkeypatch.setattr(LinearSolver, "solve", counted)
+    monkeypatch.setattr(
+        dynamic, "integrator_of", lambda *given: integrators.append(integrator_of(*given)) or integrators[0]
+    )
+    final = dynamic.run(deck, path)
+    renewed = int(integrators[0].method.workspace.record["factorizations"][0])
+    return final.steps, final.iterations, renewed + len(solved)
+
+
+@pytest.mark.parametrize("deck", REFERENCE, ids=lambda deck: deck[0])
+def test_reference_runs_cost_no_more(deck, tmp_path, monkeypatch):
+    found = counts(input_deck(*deck), tmp_path / "r.h5", monkeypatch)
+    for what, now, before in zip(("steps", "Newton iterations", "factorizations"), found, REFERENCE[deck], strict=True):
+        assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
+        assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
