@@ -5,27 +5,39 @@ from collections import Counter
 
 from time_runs import input_deck
 
-from mecano.analyses.dynamic import run
-from mecano.solve.time.time_integration import TimeIntegrator
+from mecano.analyses.dynamic import begun
+from mecano.analyses.prepare import integrator_of, prepare
 
 MOST = 0.2  # calls of Python's functions and of built-in ones for each step
+MOST_SAVED = 0.5  # with what goes into the results file, whose blocks have checksums
 
 
-def test_steps_of_a_pendulum_make_hardly_any_calls(tmp_path, monkeypatch):
-    counted, to = Counter(), TimeIntegrator.to
+def calls(action):
+    """How many calls of functions an action makes."""
+    counted = Counter()
 
     def count(frame, event, argument):
         counted[event] += 1
 
-    def counting(integrator, end, start):
-        sys.setprofile(count)
-        try:
-            return to(integrator, end, start)
-        finally:
-            sys.setprofile(None)
+    sys.setprofile(count)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return counted["call"] + counted["c_call"]
 
-    run(input_deck("pendulum", "time.end=0.1"), tmp_path / "first.h5")  # finds the compiled code
-    monkeypatch.setattr(TimeIntegrator, "to", counting)
-    final = run(input_deck("pendulum", "time.end=10"), tmp_path / "r.h5")
-    assert final.steps == 10000 and not final.rejected
-    assert (counted["call"] + counted["c_call"]) / final.steps <= MOST
+
+def test_steps_make_hardly_any_calls():
+    """A thousand steps of one hinged bar, with what ends them at their time."""
+    prepared = prepare(input_deck("pendulum"))
+    integrator = integrator_of(prepared)
+    run = integrator.to(0.1, integrator.begin(prepared.state, 1e-3))
+    assert calls(lambda: integrator.to(1.1, run)) <= MOST * 1000
+
+
+def test_saved_steps_make_few_calls(tmp_path):
+    with begun(input_deck("pendulum", "time.end=30"), tmp_path / "r.h5", False) as ongoing:
+        ongoing.advance(1.0)
+        before = ongoing.state.steps
+        made = calls(lambda: ongoing.advance(29.0))
+        assert ongoing.state.steps - before == 28000 and made <= MOST_SAVED * 28000

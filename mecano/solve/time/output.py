@@ -187,7 +187,7 @@ class Output:
     def __init__(self, sampler, extremes, ringing, times, ends):
         n = len(sampler.row)
         start, end, every = times
-        most_rows, most_steps = max(NUMBERS // (1 + n), 16), 1024
+        most_rows, most_steps = max(NUMBERS // (1 + n), 16), 4096
         self.rows, self.steps = np.zeros((most_rows, 1 + n)), np.zeros((most_steps, STEP_NUMBERS))
         self.row = np.zeros(n)  # at the beginning of the next step, behind the events there
         x, r, rotation = sampler.nodes
