@@ -1,4 +1,4 @@
-"""One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
+"""A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
 from contextlib import closing, contextmanager
 from functools import partial
@@ -22,12 +22,12 @@ from mecano.results.writer import Writer, refuse_existing
 def run(
     deck, path, *, force=False, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL
 ):  # fmt: skip
-    """Run a checked deck into the results file ``path``; returns the final RunState.
+    """Run a checked deck, write its results file ``path``, and return the final RunState.
 
-    ``observers`` are told of every accepted step, ``announce`` of what a user should know before the march. Checkpoints
-    are written every ``interval`` [s] of wall-clock time, and where an ``interruption`` ends the run by Stopped.
-    Whatever stops the run, the file keeps every acknowledged step and says why it ended. Raises AssemblyError (the
-    start), ConvergenceError, NonFiniteError (the march, the equilibrium it starts from), ResultsError (the file).
+    ``observers`` are called with every accepted step, ``announce`` with the text of every warning. Checkpoints are
+    written every ``interval`` [s] of wall-clock time, and before an ``interruption`` ends the run by Stopped. However
+    the run ends, the file keeps every acknowledged step and the reason of the end. Raises AssemblyError (start),
+    ConvergenceError, NonFiniteError (time integration, initial equilibrium), ResultsError (file).
     """
     with begun(deck, path, force, observers, announce, interruption, interval) as ongoing:
         return ongoing.to_the_end()
@@ -35,7 +35,7 @@ def run(
 
 @contextmanager
 def begun(deck, path, force, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
-    """Find the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
+    """Compute the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
     with locked(path):
         _refuse_existing(path, force)
         with _from_the_start(deck, path, force, observers, announce, interruption, interval) as ongoing:
@@ -44,7 +44,7 @@ def begun(deck, path, force, observers=(), announce=lambda text: None, interrupt
 
 @contextmanager
 def _from_the_start(deck, path, force, observers, announce, interruption, interval):
-    """``begun`` while no other process writes the file."""
+    """Do as ``begun``, with the lock on the file held."""
     prepared = prepare(deck)
     found = abandonable(bring_to_start, prepared)
     march, sampler = march_of(prepared), Sampler(prepared.system)
@@ -61,7 +61,7 @@ def _from_the_start(deck, path, force, observers, announce, interruption, interv
 
 
 def _refuse_existing(path, force):
-    """As ``refuse_existing``, with another way where the file can be gone on with."""
+    """Raise ResultsError for an existing file unless ``force``, suggesting --resume if its run can be resumed."""
     try:
         refuse_existing(path, force)
     except ResultsError as error:
@@ -71,7 +71,7 @@ def _refuse_existing(path, force):
 
 
 def _resumable(path):
-    from mecano.results.reader import open_results  # for which only this should wait
+    from mecano.results.reader import open_results  # slow to import, and rarely needed
 
     try:
         with open_results(path) as results:
@@ -81,25 +81,25 @@ def _resumable(path):
 
 
 def resume(deck, path, *, observers=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
-    """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
+    """Resume the run in the results file ``path`` from its last checkpoint, and return the final RunState.
 
-    Without such a file, or without a checkpoint in it, the run begins at its start; None when it is complete. The
-    results are bit for bit those of a run that was never stopped, on the same machine with the same versions and
-    threads; else a remark in the file says what differs. Until the new file is written up to the checkpoint, the old
-    one stays. Raises UsageError where the file is of another deck, ResultsError where it is damaged, or still being
-    written; and what ``run`` raises.
+    Without such a file, or without a checkpoint in it, the run starts anew. Return None if the run is complete. The
+    results are bit for bit those of an uninterrupted run on the same machine with the same versions and number of
+    threads; otherwise a warning in the file names the differences. The old file is kept until the new one is written
+    up to the checkpoint. Raises UsageError if the file belongs to another deck, ResultsError if it is damaged or still
+    being written, and all errors of ``run``.
     """
     with locked(path):
         return _resume(deck, path, observers, announce, interruption, interval)
 
 
 def _resume(deck, path, *around):
-    """``resume`` while no other process writes the file."""
+    """Do as ``resume``, with the lock on the file held."""
     observers, announce, interruption, interval = around
     if not exists(path):
         with _from_the_start(deck, path, False, *around) as ongoing:
             return ongoing.to_the_end()
-    from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, for which only this should wait
+    from mecano.analyses.remains import COMPLETE, Remains  # imports the reader, which is slow and rarely needed
     from mecano.results.verify import verify
 
     with undisturbed():
@@ -108,7 +108,7 @@ def _resume(deck, path, *around):
         if left.checkpoint is not None and not left.complete:
             return _go_on(deck, left, observers, announce, interruption or Interruption(), interval)
     if left.complete:
-        verify(path)  # what has changed in it is not complete, and no study is to go on with it
+        verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
         announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")
@@ -117,7 +117,7 @@ def _resume(deck, path, *around):
 
 
 def _go_on(deck, left, observers, announce, interruption, interval):
-    """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
+    """Integrate from the checkpoint of the Remains ``left``, into a new file that replaces the old one."""
     prepared = prepare(deck)
     march, sampler = march_of(prepared), Sampler(prepared.system)
     start, recorded = restore(left.checkpoint["run"], march)
@@ -136,7 +136,7 @@ def _go_on(deck, left, observers, announce, interruption, interval):
 
 
 def layout_of(sampler):
-    """What the rows of the results file are."""
+    """Return the Layout of the rows that a Sampler fills."""
     return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
 
 
@@ -148,9 +148,10 @@ def _source(deck, automatic, model, notes):
 
 
 class Ongoing:
-    """A run whose results file is open; ``state`` is its present RunState.
+    """A run whose results file is open; ``state`` is its current RunState.
 
-    A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
+    The message of a failure repeats the warnings about the elements that failed; ``notes`` are the warnings from
+    before the time integration.
     """
 
     def __init__(self, deck, start, march, recorder, observers, announce, notes, interruption, interval):
@@ -161,7 +162,7 @@ class Ongoing:
         march.observers, march.restarted = (recorder, *observers), recorder.restarted
 
     def advance(self, t):
-        """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
+        """Integrate to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
             self.state = self.march.to(t, self.state)
@@ -171,7 +172,7 @@ class Ongoing:
             raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
 
     def to_the_end(self):
-        """March to the end of the deck, and close the file; returns the final RunState."""
+        """Integrate to the end time of the deck, close the file, and return the final RunState."""
         self.advance(self.deck.values["time"]["end"])
         self._complete()
         return self.state
@@ -189,7 +190,7 @@ class Ongoing:
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
 
     def leave(self):
-        """Close the file: complete at the end of the deck, before it with a checkpoint."""
+        """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""
         t = self.state.motion.t
         if t >= self.deck.values["time"]["end"]:
             self._complete()

@@ -1,4 +1,4 @@
-"""What of a march goes into the results file: saved times, history of the solver, events, extremes."""
+"""The results of a run that go into the file: saved times, history of the solver, events, extremes."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from mecano.model.watched import ended, watched
 from mecano.solve.time.interpolate import interpolate
 from mecano.solve.time.ringing import RingingWatch
 
-LOOK = 1000  # saved times of one step between two looks at signals and the wall-clock time
-FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
+LOOK = 1000  # saved times of one step between two checks of signals and the wall-clock time
+FORCES = ("N", "N m", "Pa")  # units of outputs that are monitored for ringing
 
 
 class Recorder:
     """Observer that writes saved times, solver history, events and extremes.
 
-    ``look()`` is called among the many saved times that one long step may have; it may raise Stopped.
+    ``look()`` is called after every ``LOOK`` saved times within a step; it may raise Stopped.
     """
 
     def __init__(self, prepared, writer, sampler, control):
@@ -31,21 +31,21 @@ class Recorder:
         self.ringing = RingingWatch(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
 
     def first(self, run):
-        """Write the start itself."""
+        """Write the initial state."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
 
     def restarted(self, run):
-        """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
+        """Begin the next step with the row of ``run``, whose forces differ from those at the end of the last step."""
         self.row[:] = self._sample(run)
         self.ringing.begin()
 
     def to_plain(self):
-        """Return what ``from_plain`` needs to go on at the beginning of the next step."""
+        """Return the state from which ``from_plain`` continues at the beginning of the next step."""
         return {"saved": self.saved, "row": self.row, "ringing": self.ringing.to_plain()}
 
     def from_plain(self, plain):
-        """Go on at a checkpoint: nothing is written. Raises ValueError where the row is of another model."""
+        """Restore the state of a checkpoint, without writing. Raises ValueError for the row of another model."""
         self.saved, self.row[:] = plain["saved"], plain["row"]
         self.ringing.from_plain(plain["ringing"])
 
@@ -68,14 +68,14 @@ class Recorder:
             )  # fmt: skip
 
     def _sample(self, run):
-        """Return the row at ``run.motion``, which enters the extremes; raises NonFiniteError, see ``_not_finite``."""
+        """Return the row at ``run.motion``, and update the extremes with it. Raises NonFiniteError."""
         row = self.sampler.take(run)
         if (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
             raise self._not_finite(run.motion.t, i)
         return row
 
     def _not_finite(self, t, i):
-        """Return the error for number i of the row: it would stand in the file as if it were one."""
+        """Return the error that names the output of number ``i`` of the row, which is not finite."""
         column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
         section, name, output = [*column.path.split("/"), ""][:3]
         entry = self.deck.values.get(section, {}).get(name)
@@ -86,12 +86,12 @@ class Recorder:
         )
 
     def _refuse(self, t, row):
-        """Raise ConvergenceError where an element can go no further; what was written stays."""
+        """Raise ConvergenceError if an element is at the end of its range; rows already written are kept."""
         if text := ended(self.ends, row):
             raise ConvergenceError(f"no way on from t = {t:.9g} s: {text}")
 
     def _save(self, accepted, row):
-        """Save the step, or the motion at every multiple of the interval in it: interpolated, no step is shortened."""
+        """Save the end of the step, or the interpolated motion at every multiple of the interval within the step."""
         t = accepted.run.motion.t
         if self.every is None:
             self.writer.append(t, row)
@@ -104,7 +104,7 @@ class Recorder:
                 self.look()
 
     def _between(self, accepted, t, row):
-        """The row at a time within the step that led to ``row``: motions may peak there."""
+        """Return the row at a time within the step to ``row``, and update the extremes, as motions may peak there."""
         state = interpolate(accepted.before, accepted.run.motion, t, self.system.numbering)
         u = (t - accepted.before.t) / accepted.h
         found = self.sampler.between(state, u, accepted.h, self.row, row)
@@ -112,5 +112,5 @@ class Recorder:
         return found
 
     def _next(self):
-        """The next time to be saved; the last one is the end."""
+        """Return the next time to be saved; the last one is the end."""
         return min(self.start + (self.saved + 1) * self.every, self.end)
