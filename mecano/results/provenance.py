@@ -1,4 +1,4 @@
-"""Where a result comes from: the deck as given and as understood, versions, machine, command line."""
+"""Provenance of results: deck as given and as resolved, versions, machine, command line."""
 
 import json
 import os
@@ -18,12 +18,12 @@ PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
 @dataclass(frozen=True)
 class Source:
-    """What the run was asked to do.
+    """The input of a run.
 
-    ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
-    and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
-    ``automatic`` what stood for values that the deck leaves automatic; ``model`` numbers that tell the model: mass,
-    unknowns, mobility...; ``remarks`` what the user was told at the start.
+    ``deck_text`` is the deck as written by its author; ``resolved`` the plain data after overrides, includes and
+    defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path; ``automatic`` the
+    values chosen where the deck says "automatic"; ``model`` the properties of the model (mass, unknowns, mobility,
+    ...); ``remarks`` the warnings issued at the start.
     """
 
     deck_text: str
@@ -37,7 +37,7 @@ class Source:
     remarks: tuple = ()
 
     def texts(self):
-        """Return what the group ``deck`` holds: dataset name -> text."""
+        """Return the content of the group ``deck``: dataset name -> text."""
         return {
             "text": self.deck_text,
             "resolved": to_json(self.resolved),
@@ -50,12 +50,12 @@ class Source:
 
 
 def to_json(data):
-    """Write plain data, with arrays as lists, as JSON."""
+    """Return plain data as JSON text, with arrays as lists."""
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
 def provenance():
-    """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
+    """Return a description of this process, the attributes of the group ``run``: name -> str or int."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command_line": " ".join(sys.argv),
@@ -74,7 +74,7 @@ def provenance():
 
 
 def lives(process):
-    """True when a process of that number runs on this machine; one that was killed, but is still listed, does not."""
+    """Return whether a process of that number runs on this machine; a zombie does not."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -85,7 +85,7 @@ def lives(process):
 
 
 def began(process):
-    """When the process of a number began [s since 1970], where the system tells it; else 0."""
+    """Return the start time of a process [s since 1970], or 0 if the system does not provide it."""
     try:
         ticks = start_ticks(process)
         return (
@@ -96,7 +96,7 @@ def began(process):
 
 
 def start_ticks(process):
-    """Return when the process of a number began, in ticks since the system did, where it tells that; else 0."""
+    """Return the start time of a process in clock ticks since boot, or 0 if the system does not provide it."""
     try:
         return int(_listed(process)[19])
     except (IndexError, ValueError):
@@ -104,7 +104,7 @@ def start_ticks(process):
 
 
 def _listed(process):
-    """State, parent... of a process as Linux lists them; nothing elsewhere."""
+    """Return state, parent, ... of a process from /proc on Linux; [] elsewhere."""
     try:
         with open(f"/proc/{process}/stat", encoding="utf-8") as file:
             return file.read().rpartition(")")[2].split()
@@ -113,13 +113,13 @@ def _listed(process):
 
 
 def threads():
-    """Threads of the linear algebra of NumPy and SciPy, on which the last digits depend."""
+    """Return the number of threads of NumPy's and SciPy's linear algebra, on which the last digits depend."""
     given = os.environ.get("OPENBLAS_NUM_THREADS", "")
     return int(given) if given.isdigit() else os.cpu_count()
 
 
 def _version(package):
-    """As the folder has it that an installer leaves beside the package: importlib.metadata takes 20 ms for the same."""
+    """Return the version of a package from the name of its .dist-info folder; importlib.metadata takes 20 ms."""
     for folder in sys.path:
         for found in glob(f"{package}-*.dist-info", root_dir=folder or "."):
             return found.removeprefix(f"{package}-").removesuffix(".dist-info")
