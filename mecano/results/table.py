@@ -22,7 +22,7 @@ _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
 def chunk_shape(width):
-    """Return rows and columns of a chunk: about 1 MB for a row of chunks, 64 KB for a chunk, to read one series fast."""
+    """Return rows and columns of a chunk: about 1 MB per row of chunks, 64 KB per chunk, to read one series fast."""
     rows = min(max(1 << max(BLOCK_NUMBERS // width, 1).bit_length() - 1, 16), 1024)
     return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
 
