@@ -1,32 +1,32 @@
-"""The pictures that are made without being asked for: which outputs of which kinds of elements, joints and loads.
+"""Plans of the standard plots: outputs shown for each kind of element, joint and load.
 
-A kind that no plan names gets a sheet of its own with all its outputs.
+A kind without a plan gets a sheet of its own with all its outputs.
 """
 
 from dataclasses import dataclass
 
 from mecano.elements import KINDS
 
-ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say something only while a wheel is pressed
+ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # meaningful only while a wheel is on the ground
 
 
 @dataclass(frozen=True)
 class View:
     """One panel of every sheet: outputs of each element over the time or over another output.
 
-    Outputs are written as in ``--plot`` without the element; "node.position.x" is one of the element's node. Those
-    that an element does not have are left out; of "one|other" the first that it has is taken.
+    Outputs are written as in ``--plot`` without the element; "node.position.x" is an output of the element's node.
+    Outputs that an element does not have are left out; of "one|other" the first existing one is used.
     """
 
     label: str
     outputs: tuple
     against: str = "time"
-    reference: str = ""  # output that the others are compared with
+    reference: str = ""  # output shown for comparison
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A sheet for all elements of some kinds; the most important views first, ``lead`` of them equally so."""
+    """A sheet for all elements of some kinds, views by importance; the first ``lead`` views are equally important."""
 
     name: str
     heading: str
@@ -146,7 +146,7 @@ _PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES,
 
 
 def plans(kinds):
-    """The plans for a model that uses these kinds, a plan of its own for each that is named by none."""
+    """Return the plans for a model with these kinds; a kind without a plan gets one of its own."""
     named = {kind for plan in _PLANS for kind in plan.kinds}
     own = [_own_plan(KINDS[name]) for name in kinds if name not in named and name in KINDS and KINDS[name].outputs]
     return [plan for plan in _PLANS if set(plan.kinds) & set(kinds)] + own
