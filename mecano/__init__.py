@@ -2,7 +2,7 @@
 
 ``run``, ``check``, ``modes`` and ``sweep`` are the commands of the same names; ``Deck`` is a deck of plain Python
 objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file. ``MecanoError`` is
-what all of them raise.
+the base class of their errors.
 """
 
 from importlib import import_module
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_MODULES = {  # imported when the name is used first: `mecano --help` is not to wait for them
+_MODULES = {  # imported at the first use of a name, so that `mecano --help` is fast
     "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
     "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
     "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.solving",

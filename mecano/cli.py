@@ -1,4 +1,4 @@
-"""The command line: its commands, errors and exit codes. Nothing else; heavy modules are imported by the commands."""
+"""The command line: commands, errors and exit codes. Heavy modules are imported by the commands."""
 
 import atexit
 import contextlib
@@ -18,7 +18,7 @@ from mecano.process.memory import is_lack_of_memory
 OUT_OF_MEMORY = "mecano: out of memory; `mecano check` says how much a run takes, `ulimit -v` how much is allowed"
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")  # results are then the same from run to run
+    os.environ.setdefault(_variable, "1")  # for reproducible results
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -27,25 +27,24 @@ def commands():
     """Simulate flexible mechanisms: decks in, results and pictures out.
 
     \b
-    mecano check deck.yaml          look at a deck without running it
-    mecano run deck.yaml            solve it into deck.h5
-    mecano modes deck.yaml          modes of small motions about its start or equilibrium
-    mecano sweep study.yaml         run a deck many times with other values
-    mecano post deck.h5             draw the pictures an engineer wants
-    mecano export deck.h5           write them as CSV, or for ParaView
-    mecano info deck.h5             say what is in a file and how the run went
-    mecano verify deck.h5           look for changed bytes
+    mecano check deck.yaml          check a deck without running it
+    mecano run deck.yaml            solve it and write deck.h5
+    mecano modes deck.yaml          modes about its start or equilibrium
+    mecano sweep study.yaml         run a deck many times with varied values
+    mecano post deck.h5             draw the standard plots
+    mecano export deck.h5           write results as CSV, or for ParaView
+    mecano info deck.h5             summarize a results file and its run
+    mecano verify deck.h5           check a file for changed bytes
     mecano list, mecano explain     what a deck can contain
-    mecano check-kind my_tyre.py    try kinds and laws of your own
-    mecano new pendulum             a deck to begin with
-    mecano example pendulum         a deck whose answer is known
-    mecano schema                   the grammar of decks, for editors
+    mecano new pendulum             write a starter deck
+    mecano example pendulum         write an example with a known answer
+    mecano schema                   JSON Schema of decks, for editors
     mecano completion bash          completion by the shell
 
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
     output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
-    SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; 3 of a study: not all of
-    its cases are complete.
+    SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; for a study, 3 means that
+    not all cases are complete.
     """
 
 
@@ -60,9 +59,9 @@ for _command in (
 
 
 def main():
-    """Run a command; every error that a user can cause or meet ends in a message and an exit code."""
+    """Run a command; report every error that a user can cause or encounter by a message and an exit code."""
     if not sys.warnoptions:
-        warnings.simplefilter("ignore")  # Python's and NumPy's are for developers: `python -W default -m mecano`
+        warnings.simplefilter("ignore")  # those of Python and NumPy are for developers: `python -W default -m mecano`
     try:
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
@@ -76,9 +75,9 @@ def main():
 
 
 def program():
-    """``main`` as a process of its own: the objects of the model all live to its end.
+    """Run ``main`` as the whole process, with rare garbage collection and without destruction of objects at exit.
 
-    To look for dead ones among them again and again would take 0.1 s, to take them apart at the end 0.3 s.
+    All objects of a model live until the end. Repeated garbage collection would take 0.1 s, their destruction 0.3 s.
     """
     gc.set_threshold(200_000, 20, 20)
     watch_parent()
@@ -90,8 +89,8 @@ def program():
     except BaseException as error:
         if not (stopped := stopped_by(error)):
             raise
-        code = stopped.exit_code  # of a signal that came again while the first one was answered
-    atexit._run_exitfuncs()  # os._exit leaves them out
+        code = stopped.exit_code  # of a second signal during the handling of the first
+    atexit._run_exitfuncs()  # os._exit skips them
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError):
             stream.flush()
@@ -116,6 +115,6 @@ def _report(error):
 
 def _end(code, message=""):
     if message:
-        with contextlib.suppress(OSError):  # nobody may listen any more: the terminal was closed
+        with contextlib.suppress(OSError):  # the terminal may have been closed
             click.echo(message, err=True)
     sys.exit(code)

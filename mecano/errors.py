@@ -1,4 +1,4 @@
-"""Errors that a user can cause or meet, each with the exit code of the command line."""
+"""Errors that a user can cause or encounter, each with the exit code of the command line."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -6,14 +6,14 @@ from enum import Enum
 
 @dataclass(frozen=True)
 class Mark:
-    """Where a value of a deck was written: file, line and column (both from 1), and how it came there."""
+    """Location of a value of a deck: file, line and column (both from 1), and the chain of includes and templates."""
 
     file: str
     line: int
     column: int
-    stack: tuple = ()  # the marks of the including file or the place of the template, outermost first
+    stack: tuple = ()  # Marks of the includes and of the placed templates, outermost first
     text: str = field(default="", repr=False, compare=False)  # the whole line, to be printed with a caret
-    role: str = "in"  # of a mark in a stack: "included at", "placed at"
+    role: str = "in"  # role of a Mark in a stack: "included at", "placed at"
 
     def __str__(self):
         return f"{self.file}:{self.line}:{self.column}"
@@ -21,7 +21,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong in a deck: what, where, and what would be right."""
+    """An error or warning about a deck: message, location, and hint on the correct input."""
 
     message: str
     mark: Mark | None = None
@@ -29,7 +29,7 @@ class Problem:
 
 
 class Failure(Enum):
-    """Why equations could not be solved: what is advised depends on it."""
+    """Reason why equations could not be solved, on which the advice depends."""
 
     NOT_CONVERGED = "not converged"
     NOT_FINITE = "not finite"
@@ -41,11 +41,11 @@ class MecanoError(Exception):
     """An error with a message for the user; ``exit_code`` is what the command line returns."""
 
     exit_code = 1
-    elements = ()  # titles, "kind 'name'", of those that act in the equations in which a run failed
+    elements = ()  # titles, "kind 'name'", of the elements in the equations that failed
 
 
 class DeckError(MecanoError):
-    """The deck cannot be used; ``problems`` holds every ``Problem`` found, ``unchecked`` says what was left out."""
+    """A deck is invalid; ``problems`` holds every Problem found, ``unchecked`` describes checks not made."""
 
     exit_code = 2
 
@@ -55,13 +55,13 @@ class DeckError(MecanoError):
 
 
 class ConvergenceError(MecanoError):
-    """Newton or the step control gave up; the message names equations and what to try."""
+    """Newton's iteration or the step control failed; the message names equations and remedies."""
 
     exit_code = 3
 
 
 class IncompleteStudyError(MecanoError):
-    """Some cases of a study did not come to their end; the message counts them."""
+    """Some cases of a study did not complete; the message gives their number."""
 
     exit_code = 3
 
@@ -89,12 +89,12 @@ class NonFiniteError(MecanoError):
 
 
 class UsageError(MecanoError):
-    """The command line asks for something that does not exist or cannot be understood."""
+    """The command line is invalid or refers to something that does not exist."""
 
     exit_code = 2
 
 
 class UnknownNameError(ResultsError):
-    """A results file has no output of that name, or several."""
+    """A results file has no output of that name, or more than one."""
 
     exit_code = 2

@@ -1,4 +1,4 @@
-"""Checkpoints of a march: when they are written, what is in them, and the end of the march where it is asked for."""
+"""Checkpoints of a run: when they are written and what they contain; stopping a run on request."""
 
 import json
 import time
@@ -7,18 +7,18 @@ from mecano.errors import ResultsError
 from mecano.solve.time.run_state import from_plain, to_plain
 
 INTERVAL = 30.0  # s of wall-clock time between checkpoints
-SHARE = 100  # times as long as the last checkpoint took, at least, until the next
+SHARE = 100  # least time between checkpoints, in durations of the last one
 
 
 class CheckpointWriter:
-    """Called before and in a step: writes a checkpoint now and then, and ends the march where that is asked for."""
+    """Callable before and within a step that writes checkpoints when they are due and stops the run on request."""
 
     def __init__(self, integrator, recorder, interruption, interval):
         self.integrator, self.recorder, self.interruption, self.interval = integrator, recorder, interruption, interval
         self.due = time.monotonic() + interval
 
     def __call__(self, run):
-        """Keep the ``run``, of the beginning of the step, if it is time to; raises Stopped, ResultsError."""
+        """Write a checkpoint of ``run``, the beginning of the step, if it is due. Raises Stopped, ResultsError."""
         now = time.monotonic()
         if self.interruption.wanted(now, self.recorder.writer.closing_time):
             self.write(run)
@@ -29,7 +29,7 @@ class CheckpointWriter:
             self.due = ended + max(self.interval, SHARE * (ended - now))
 
     def poll(self):
-        """Raise Stopped in the midst of a step, from whose beginning there is no checkpoint, where it is asked for."""
+        """Raise Stopped within a step, on request; no checkpoint of its beginning is written."""
         if self.interruption.wanted(time.monotonic(), self.recorder.writer.closing_time):
             raise self.interruption.stopped("among the saved times of one step")
 
@@ -42,7 +42,7 @@ class CheckpointWriter:
 
 
 def restore(state, integrator):
-    """(RunState, state of the recorder) of a checkpoint, and ``integrator`` as it was then; raises ResultsError."""
+    """Return the RunState and the recorder's state of a checkpoint, and restore ``integrator``. Raises ResultsError."""
     try:
         run = from_plain(state["run"])
         integrator.from_plain(json.loads(state["march"]))

@@ -1,4 +1,4 @@
-"""What a user should know of a march that has come to its end, or failed: warnings and remedies, one text each."""
+"""Diagnostics of a completed or failed run: warnings and remedies, one text each."""
 
 from bisect import bisect_right
 
@@ -12,16 +12,16 @@ from mecano.model.output_limits import watched_outputs
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
-MOST_NAMED = 4  # elements that the same remedies are for
-LEAST_SWING = 0.01  # of the largest force or moment of the model: smaller ones are noise
-NOTED = 0.01  # trials that failed, of the steps, from which on a fixed step is said to be too large
+MOST_NAMED = 4  # elements named with the same remedies
+LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
+NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
-UNBALANCED = 0.01  # of the largest change of an energy, from which on the balance is told
-NOISE = 1e-5  # of the largest energy: an error of less says nothing, however little is exchanged
+UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
+NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
 def cut_short(values, cuts, final):
-    """Warning that a fixed step was too large, from the ``cuts`` of the march and the final RunState; or nothing."""
+    """Yield a warning if a fixed step was too large, judged by the ``cuts`` of the step and the final RunState."""
     if values["adaptive"] or len(cuts) <= NOTED * final.steps:
         return
     since, smallest = cuts[0][0], min(h for _, h in cuts)
@@ -33,7 +33,7 @@ def cut_short(values, cuts, final):
 
 
 def unbalanced(values, sampler, extremes):
-    """Warning that energy was lost or came from nothing, from the ``time`` of the deck and the extremes; or nothing."""
+    """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
     at = {column.path: column.start for column in sampler.columns}
     high, low, balance = extremes.high, extremes.low, at["energy/balance"]
     energies = [at[f"energy/{name}"] for name in EXCHANGED]
@@ -54,7 +54,7 @@ def unbalanced(values, sampler, extremes):
 
 
 def unresolved(values, sampler, ringing):
-    """Warning that forces alternate from step to step, from the OscillationMonitor of the run; or nothing."""
+    """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run."""
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
     of = [columns[bisect_right(starts, place) - 1] for place in ringing.columns]
@@ -91,7 +91,7 @@ def exceeded(deck, sampler, extremes):
 
 
 def explained(error, deck, warnings):
-    """Return the text of an ``error``, what to try in the elements that failed, and the ``warnings`` on them."""
+    """Return the text of an ``error`` with remedies for the elements that failed and the ``warnings`` about them."""
     remedies = {}
     for section in SECTIONS:
         for name, d in deck.values[section].items():
@@ -104,7 +104,7 @@ def explained(error, deck, warnings):
 
 
 def open_latches(deck, row, sampler):
-    """Text that names latches that have not closed, and where their joints stand in a row of outputs; or nothing."""
+    """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs."""
     columns, found = {column.path: column.start for column in sampler.columns}, []
     latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
     for name, d in latched.items():

@@ -1,4 +1,4 @@
-"""One run, from a checked deck to the results file: prepare, begin or take up again, march, close."""
+"""A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
 from contextlib import closing, contextmanager
 from functools import partial
@@ -23,13 +23,12 @@ def run(
     deck, path, *, force=False, observers=(), reporters=(), announce=lambda text: None, interruption=None,
     interval=INTERVAL,
 ):  # fmt: skip
-    """Run a checked deck into the results file ``path``; returns the final RunState.
+    """Run a checked deck, write its results file ``path``, and return the final RunState.
 
-    ``observers`` are called with every accepted step (Accepted), which takes time; ``reporters`` with the RunState now
-    and then; ``announce`` with what a user should know before the march. Checkpoints are written every ``interval`` [s]
-    of wall-clock time, and where an ``interruption`` ends the run by Stopped. Whatever stops the run, the file keeps
-    every acknowledged step and says why it ended. Raises AssemblyError (the start), ConvergenceError, NonFiniteError
-    (the march, the equilibrium it starts from), ResultsError (the file).
+    ``observers`` are called with every accepted step, ``announce`` with the text of every warning. Checkpoints are
+    written every ``interval`` [s] of wall-clock time, and before an ``interruption`` ends the run by Stopped. However
+    the run ends, the file keeps every acknowledged step and the reason of the end. Raises AssemblyError (start),
+    ConvergenceError, NonFiniteError (time integration, initial equilibrium), ResultsError (file).
     """
     with begun(deck, path, force, observers, reporters, announce, interruption, interval) as ongoing:
         return ongoing.to_the_end()
@@ -65,7 +64,7 @@ def _from_the_start(deck, path, force, observers, reporters, announce, interrupt
 
 
 def _refuse_existing(path, force):
-    """As ``refuse_existing``, with another way where the file can be gone on with."""
+    """Raise ResultsError for an existing file unless ``force``, suggesting --resume if its run can be resumed."""
     try:
         refuse_existing(path, force)
     except ResultsError as error:
@@ -75,7 +74,7 @@ def _refuse_existing(path, force):
 
 
 def _resumable(path):
-    from mecano.results.reader import open_results  # for which only this should wait
+    from mecano.results.reader import open_results  # slow to import, and rarely needed
 
     try:
         with open_results(path) as results:
@@ -87,11 +86,11 @@ def _resumable(path):
 def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
     """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
 
-    Without such a file, or without a checkpoint in it, the run begins at its start; None when it is complete. The
-    results are bit for bit those of a run that was never stopped, on the same machine with the same versions and
-    threads; else a remark in the file says what differs. Until the new file is written up to the checkpoint, the old
-    one stays. Raises UsageError where the file is of another deck, ResultsError where it is damaged, or still being
-    written; and what ``run`` raises.
+    Without such a file, or without a checkpoint in it, the run starts anew. Return None if the run is complete. The
+    results are bit for bit those of an uninterrupted run on the same machine with the same versions and number of
+    threads; otherwise a warning in the file names the differences. The old file is kept until the new one is written
+    up to the checkpoint. Raises UsageError if the file belongs to another deck, ResultsError if it is damaged or still
+    being written, and all errors of ``run``.
     """
     with locked(path):
         return _resume(deck, path, observers, reporters, announce, interruption, interval)
@@ -103,7 +102,7 @@ def _resume(deck, path, *around):
     if not exists(path):
         with _from_the_start(deck, path, False, *around) as ongoing:
             return ongoing.to_the_end()
-    from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, for which only this should wait
+    from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, which is slow and rarely needed
     from mecano.results.verify import verify
 
     with undisturbed():
@@ -112,7 +111,7 @@ def _resume(deck, path, *around):
         if left.checkpoint is not None and not left.complete:
             return _go_on(deck, left, observers, reporters, announce, interruption or Interruption(), interval)
     if left.complete:
-        verify(path)  # what has changed in it is not complete, and no study is to go on with it
+        verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
         announce(COMPLETE.format(path))
         return None
     announce(f"there is no checkpoint in {path} yet: the run begins at its start")
@@ -140,7 +139,7 @@ def _go_on(deck, left, observers, reporters, announce, interruption, interval):
 
 
 def layout_of(sampler):
-    """What the rows of the results file are."""
+    """Return the Layout of the rows that a Sampler fills."""
     return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
 
 
@@ -152,9 +151,10 @@ def _source(deck, automatic, model, notes):
 
 
 class Ongoing:
-    """A run whose results file is open; ``state`` is its present RunState.
+    """A run whose results file is open; ``state`` is its current RunState.
 
-    A failure repeats the warnings on the elements that failed, of which ``notes`` are those from before the march.
+    The message of a failure repeats the warnings about the elements that failed; ``notes`` are the warnings from
+    before the time integration.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class Ongoing:
         )
 
     def advance(self, t):
-        """March to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
+        """Integrate to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
             with recorder.emptied():
@@ -183,7 +183,7 @@ class Ongoing:
             raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
 
     def to_the_end(self):
-        """March to the end of the deck, and close the file; returns the final RunState."""
+        """Integrate to the end time of the deck, close the file, and return the final RunState."""
         self.advance(self.deck.values["time"]["end"])
         self._complete()
         return self.state
@@ -201,7 +201,7 @@ class Ongoing:
         writer.close("complete", "; ".join(["the end was reached", *warnings]))
 
     def leave(self):
-        """Close the file: complete at the end of the deck, before it with a checkpoint."""
+        """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""
         t = self.state.motion.t
         if t >= self.deck.values["time"]["end"]:
             self._complete()

@@ -1,4 +1,4 @@
-"""Static equilibrium as a deck asks for it: a path of equilibria, or the start of a march."""
+"""Static equilibria requested by a deck: a path of equilibria, or the initial state of a dynamic run."""
 
 from dataclasses import dataclass
 
@@ -17,14 +17,14 @@ from mecano.solve.statics.stability import freedom
 from mecano.solve.statics.static import CLOSED, Statics
 
 FIRST_STEPS = 10  # of 'steps: automatic'
-SMALLEST = 1e-4  # of the first step, where the deck has no say
+SMALLEST = 1e-4  # of the first step, for paths that have no 'minimum_step' in the deck
 REST_HINT = "a saved time at which the body is not far from a stable equilibrium"
 INCREMENT = 1e-8  # tolerance of the last correction, of the length scale, or rad
 
 
 @dataclass
 class Result:
-    """The end of a path: the last Point, why it ended, and what a user should know."""
+    """The end of a path: the last Point, the reason of the end, warnings, and the loading."""
 
     point: Point
     reason: str
@@ -33,18 +33,19 @@ class Result:
 
     @property
     def where(self):
-        """The parameter at the end in words."""
+        """Name, value and unit of the parameter at the end."""
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
     def assemble(self, s, k, penalty, *weights):
-        """``system.assemble`` under the loads at the end."""
+        """Call ``system.assemble`` under the loads at the end."""
         self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
 
 
 def follow(prepared, observers=()):
-    """Follow the path of a deck with ``static``; observers are told of every Point. Returns a Result.
+    """Follow the equilibrium path of a deck with ``static``, and return a Result.
 
-    Raises ConvergenceError (exit code 3) with the motion that is free, NonFiniteError.
+    ``observers`` are called with every Point. Raises ConvergenceError (exit code 3), which names the free motion, and
+    NonFiniteError.
     """
     values, system = prepared.deck.values["static"], prepared.system
     path = {"arc_length": _arc, "relaxation": _relaxation, "steps": _steps}[values["method"]]
@@ -57,7 +58,7 @@ def follow(prepared, observers=()):
 
 
 def start_in_words(prepared):
-    """Whether the start, held in place, is stable without loads and with all of them: texts for `mecano check`."""
+    """Yield texts on the stability of the start, held in place, without loads and under all loads."""
     values = prepared.deck.values["static"] or prepared.deck.values["initial"]["static"]
     statics = loaded(prepared, values)
     follower, s = Follower(statics), statics.begin(_settled(prepared))
@@ -67,10 +68,10 @@ def start_in_words(prepared):
 
 
 def equilibrium(prepared):
-    """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck; returns remarks.
+    """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck, and return warnings.
 
-    Residuals are brought down to rounding, so that a march from there starts without acceleration. Raises as
-    ``follow`` does.
+    Residuals are reduced to rounding, so that a run started there has no initial acceleration. Raises the errors of
+    ``follow``.
     """
     values = prepared.deck.values["initial"]["static"]
     statics = loaded(prepared, values)
@@ -85,10 +86,10 @@ def equilibrium(prepared):
 
 
 def rest(prepared, state):
-    """Equilibrium to which ``state`` creeps at its time, under all loads, elements kept in their modes.
+    """Find the equilibrium to which ``state`` relaxes at fixed time, under all loads, with all phases kept.
 
-    Latches that hold and contacts that are closed or open stay so. Returns the State, with reactions and without
-    velocities, and remarks. Raises ConvergenceError where it comes to rest nowhere, NonFiniteError.
+    Closed latches stay closed; contacts stay closed or open. Returns the State, with reactions and zero velocities,
+    and warnings. Raises ConvergenceError if there is no such equilibrium, NonFiniteError.
     """
     system = prepared.system
     statics = Statics(system, prepared.linear, Clock(system), prepared.length, compliance=prepared.compliance,
@@ -110,14 +111,14 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 
 def _ended(prepared):
-    """What tells of an element that can go no further in a state, or that none can come to that."""
+    """Return a function of a State that describes an element at the end of its range, or returns "" if none is."""
     sampler = Sampler(prepared.system)
     ends = watched_outputs(prepared.deck.values, sampler, "ends")
     return (lambda state: ended(ends, sampler.take(StaticSample(state)))) if ends else lambda state: ""
 
 
 def _stability_warnings(prepared, follower, point):
-    """What a user should know: where stability was lost, and that the last equilibrium is unstable or neutral."""
+    """Yield warnings: where stability was lost, and whether the last equilibrium is unstable or neutral."""
     yield from follower.losses
     yield from follower.departures
     if not point.stability.stable:
@@ -128,12 +129,12 @@ def _stability_warnings(prepared, follower, point):
 
 
 def loaded(prepared, values):
-    """Statics under a growing share of the loads."""
+    """Return the Statics with the load factor as parameter."""
     return _statics(prepared, values, LoadFactor(prepared.system, _settled(prepared)))
 
 
 def _settled(prepared):
-    """The start at rest, with elements in the modes that it tells."""
+    """Return the start at rest, with elements in the phases that its positions imply."""
     s = prepared.state.copy()
     s.v[:] = 0.0
     return EventMonitor(prepared.system).settle(s)

@@ -1,4 +1,4 @@
-"""The start of a march that has to be found: static equilibrium, or straight steady running."""
+"""Computed initial states of dynamic runs: static equilibrium, or straight steady running."""
 
 import numpy as np
 
@@ -6,19 +6,19 @@ NOTICEABLE = 0.1  # of the length scale
 
 
 def bring_to_start(prepared, disturbed=True):
-    """Bring ``prepared.state`` to where ``initial`` of the deck has the march begin; returns remarks.
+    """Bring ``prepared.state`` to the initial state specified by ``initial`` of the deck, and return warnings.
 
     Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
-    code 3) when there is no such start, NonFiniteError.
+    code 3) if no such state is found, NonFiniteError.
     """
     initial = prepared.deck.values["initial"]
     if initial["static"]:
-        from mecano.analyses.equilibria import equilibrium  # which other decks need not wait for
+        from mecano.analyses.equilibria import equilibrium  # slow to import, and not needed by other decks
 
         return equilibrium(prepared)
     if not initial["steady"]:
         return ()
-    from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, for which only decks that need it should wait
+    from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, and is not needed by other decks
 
     asked, before = prepared.state.v.copy(), prepared.state
     prepared.state = Steady(prepared.system, prepared.length, initial["steady"]["velocity"]).find(before)
@@ -28,7 +28,7 @@ def bring_to_start(prepared, disturbed=True):
 
 
 def words(deck):
-    """What the start of a march is, in words."""
+    """Return a description of the initial state of a deck."""
     initial = deck.values["initial"]
     if initial["static"]:
         return "static equilibrium at the start"
@@ -39,7 +39,7 @@ def words(deck):
 
 
 def _reshaped(prepared, before):
-    """A text on the node that moved most from where the deck has it, apart from a translation of all."""
+    """Yield a warning about the node that moved most from its position in the deck, the mean translation removed."""
     system, of = prepared.system, prepared.system.numbering
     shift = (prepared.state.z - before.z)[of.x[:, None] + np.arange(3)]
     size = np.linalg.norm(shift - shift.mean(axis=0), axis=1)

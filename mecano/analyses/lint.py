@@ -1,4 +1,4 @@
-"""Legal but suspicious models, as only the assembled model shows: massless nodes, strains and slip at the start."""
+"""Legal but suspicious input seen in the assembled model: massless nodes, strains and slip at the start."""
 
 import math
 
@@ -9,20 +9,20 @@ from mecano.errors import Problem
 from mecano.laws.probe import curve_at
 from mecano.solve.time.massless import massless_unknowns
 
-MOST_STRAIN = 2e-3  # of bars, cables and beams: that of steel at its yield strength
+MOST_STRAIN = 2e-3  # of bars, cables and beams: the strain of steel at its yield strength
 MOST_EXTENSION = 0.5  # of springs, over their natural length
 MOST_NAMED = 10  # warnings of one sort
 
 
 def suspicious_model(deck, system, s, length):
-    """Warnings (list of Problem) of a model at its start ``s``; ``length`` is its length scale."""
+    """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, swinging = [*_strained(deck, system, s)], [*_swinging(deck, system, s)]
     massless = _massless(deck, system, s, length)
     return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(swinging, "elements")]
 
 
 def _first(problems, what):
-    """The first ``MOST_NAMED`` of the problems, the last of which says how many more there are."""
+    """Return the first ``MOST_NAMED`` problems; the last of them gives the number of further ones."""
     *shown, last = problems[:MOST_NAMED] or [None]
     more = len(problems) - MOST_NAMED
     if more > 0:
@@ -31,7 +31,7 @@ def _first(problems, what):
 
 
 def _strained(deck, system, s):
-    """Warnings of elements that are much longer or shorter at the start than where they have no force."""
+    """Yield warnings about elements whose length at the start differs much from their length without force."""
     at = {node.name: s.z[x : x + 3] for node, x in zip(system.nodes, system.numbering.x, strict=True)}
     before = {node.name: node.x for node in system.nodes}
     for name, d in deck.values["elements"].items():
@@ -39,7 +39,7 @@ def _strained(deck, system, s):
         if not fields & {"natural_length", "section"} or d.get("via") is not None or "ground" in d["nodes"]:
             continue
         natural = _natural_length(d, before, s.t)
-        if not natural > 0.0:  # a spring that pulls its nodes together has no strain
+        if not natural > 0.0:  # strain is undefined for a spring of natural length zero
             continue
         strain = float(np.linalg.norm(np.subtract(*(at[node] for node in d["nodes"])))) / natural - 1.0
         if _is_much(strain, fields, d["type"]):
@@ -51,7 +51,10 @@ def _strained(deck, system, s):
 
 
 def _natural_length(d, positions, t):
-    """Length [m] at the time t at which an element of checked values ``d`` has no force; positions as in the deck."""
+    """Return the length [m] without force, at time ``t``, of an element with checked values ``d``.
+
+    ``positions`` are those of the nodes in the deck.
+    """
     natural = d.get("natural_length")
     if natural is None:
         return float(np.linalg.norm(np.subtract(*(positions[node] for node in d["nodes"]))))
@@ -59,16 +62,16 @@ def _natural_length(d, positions, t):
 
 
 def _is_much(strain, fields, kind):
-    """Decide whether a strain at the start is seldom meant; a cable may hang slack, a spring be preloaded."""
+    """Decide whether a strain at the start is rarely intended; a cable may be slack, a spring preloaded."""
     if "axial_stiffness" in fields or "section" in fields:
         return strain > MOST_STRAIN or (strain < -MOST_STRAIN and kind != "cable")
     return abs(strain) > MOST_EXTENSION
 
 
 def _swinging(deck, system, s):
-    """Warnings of wheels that roll at the slip angle of their start with too little damping of the twist.
+    """Yield warnings about wheels whose twist is damped too little at their initial slip angle.
 
-    With an angle alpha, spin inertia I and speed V, twist and spin swing with growing amplitude unless
+    At a slip angle alpha, spin inertia I and speed V, twist and spin oscillate with growing amplitude unless
     C1 > V I alpha^2/(r^2 kap C K): docs/tyres.md, Twist.
     """
     at = {node.name: i for i, node in enumerate(system.nodes)}
@@ -88,7 +91,7 @@ def _swinging(deck, system, s):
 
 
 def _rolling(d, system, s, i):
-    """Return speed [m/s], slip angle [rad] and spin inertia [kg m2] of the wheel of deck values ``d`` on node ``i``."""
+    """Return speed [m/s], slip angle [rad] and spin inertia [kg m2] of the wheel with values ``d`` on node ``i``."""
     of, node, normal = system.numbering, system.nodes[i], np.array(d["ground"]["plane"]["normal"])
     own = node.R.T @ d["axis"] / np.linalg.norm(d["axis"])
     v, ahead = s.v[of.x[i] : of.x[i] + 3], np.cross(s.R[of.rotation[i]] @ own, normal)
@@ -101,7 +104,7 @@ def _rolling(d, system, s, i):
 
 
 def _massless(deck, system, s, length):
-    """Warnings of nodes that nothing gives mass; none of a model that has no mass at all, or is in equilibrium."""
+    """Return warnings about nodes without mass; none for statics or for a model without any mass."""
     if not deck.values["time"] or not any("mass" in b.p.dtype.names and b.p["mass"].any() for b in system.batches):
         return []
     names, found = system.numbering.name, {}

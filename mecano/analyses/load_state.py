@@ -1,4 +1,4 @@
-"""The state of a model at a saved time of a results file."""
+"""Reconstruction of the state of a model at a saved time of a results file."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from mecano.solve.events.events import EventMonitor
 
 
 def parse(text):
-    """(path, time) of "results.h5:1.25"; the last saved time when there is none. Raises UsageError."""
+    """Split "results.h5:1.25" into (path, time); time is None if not given. Raises UsageError."""
     path, colon, time = text.rpartition(":")
     if not colon:
         return text, None
@@ -24,11 +24,11 @@ def parse(text):
 
 
 def state_at(prepared, text):
-    """(State, assemble, words) of the saved time nearest to the one asked for, "results.h5:time".
+    """Return (State, assemble, words) of the saved time nearest to that of ``text``, "results.h5:time".
 
-    Velocities, accelerations and reactions are made consistent; elements are in the modes that the state tells.
-    ``assemble`` takes the place of that of the system: with the load factor of a static result. Raises UsageError,
-    ResultsError when the results do not belong to the deck or lack unknowns of it.
+    Velocities, accelerations and reactions are made consistent; elements are in the phases implied by the state and
+    the events. ``assemble`` replaces that of the system for the load factor of a static result, otherwise it is None.
+    Raises UsageError, and ResultsError if the results do not belong to the deck or lack some of its unknowns.
     """
     state, factor, words = _saved(prepared, text)
     if factor is None:
@@ -37,7 +37,10 @@ def state_at(prepared, text):
 
 
 def rest_at(prepared, text):
-    """(State, words, remarks) of the body at rest near the saved time, see ``statics.rest``. Raises as ``state_at``."""
+    """Return (State, words, warnings) of the rest position near the saved time ``text``, see ``equilibria.rest``.
+
+    Raises the errors of ``state_at`` and ``rest``.
+    """
     state, factor, words = _saved(prepared, text)
     if factor is not None:
         raise UsageError("the results are those of statics: the body is at rest there, without --at-rest")
@@ -46,7 +49,7 @@ def rest_at(prepared, text):
 
 
 def _saved(prepared, text):
-    """(State, load factor, words) of a saved time; None in the place of the load factor of a march."""
+    """Return (State, load factor, words) of a saved time; the load factor of a dynamic run is None."""
     path, time = parse(text)
     with blaming(path), open_results(path) as results:
         if not len(results.time):
@@ -64,7 +67,7 @@ def _saved(prepared, text):
 
 
 def _placed(prepared, results, row):
-    """Positions, rotations and velocities of a row, memories by going through all rows before it."""
+    """Return the State of a row; memory and phases are reconstructed from all rows and events before it."""
     system = prepared.system
     first = row if not any(b.kind.memory for b in system.batches) else 0
     nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
@@ -83,13 +86,13 @@ def _placed(prepared, results, row):
             state.z[place], state.v[place] = value[r], rate[r]
         state.memory = system.commit(state)
         state = monitor.settle(state)
-        while events and events[0].time <= results.time[r]:  # which closed and which opened positions cannot tell
+        while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
             state = monitor.entered(state, events.pop(0))
     return state
 
 
 def _scalars(system, results):
-    """(entry of z, values, rates) of all own unknowns of elements: outputs of their names, and with "_rate"."""
+    """Yield (index in z, values, rates) of all scalar unknowns of elements, from the outputs NAME and NAME_rate."""
     for b in system.batches:
         first = 3 * len(b.kind.layout)
         for owner, dofs in zip(b.names if b.kind.scalars else (), b.dofs, strict=False):
@@ -111,21 +114,21 @@ def _place_node(system, s, i, position, quaternion, velocity, omega):
 
 
 def _matrix(q):
-    """Rotation matrix of a unit quaternion (w, x, y, z)."""
+    """Return the rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
     w, u = q[0], q[1:]
     H = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
     return np.eye(3) + 2.0 * w * H + 2.0 * H @ H
 
 
 def _moving(prepared, state):
-    """Consistent velocities, accelerations and reactions of a march."""
+    """Return the State of a dynamic run with consistent velocities, accelerations and reactions."""
     if prepared.deck.values["time"] is None:
         raise UsageError("the results are those of a march, the deck is one of statics")
     return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
 
 
 def _resting(prepared, state, factor):
-    """The equilibrium at a load factor with its reactions, and how it is assembled."""
+    """Return the equilibrium at a load factor, with its reactions, and its function ``assemble``."""
     if prepared.deck.values["static"] is None:
         raise UsageError("the results are those of statics, the deck is one of a march")
     statics = loaded(prepared, prepared.deck.values["static"])

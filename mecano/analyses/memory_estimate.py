@@ -1,4 +1,4 @@
-"""The memory that a run will take: most of that of a large model goes into the views of its results file.
+"""Estimate of the memory of a run; in large models, the views of the results file take most of it.
 
 The constants were fitted to chains of springs, beams and grids of beams of 20 to 200,000 series (CPython 3.11 on Linux,
 resident memory at its peak).
@@ -8,19 +8,19 @@ from mecano.model.sampler import ENERGIES, NODE_OUTPUTS
 from mecano.solve.linear.least_degree import SMALL
 
 PROGRAM = 108e6  # B of Python, NumPy, HDF5, LLVM's linker and compiled code
-SCIPY = 30e6  # B where it is imported: for the order of many nodes, and for redundant constraints
-SERIES = 2900.0  # B for each series: its declaration, its view in the file, its share of the rows that wait
+SCIPY = 30e6  # B if it is imported: for ordering many nodes, and for redundant constraints
+SERIES = 2900.0  # B for each series: its declaration, its view in the file, its share of the buffered rows
 
 
 def memory_of_run(prepared):
-    """Return the resident memory [B] that a run of a Prepared model takes at its peak, to about a quarter."""
+    """Return the peak resident memory [B] of a run of a Prepared model, accurate to about 25 %."""
     system = prepared.system
     scipy = SCIPY if len(system.nodes) > SMALL or prepared.analysis.redundant else 0.0
     return PROGRAM + scipy + SERIES * series(system) + prepared.linear.nbytes
 
 
 def series(system):
-    """Return how many series the results file of a System has."""
+    """Return the number of series in the results file of a System."""
     nodes = sum(not node.internal for node in system.nodes)
     return nodes * len(NODE_OUTPUTS) + sum(len(b.paths) * len(b.kind.outputs) for b in system.batches) + len(ENERGIES)
 

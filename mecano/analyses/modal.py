@@ -1,4 +1,4 @@
-"""Modes of a deck: about its start, its static equilibrium or a saved state; table, file and what to tell."""
+"""Modes of a deck about its start, a static equilibrium or a saved state: computation, table, file, warnings."""
 
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "resid
 
 @dataclass
 class About:
-    """The state that modes are about: how it is assembled (None: as the system does), and in words."""
+    """The state about which modes are computed: its assembly (None: that of the system) and its description."""
 
     prepared: object
     state: object
@@ -40,9 +40,10 @@ class About:
 
 
 def about(deck, at=None, at_rest=False):
-    """The state of a checked deck: of a saved time "results.h5:time", the equilibrium, or the start of the march.
+    """Return the state of a checked deck about which modes are computed, as an About.
 
-    ``at_rest``: the equilibrium at which the body would come to rest near the saved time.
+    It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
+    ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
     prepared = prepare(deck)
     if at is not None and at_rest:
@@ -63,11 +64,11 @@ def about(deck, at=None, at_rest=False):
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
-    """Find the modes and write them to ``path`` unless it is None: (text of the table, Modes, About).
+    """Compute modes, write them to ``path`` unless it is None, and return (text of the table, Modes, About).
 
     ``at``, ``at_rest`` as in ``about``; ``frame``: "inertial", the name of a node with which the axes turn, or
-    "wx,wy,wz" [rad/s]. Raises UsageError and what ``mecano run`` of the deck may raise; ResultsError, before anything
-    is computed, where ``path`` exists.
+    "wx,wy,wz" [rad/s]. Raises UsageError, the errors of ``mecano run``, and, before anything is computed,
+    ResultsError if ``path`` exists.
     """
     with nullcontext() if path is None else locked(path):
         if path is not None:
@@ -76,7 +77,7 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
 
 
 def _find(deck, path, at, at_rest, number, frame, method, force):
-    """``modes`` while no other process writes the file."""
+    """Do as ``modes``, with the lock on the file held."""
     base = about(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
@@ -94,7 +95,7 @@ def _find(deck, path, at, at_rest, number, frame, method, force):
 
 
 def turning_of(system, s, frame):
-    """Angular velocity (3,) of the axes [rad/s] that a user names."""
+    """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
     names = [node.name for node in system.nodes]
     if frame == "inertial":
         return np.zeros(3)
@@ -111,7 +112,7 @@ def turning_of(system, s, frame):
 
 
 def _sticking(deck, system, s):
-    """Remark on the joints whose friction is in its regularized part, where it is a viscous damper."""
+    """Yield a warning about joints whose friction is in its regularized range, where it acts as a viscous damper."""
     stuck = [
         f"{d['type']} '{name}'"
         for name, d in deck.values["joints"].items()
@@ -126,7 +127,7 @@ def _sticking(deck, system, s):
 
 
 def _sliding(system, s, pair, friction):
-    """Largest speed [m/s] at which two nodes can slide on one another, turning at the largest radius given."""
+    """Return an upper bound [m/s] of the sliding speed of two nodes, rotation taken at the largest radius given."""
     of, names = system.numbering, [node.name for node in system.nodes]
     motion = []
     for i in (names.index(name) for name in pair if name in names):
@@ -138,7 +139,7 @@ def _sliding(system, s, pair, friction):
 
 
 def doubts(variation, residuals):
-    """Texts on matrices that are not constant, and on modes that do not fulfil the equations."""
+    """Yield warnings about matrices that are not constant, and about modes that do not satisfy the equations."""
     if variation > CONSTANT:
         yield (
             f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
@@ -153,7 +154,7 @@ def doubts(variation, residuals):
 
 
 def table(system, s, found, lin):
-    """Lines of the table for a terminal."""
+    """Return the lines of the table for a terminal."""
     length = float(lin.root.max(initial=1.0))
     rows = [HEAD]
     columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
@@ -168,7 +169,7 @@ def table(system, s, found, lin):
 
 
 def contents(system, s, found, words_, turning, inner):
-    """What the file holds, as plain arrays: see docs/results-file.md."""
+    """Return the content of the file as plain arrays; see docs/results-file.md."""
     of, zero = system.numbering, np.zeros((len(found.values), 3), complex)
     nodes = {}
     for i, node in enumerate(system.nodes):
@@ -185,9 +186,9 @@ def contents(system, s, found, words_, turning, inner):
 
 
 def inner_motions(deck, system, s, shapes):
-    """Motions of the nodes inside superelements: {name: (positions (k, 3) [m], translations (m, k, 3))}.
+    """Return the motions of nodes inside superelements: {name: (positions (k, 3) [m], translations (m, k, 3))}.
 
-    ``shapes`` (m, n_q) as in Modes; by central differences of what ``observe`` gives of the displaced elements.
+    ``shapes`` (m, n_q) as in Modes. The motions are central differences of the outputs of the displaced elements.
     """
     elements = deck.values["elements"]
     if not any(nodes_inside(d) for d in elements.values()):
@@ -207,7 +208,7 @@ def inner_motions(deck, system, s, shapes):
 
 
 def _material(system, s, shape):
-    """A shape (n_q,) with the rotations in the axes of the nodes."""
+    """Return a shape (n_q,) with rotations in the material axes of the nodes."""
     of, out = system.numbering, shape.astype(complex)
     for r, rotation in set(zip(of.r.tolist(), of.rotation.tolist(), strict=True)):
         if r < system.n_q:
@@ -216,7 +217,7 @@ def _material(system, s, shape):
 
 
 def _inside(elements, system, s):
-    """Places (k, 3) [m] of the nodes inside each superelement at ``s``."""
+    """Return the positions (k, 3) [m] of the nodes inside each superelement in state ``s``."""
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
     system.observe(s)
     found = {}
@@ -232,7 +233,7 @@ def _inside(elements, system, s):
 
 
 def _reading(y, ends, widths):
-    """Outputs by name, with an axis of one time, from the row ``y`` of an element."""
+    """Return a function that gives an output by name, with a time axis of length 1, from the row ``y``."""
 
     def value(output):
         size = int(np.prod(widths[output], dtype=int))

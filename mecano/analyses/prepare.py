@@ -1,4 +1,4 @@
-"""From a checked deck to a march that is ready to begin."""
+"""Preparation of a run: from a checked deck to a model with an initial state and a time integration."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,34 +29,34 @@ METHODS = {
     "hht": Coefficients.hht,
     "newmark": Coefficients.newmark,
 }
-SMALLEST_STEP = 1e-7  # of the first step, where the deck does not say
-MOST_NAMES = 8  # constraints named in a remark
+SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
+MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
 
 
 @dataclass
 class Prepared:
-    """A model ready to march, with what a user should know before."""
+    """A model ready for analysis, with its initial state and diagnostics."""
 
     deck: object
     system: System
     linear: LinearSolver
     length: float  # [m]
     state: object  # State: positions assembled, velocities of the deck
-    displacement: float  # [m] by which the assembly moved the deck's positions at most
+    displacement: float  # [m] largest correction of the deck's positions by the assembly
     analysis: object  # redundant constraints and mechanisms
     compliance: object  # Compliance, or None
 
     @cached_property
     def redundant(self):
-        """Groups of redundant constraints at the start, with all joints that take part."""
+        """Groups of redundant constraints at the start, with all joints involved."""
         return redundant_groups(self.system, self.state, self.length, self.analysis)
 
 
 def prepare(deck):
-    """Build the model of a checked deck and assemble its positions.
+    """Build the model of a checked deck, assemble its positions, and return a Prepared.
 
-    A signal may end it. Raises AssemblyError, and DeckError where nothing can move.
+    A signal may interrupt it. Raises AssemblyError, and DeckError for a model without degrees of freedom.
     """
     return abandonable(_prepare, deck)
 
@@ -86,7 +86,7 @@ def _refuse_fixed(deck, system):
 
 
 def integrator_of(prepared, observers=()):
-    """The March of a prepared model, with method and step control as the deck says."""
+    """Return the March of a prepared model, with the method and step control of the deck."""
     deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
     newton, scale = values["newton"], values["scale"]
     tolerances = Tolerances(
@@ -105,7 +105,7 @@ def integrator_of(prepared, observers=()):
 
 
 def control_of(values):
-    """Return the step control that the checked section ``time`` asks for."""
+    """Return the step control specified by the checked section ``time``."""
     step, adaptive = values["step"], values["adaptive"]
     smallest = max(SMALLEST_STEP * step, finest_step(values))
     if adaptive is None:
@@ -119,12 +119,12 @@ def control_of(values):
 
 
 def given(value, otherwise):
-    """The value, or ``otherwise`` where the deck leaves it automatic."""
+    """Return ``value``, or ``otherwise`` if it is "automatic" in the deck."""
     return otherwise if value == AUTOMATIC else value
 
 
 def startup_warnings(prepared, start=None):
-    """What a user should know of a model before it runs, one text each; ``start`` is the RunState at the start."""
+    """Return the warnings about a model before it runs, one text each; ``start`` is the initial RunState."""
     texts, analysis = [], prepared.analysis
     if start is not None:
         texts += _changed_velocities(prepared, start.motion)
@@ -148,20 +148,20 @@ def startup_warnings(prepared, start=None):
 
 
 def warnings_of(prepared):
-    """Texts on what is legal but suspicious in the deck, and in the model that was made of it, with their places."""
+    """Return warnings about legal but suspicious input in deck and assembled model, with line and column."""
     deck = prepared.deck
     problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
     return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
 
 
 def amount_warnings(prepared):
-    """Texts on more steps or results than can have been meant."""
+    """Return warnings about implausibly many steps or results."""
     row = 1 + row_size(prepared.system)
     return size_warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 
 def model_facts(prepared):
-    """Numbers that tell the model, for the results file: mass [kg], unknowns, mobility, redundant constraints."""
+    """Return properties of the model for the results file: mass [kg], unknowns, mobility, redundant constraints."""
     system, analysis = prepared.system, prepared.analysis
     known = {"mobility": analysis.mobility} if analysis.complete else {}
     return {
@@ -171,18 +171,18 @@ def model_facts(prepared):
 
 
 def mass_of(system):
-    """Total mass [kg]: of every kind whose record has one."""
+    """Return the total mass [kg] of all elements whose record has a field "mass"."""
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
 
 
 def some(names, most):
-    """Up to ``most`` names, and how many more there are."""
+    """Return up to ``most`` names as text, with the number of further ones."""
     shown = "; ".join(names[:most])
     return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
 
 
 def _friction_of(system, group):
-    """Text on the friction that the reactions of a redundant group drive."""
+    """Return a warning about friction that depends on the reactions of a redundant group, or none."""
     of = system.numbering
     rubbing = {of.name[system.n_q + i] for i in system.coupled_multipliers} & set(group.names)
     owners = sorted({name.partition(":")[0] for name in rubbing})
@@ -196,7 +196,7 @@ def _friction_of(system, group):
 
 
 def _changed_velocities(prepared, motion):
-    """The node whose velocity the constraints changed most from what the deck asks, or else its turning, as a text."""
+    """Return a warning about the node whose velocity, or else angular velocity, the constraints changed most."""
     deck, system, of = prepared.deck, prepared.system, prepared.system.numbering
     entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
     named = {name for entry in entries for name in entry["nodes"]}
@@ -205,7 +205,7 @@ def _changed_velocities(prepared, motion):
         (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
         _rates(system, motion), ("m/s", "rad/s"), strict=False,
     ):  # fmt: skip
-        asked = np.where((first < of.n_q)[:, None], before, asked)  # what is fixed has not been given what is asked
+        asked = np.where((first < of.n_q)[:, None], before, asked)  # fixed nodes did not receive the velocities asked
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
         fastest = np.linalg.norm(np.concatenate([asked[rows], reached[rows]]), axis=1).max(initial=0.0)
@@ -220,13 +220,13 @@ def _changed_velocities(prepared, motion):
 
 
 def _rates(system, s):
-    """Velocities and angular velocities (n_nodes, 3) of all nodes, inertial."""
+    """Return the velocities and angular velocities of all nodes, (n_nodes, 3) each, in inertial axes."""
     of, three = system.numbering, np.arange(3)
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
 def chosen(prepared, integrator, start):
-    """What stands for the values that the deck leaves automatic, by name: for the results file."""
+    """Return the values chosen where the deck says "automatic", by name, for the results file."""
     method, control = integrator.method, integrator.control
     return {
         "length_scale": prepared.length,

@@ -1,4 +1,4 @@
-"""What a run says while it goes on: a bar on a terminal, plain lines otherwise."""
+"""Progress of a run: a bar on a terminal, plain lines otherwise."""
 
 import os
 import shutil
@@ -11,8 +11,8 @@ from mecano.jit.store import before_compiling, compile_time
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
-WIDTH = 110  # characters of a note, or the width of the terminal
-NOTICED = 0.01  # s for compiling
+WIDTH = 110  # characters of a note, at most; less on a narrower terminal
+NOTICED = 0.01  # s, least compile time reported
 COMPILING = "compiling elements used for the first time: this takes a minute or two, once"
 
 
@@ -27,11 +27,11 @@ class Progress:
         self.tenths, self.marching = 0, None
 
     def announce_compiling(self):
-        """Report, before the first function is compiled, that this takes a while; nothing where none is."""
+        """Print a note before the first function is compiled, if any has to be."""
         before_compiling(lambda: self.note(COMPILING))
 
     def note(self, text):
-        """A text on lines of its own."""
+        """Print a text on separate lines."""
         if not self.quiet:
             self._clear()
             width = min(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH) if self.terminal else WIDTH
@@ -56,14 +56,14 @@ class Progress:
             self._say(f"{self._numbers(run, now, share)}\n")
 
     def done(self, run):
-        """The last lines: how it went and where the results are."""
+        """Print the last lines: counts of steps and iterations, time taken, results file."""
         self.finished(
             f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
             "steps"
         )
 
     def finished(self, text):
-        """The last lines: what was done, in how long, and where the results are."""
+        """Print the last lines: ``text``, time taken, results file."""
         compiling = compile_time() - self.compiled
         more = f" and {compiling:.2f} s for compiling" if compiling >= NOTICED else ""
         self.note(f"{text}, in {time.monotonic() - self.begun - compiling:.2f} s{more}")
@@ -82,7 +82,7 @@ class Progress:
             self._say("\r\x1b[K")
 
     def _say(self, text):
-        """Print; continue the run in silence when the terminal is gone or nobody reads."""
+        """Print; if the terminal or the reader of the stream is gone, continue without output."""
         try:
             print(text, end="", file=sys.stderr, flush=True)
         except OSError:
@@ -91,7 +91,7 @@ class Progress:
 
 
 class StaticProgress(Progress):
-    """Observer of the points of a path of equilibria; a line for each of the first, then ever fewer."""
+    """Observer of the points of an equilibrium path: a line for each of the first, then at most one per second."""
 
     def __init__(self, values, quiet, path):
         super().__init__({"start": 0.0, "end": values["end"]}, quiet, path)
@@ -99,7 +99,7 @@ class StaticProgress(Progress):
         self.points, self.iterations, self.rejected = -1, 0, 0
 
     def __call__(self, point):
-        """Show where the path is, and how the point was found."""
+        """Show the parameter, the iterations and the number of unstable directions."""
         self.points += 1
         self.iterations += point.iterations
         self.rejected += point.rejected
@@ -111,7 +111,7 @@ class StaticProgress(Progress):
             self._say(f"{self.what} {point.parameter:.6g}: {point.iterations} iterations{text}\n")
 
     def done(self, point):
-        """The last line."""
+        """Print the last lines."""
         self.finished(
             f"{self.points} steps, {self.rejected} rejected, {self.iterations} Newton iterations; "
             f"{self.what} {point.parameter:.6g}"
@@ -119,7 +119,7 @@ class StaticProgress(Progress):
 
 
 class SweepProgress(Progress):
-    """Told of every state of a sweep of modes: a bar on a terminal, else a line for each tenth of a long one."""
+    """Progress of a sweep of modes: a bar on a terminal, otherwise a line for each tenth of a long sweep."""
 
     LONG = 50  # states
     WHAT = "states"
@@ -128,7 +128,7 @@ class SweepProgress(Progress):
         super().__init__({"start": 0.0, "end": 1.0}, quiet, path)
 
     def __call__(self, done, total, text):
-        """Show how many states are done, which was the last, and the time that is left."""
+        """Show the number of states done, the last of them, and the estimated remaining time."""
         now, share = time.monotonic(), done / total
         left = (now - self.begun) * (1 - share) / share
         numbers = f"{done} of {total} {self.WHAT}, {text}, {left:.0f} s left"
@@ -143,11 +143,11 @@ class SweepProgress(Progress):
             self._say(f"{numbers}\n")
 
     def done(self, total):
-        """The last lines."""
+        """Print the last lines."""
         self.finished(f"{total} {self.WHAT}")
 
 
 class StudyProgress(SweepProgress):
-    """Told of every case of a study as it ends."""
+    """Progress of a study, called as each case ends."""
 
     LONG, WHAT = LINES, "cases"

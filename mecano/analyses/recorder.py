@@ -1,4 +1,4 @@
-"""What of a march goes into the results file: saved times, history of the solver, events, extremes."""
+"""The results of a run that go into the file: saved times, history of the solver, events, extremes."""
 
 import time as clock
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 class Recorder:
     """Writes saved times, solver history, events and extremes of a march.
 
-    ``poll()`` is called among the many saved times that one long step may have; it may raise Stopped.
+    ``poll()`` is called after every ``LOOK`` saved times within a step; it may raise Stopped.
     """
 
     def __init__(self, prepared, writer, sampler, integrator):
@@ -40,7 +40,7 @@ class Recorder:
         return self.output.row
 
     def first(self, run):
-        """Write the start itself."""
+        """Write the initial state."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
 
@@ -120,7 +120,7 @@ class Recorder:
             raise ConvergenceError(f"no way on from t = {t:.9g} s: {d['type']} '{name}' {text}")
 
     def _not_finite(self, t, i):
-        """Return the error for number i of the row: it would stand in the file as if it were one."""
+        """Return the error that names the output of number ``i`` of the row, which is not finite."""
         column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
         section, name, output = [*column.path.split("/"), ""][:3]
         entry = self.deck.values.get(section, {}).get(name)

@@ -1,4 +1,4 @@
-"""`mecano reduce`: a part of a deck as a file of reduced matrices for superelements."""
+"""`mecano reduce`: reduction of a part of a deck to a file of matrices for superelements."""
 
 from pathlib import Path
 
@@ -15,14 +15,14 @@ from mecano.results.whole_file import appearing, exists, refuse_folder
 from mecano.solve.diagnostics.scales import length_scale
 from mecano.solve.modal.reduction import reduce
 
-SHOWN = 5  # frequencies told
+SHOWN = 5  # frequencies printed
 
 
 def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
-    """Reduce a part of a checked deck into the file ``path`` (.npz or .h5): (text, Reduction).
+    """Reduce a part of a checked deck, write the file ``path`` (.npz or .h5), and return (text, Reduction).
 
-    ``elements`` names elements and joints of the part (all, when empty), ``nodes`` its boundary nodes, ``number`` the
-    modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
+    ``elements`` names the elements and joints of the part (empty: all), ``nodes`` its boundary nodes; ``number`` is
+    that of the modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
     """
     path = Path(path)
     if path.suffix not in (".npz", ".h5"):
@@ -39,7 +39,10 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
 
 
 def part_of(deck, elements, boundary):
-    """The Model of the chosen elements and joints, without loads and gravity, its boundary nodes free."""
+    """Return the Model of the chosen elements and joints, without loads and gravity, with free boundary nodes.
+
+    Raises UsageError for unknown elements or nodes, and for a fixed node that is not on the boundary.
+    """
     whole = build(deck)
     parts = [element for element in whole.elements if KINDS[element.values["type"]].section != "loads"]
     known = [element.name for element in parts]
@@ -62,7 +65,7 @@ def part_of(deck, elements, boundary):
 
 
 def lines_of(part, names):
-    """Pairs of numbers of the nodes ``names`` that an element of the part joins, under the key "lines"."""
+    """Return {"lines": (n, 2)}, the pairs of indices into ``names`` of nodes joined by an element; {} if none."""
     index = {name: i for i, name in enumerate(names)}
     pairs = [
         (index[element.nodes[0]], index[node])
@@ -75,12 +78,12 @@ def lines_of(part, names):
 
 
 def write(path, content):
-    """Write the content of a file of reduced matrices; it appears when it is complete. Raises ResultsError."""
+    """Write a file of reduced matrices, which appears only when complete. Raises ResultsError."""
     if path.suffix == ".npz":
         with appearing(path) as hidden:
             np.savez_compressed(hidden, **content)
         return
-    from mecano.results.disk import hdf5_appearing  # imports h5py, which the other format does without
+    from mecano.results.disk import hdf5_appearing  # imports h5py, which .npz does not need
 
     with hdf5_appearing(path) as file:
         for key, value in content.items():
@@ -88,7 +91,7 @@ def write(path, content):
 
 
 def text(path, nodes, result):
-    """What was done, for a terminal."""
+    """Return a summary of the reduction for a terminal."""
     lowest = ", ".join(f"{f:.6g}" for f in result.frequencies[:SHOWN])
     kept, of = len(result.frequencies), f" of {result.found}" if result.found >= 0 else ""
     lines = [

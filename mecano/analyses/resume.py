@@ -1,4 +1,4 @@
-"""What a run that did not come to its end has left: whether it can be gone on with, and the rows to begin with."""
+"""Recovery of an interrupted run from its last checkpoint: whether it can be resumed, and the rows before it."""
 
 import json
 import os
@@ -21,20 +21,20 @@ SURROUNDINGS = {"processor": "processor", "machine": "machine", "threads": "numb
 class InterruptedRun:
     """The results file of a stopped run of ``deck``, open until ``close``.
 
-    Raises UsageError when it is of another deck, ResultsError when it cannot be read or is being written.
+    Raises UsageError if it belongs to another deck, ResultsError if it cannot be read or is being written.
 
     Attributes
     ----------
     complete : bool
-        The run came to its end.
+        Whether the run reached its end.
     checkpoint : dict or None
-        What ``Writer.checkpoint`` was given, with where the file was then.
+        State passed to ``Writer.checkpoint``, with the numbers of rows in the file at that time.
     automatic : dict
-        What stood for values that the deck leaves automatic.
+        Values chosen where the deck says "automatic".
     model : dict
-        What was told of the model.
+        Properties of the model, see ``model_facts``.
     remarks : list of str
-        What the user was told before.
+        Warnings of the interrupted run.
     """
 
     def __init__(self, path, deck):
@@ -81,7 +81,7 @@ class InterruptedRun:
         return ", ".join([*(f"{s} is missing or was changed" for s in missing), *(f"{s} is new" for s in other)])
 
     def note(self, t):
-        """What is said of going on from t [s], and of what differs from where the run was before."""
+        """Return the note on resuming at ``t`` [s], with the differences of machine, versions and threads."""
         reported = f"resumed at t = {t:.9g} s, {datetime.now(UTC).isoformat(timespec='seconds')}"
         was, now = self.results.metadata, provenance()
         names = SURROUNDINGS | {key: key.replace("_", " of ") for key in now if key.startswith("version_")}
@@ -91,14 +91,14 @@ class InterruptedRun:
         return f"{reported}; {doubt}, for other is: {changed}" if changed else reported
 
     def check_layout(self, layout):
-        """Raise ResultsError unless the rows of the file have the ``layout`` of the run that is to go on."""
+        """Raise ResultsError unless the rows of the file have the ``layout`` of the resumed run."""
         if layout.to_json() != self.results.layout.to_json():
             raise ResultsError(f"{self.path} holds other outputs; it is of another version of mecano")
 
     def copy_to(self, writer, interruption):
-        """Let a new writer be where the checkpoint is, and close.
+        """Copy all rows and events up to the checkpoint to a new Writer, and close.
 
-        Raises ResultsError, also for rows that changed, and what ``Interruption.check`` raises.
+        Raises ResultsError, also for damaged rows, and the errors of ``Interruption.check``.
         """
         size = Path(self.path).stat().st_size
         what, done, begun = f"taking up {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
@@ -114,7 +114,7 @@ class InterruptedRun:
         self.close()
 
     def _rows(self):
-        """All rows before the checkpoint, in blocks: (table, (n, width) array)."""
+        """Yield all rows before the checkpoint in blocks: (table, (n, width) array)."""
         for table, count in zip(("output", "solver"), map(int, self.checkpoint["file"]["rows"]), strict=False):
             width = 1 + (self.results.layout.size if table == "output" else len(self.results.layout.steps))
             at_once = max(AT_ONCE // width // 1024, 1) * 1024  # whole chunks
@@ -123,7 +123,7 @@ class InterruptedRun:
 
 
 def differences(was, now, path=""):
-    """Yield what differs between two trees of plain data, as texts: where, what was and what is."""
+    """Yield the differences of two trees of plain data as texts: path, old and new value."""
     if isinstance(was, dict) and isinstance(now, dict):
         for key in dict.fromkeys([*was, *now]):
             yield from differences(was.get(key, ABSENT), now.get(key, ABSENT), f"{path}.{key}" if path else key)

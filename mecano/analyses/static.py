@@ -1,4 +1,4 @@
-"""One static run, from a checked deck to the results file: prepare, follow the path, close."""
+"""A static run, from a checked deck to the results file: prepare, follow the path, close."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ PATH = (
 
 
 class Recorder:
-    """Observer that writes every equilibrium as a saved time, with how it was found."""
+    """Observer that writes every equilibrium as a saved time, with its iterations and residuals."""
 
     def __init__(self, system, over_time):
         self.system, self.over_time, self.writer = system, over_time, None
@@ -62,20 +62,21 @@ class Recorder:
 
 
 def _forces(kind):
-    """Columns of the outputs of a load that grow with the load factor."""
+    """Return the columns of the outputs of a load that are proportional to the load factor."""
     sizes = [int(np.prod(output.shape, dtype=int)) for output in kind.outputs]
     units = np.repeat([output.unit for output in kind.outputs], sizes)
     return np.flatnonzero(np.isin(units, ("N", "N m", "W")))
 
 
 def resume(deck, path, *, observers=(), announce=lambda text: None):
-    """Find the equilibria again if ``path`` does not hold all of them, for they have no checkpoints; the last Point.
+    """Compute the equilibria again unless ``path`` holds all of them, and return the last Point.
 
-    None when the file is complete. Raises UsageError where it is of another deck; and what ``run`` raises.
+    Static runs have no checkpoints. Return None if the file is complete. Raises UsageError if the file belongs to
+    another deck, and the errors of ``run``.
     """
     with locked(path):
         if exists(path):
-            from mecano.analyses.resume import (  # imports the reader, for which only this should wait
+            from mecano.analyses.resume import (  # imports the reader, which is slow and rarely needed
                 COMPLETE,
                 InterruptedRun,
             )
@@ -90,10 +91,10 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
 
 
 def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
-    """Find the equilibria a deck with ``static`` asks for and write them to ``path``; returns the last Point.
+    """Compute the equilibria of a deck with ``static``, write them to ``path``, and return the last Point.
 
-    ``observers`` are told of every Point, ``announce`` of what a user should know. Raises AssemblyError,
-    ConvergenceError with the motion that is free, NonFiniteError, ResultsError; the file keeps what was found.
+    ``observers`` are called with every Point, ``announce`` with the text of every warning. Raises AssemblyError,
+    ConvergenceError, which names the free motion, NonFiniteError, ResultsError; the file keeps all equilibria found.
     """
     with locked(path):
         refuse_existing(path, force)
@@ -101,7 +102,7 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
 
 
 def _follow(deck, path, force, observers, announce):
-    """``run`` while no other process writes the file."""
+    """Do as ``run``, with the lock on the file held."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"
     recorder, notes = Recorder(prepared.system, over_time), startup_warnings(prepared)

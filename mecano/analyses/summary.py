@@ -1,4 +1,4 @@
-"""What `mecano check` says of a model: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
+"""The summary of `mecano check`: bodies, mass, unknowns, mobility, redundant constraints, mechanisms."""
 
 from collections import Counter
 from textwrap import wrap
@@ -20,15 +20,15 @@ INDENT = " " * 17
 
 
 def summary(deck, every=False):
-    """Return the summary of a checked deck as text; raises AssemblyError where the positions cannot be assembled.
+    """Return the summary of a checked deck as text. Raises AssemblyError if the positions cannot be assembled.
 
-    Of many free unknowns and mechanisms the first only, unless ``every`` one is asked for.
+    Only the first of many free unknowns and mechanisms are listed, unless ``every`` is True.
     """
     return summary_of(prepare(deck), every)
 
 
 def summary_of(prepared, every=False):
-    """Return the summary of a Prepared model, as ``summary``."""
+    """Return the summary of a Prepared model as text, see ``summary``."""
     system, analysis, deck = prepared.system, prepared.analysis, prepared.deck
     values = deck.values
     lines = [
@@ -58,7 +58,7 @@ def summary_of(prepared, every=False):
 
 
 def _mobility(prepared, every):
-    """How much can move, and what; of a flexible structure, what could if it were stiff."""
+    """Yield the lines on mobility and free motions; of flexible structures, those with flexible members held stiff."""
     system, analysis = prepared.system, prepared.analysis
     stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
     text = f"mobility         {analysis.mobility}"
@@ -75,7 +75,7 @@ def _mobility(prepared, every):
 
 
 def _free(mechanisms, every):
-    """What can move, in words: unknowns alone, and mechanisms."""
+    """Yield texts on free motions: single unknowns, and mechanisms."""
     most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
     alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
     if alone:
@@ -89,7 +89,7 @@ def _free(mechanisms, every):
 
 
 def _by_nodes(names):
-    """Names of unknowns ("node a: displacement x"); all of one sort of a node are one, all of a node, a member too."""
+    """Return names of unknowns ("node a: displacement x"), with those of a whole node or member merged into one."""
     nodes, found, inside = {}, [], Counter()
     for name in names:
         nodes.setdefault(name.partition(": ")[0], []).append(name)
@@ -104,7 +104,7 @@ def _by_nodes(names):
 
 
 def _by_sort(node, names):
-    """Names of some unknowns of a node; three displacements or rotations are one."""
+    """Yield names of unknowns of a node, with three displacements or rotations merged into one."""
     sorts = {}
     for name in names:
         what = name.partition(": ")[2]
@@ -115,13 +115,13 @@ def _by_sort(node, names):
 
 
 def _few(node):
-    """The first of the nodes that share an unknown, and how many more there are."""
+    """Return the first of the nodes that share an unknown, with the number of further ones."""
     names = node.split(", ")
     return node if len(names) <= MOST_SHARING else f"{', '.join(names[:2])} and {len(names) - 2} more"
 
 
 def _statics(prepared):
-    """How equilibrium is reached, and how stable the start is."""
+    """Yield the lines on the method of statics and on the stability of the start."""
     static = prepared.deck.values["static"]
     what = "load factor" if static["over"] == "load_factor" else "time"
     yield f"equilibrium      {what} up to {static['end']:g} by {static['method']}"
@@ -141,13 +141,13 @@ def _counts(values):
 
 
 def _gravity(vector):
-    """The gravity that acts."""
+    """Return the line on gravity."""
     shown = ", ".join(f"{component + 0.0:.6g}" for component in vector)
     return f"gravity          {f'[{shown}] m/s2' if any(vector) else 'none'}"
 
 
 def _amounts(prepared):
-    """Steps and saved times, with a warning where they are absurdly many."""
+    """Yield the lines on steps, saved times and the initial state, with warnings about implausibly many."""
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)
     kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"

@@ -1,4 +1,4 @@
-"""Modes over one parameter of a deck, or over two: root loci, critical values, a map of stability."""
+"""Modes over one or two parameters of a deck: root loci, critical values, maps of stability."""
 
 import re
 from dataclasses import dataclass, field
@@ -26,15 +26,15 @@ from mecano.solve.statics.stability import words
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
-ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not in a name
+ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
-STEADY = 1e-8  # variation of the equations (linearize.py) below which a state runs steadily; rounding makes 1e-10 of it
-FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # of one state: the sweep goes on without it
+STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding causes 1e-10
+FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # the sweep continues without a state that raises these
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A number of the deck and the values that it takes: ``path`` as of ``--set``, ``name`` for people."""
+    """A number of the deck and its values in a sweep: ``path`` as in ``--set``, ``name`` for display."""
 
     path: str
     name: str
@@ -42,7 +42,10 @@ class Axis:
 
     @classmethod
     def parse(cls, text, parameters):
-        """From "speed=10:80:1" or "tire_laws.rubber.radius=0.3,0.32"; a name without a dot is that of a parameter."""
+        """Parse "speed=10:80:1" or "tire_laws.rubber.radius=0.3,0.32"; a name without a dot is a parameter.
+
+        Raises UsageError.
+        """
         path, equals, values = text.partition("=")
         wanted = f"'{text}' cannot be understood; write --sweep speed=10:80:1 (from, to, step) or speed=10,20,40"
         if not equals or not path:
@@ -73,70 +76,70 @@ class Locus:
 
     axis: Axis
     values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
-    motions: list  # (branches,) what moves most where it is least damped, in words
+    motions: list  # (branches,) str: largest motions of the mode where it is least damped
     families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
     converged: np.ndarray  # (branches, n) bool; True where a branch has none
     critical: list  # of Critical
-    growth: np.ndarray  # (n,) largest real part [1/s] of what means more than zero; nan where nothing was found
-    count: np.ndarray  # (n,) how many branches grow; -1 where nothing was found
-    fastest: np.ndarray  # (n,) complex: the eigenvalue of that real part
-    least: np.ndarray  # (n,) [1/s]: smaller eigenvalues mean no more than zero
-    variation: np.ndarray  # (n,) that of a Linearization; 0 where nothing was found
+    growth: np.ndarray  # (n,) largest real part [1/s] of the eigenvalues above ``least``; nan where no state was found
+    count: np.ndarray  # (n,) number of growing modes; -1 where no state was found
+    fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
+    least: np.ndarray  # (n,) [1/s]: smaller eigenvalues cannot be distinguished from zero
+    variation: np.ndarray  # (n,) variation of the Linearization; 0 where no state was found
 
     @property
     def family_names(self):
-        """Lists (branches, n) of the families of the modes, "" where a branch has none."""
+        """Lists (branches, n) of names of the families of the modes, "" where a branch has none."""
         return [["" if number < 0 else FAMILIES[number] for number in row] for row in self.families]
 
     def of_instant(self, found):
-        """True where a Critical lies between states that are not steady, so that its modes are those of an instant."""
+        """Return whether a Critical lies between states that are not steady, so that its modes hold for an instant."""
         i = int(np.searchsorted(self.axis.values, found.place))
         return bool(self.variation[max(i - 1, 0) : i + 1].max() > STEADY)
 
 
 @dataclass
 class Sweep:
-    """What a sweep found: a Locus for each value of the second axis (one, without a value, when there is none)."""
+    """Result of a sweep: a Locus for each value of the second axis, or a single one."""
 
     axes: tuple
     loci: list
     warnings: list
     about: str
-    deck: object  # of the first values
+    deck: object  # the checked deck without the values of the sweep
 
 
 @dataclass
 class Case:
-    """The deck of a sweep and how its modes are found; remembers what it was told on the way."""
+    """The deck of a sweep and the options of its modes; collects warnings and errors of the states."""
 
     path: str
     overrides: tuple = ()
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, in how many states)
+    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, number of states)
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
-    variation: float = 0.0  # largest of all states, as that of a Linearization
+    variation: float = 0.0  # of the Linearizations, largest of all states
     residual: float = 0.0  # largest of all modes
 
     def deck(self, settings=()):
-        """The checked deck with some numbers set: (path, value) each."""
+        """Return the checked deck with ``settings``, pairs (path, value), applied."""
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
     def warn(self, text):
-        """Note a text, once more where it is known but for its numbers."""
+        """Record a warning; texts that differ in numbers only are counted as one."""
         key = ALONE.sub("#", text)
         first, count = self.warnings.get(key, (text, 0))
         self.warnings[key] = first, count + 1
 
     def fail(self, error):
-        """Note the error of a state."""
+        """Record the error of a state."""
         self.error = error
         self.warn(str(error).partition("\n")[0])
 
     def spectrum(self, settings):
-        """(Spectrum, words(shape) -> text, variation) of a state."""
+        """Return (Spectrum, function of a shape that describes its motion, variation) of a state."""
         base = about(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
@@ -157,11 +160,10 @@ class Case:
 
 
 def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
-    """Find the modes of a deck file over one or two ``texts`` "parameter=from:to:step"; returns a Sweep.
+    """Compute the modes of a deck file over one or two ``texts`` "parameter=from:to:step", and return a Sweep.
 
-    ``progress(done, total, text)`` is told of every state.
-    Values where no state is found are left out, with a remark.
-    Raises UsageError, DeckError, and the error of the last state where none is found.
+    ``progress(done, total, text)`` is called for every state. Values at which no state is found are left out, with a
+    warning. Raises UsageError, DeckError, and the error of the last state if none is found at any value.
     """
     case = Case(path, tuple(overrides), number or 1_000_000, frame, method)
     deck = case.deck()
@@ -184,7 +186,7 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
 
 
 def _locus(case, axis, other, reported):
-    """The Locus over ``axis`` with the other numbers set."""
+    """Return the Locus over ``axis`` with the settings ``other``."""
     spectra, motions, variations = [], [], []
     for i, value in enumerate(axis.values):
         settings = (*other, (axis.path, float(value)))
@@ -207,19 +209,19 @@ def _locus(case, axis, other, reported):
 
 
 def _along(row, spectra, name, none):
-    """What each mode of a branch has in its spectrum, (n,); ``none`` where the branch has no mode."""
+    """Return the attribute ``name`` of each mode of a branch, (n,); ``none`` where the branch has no mode."""
     return [getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)]
 
 
 def _described(row, spectra, motions):
-    """What moves most in a branch, where it is least damped."""
+    """Return a description of the largest motions of a branch, where it is least damped."""
     values = np.array([spectra[i].values[mode] if mode >= 0 else np.nan for i, mode in enumerate(row)])
     i = least_damped(values, np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra]))
     return motions[i](spectra[i].shapes[row[i]])
 
 
 def _growth(spectra):
-    """Largest real part, number of growing modes, and the eigenvalue of the largest real part, of each spectrum."""
+    """Return, for each spectrum, the largest real part, the number of growing modes, and the fastest eigenvalue."""
     growth, count = np.full(len(spectra), np.nan), np.full(len(spectra), -1)
     fastest = np.full(len(spectra), np.nan, complex)
     for i, spectrum in enumerate(spectra):
@@ -234,7 +236,7 @@ def _growth(spectra):
 
 
 def _criticals(case, axis, other, rows, spectra):
-    """Where branches become unstable or stable, by place."""
+    """Return the Criticals at which branches become unstable or stable, sorted by value."""
     found = []
 
     def spectrum_at(place):
@@ -252,7 +254,7 @@ def _criticals(case, axis, other, rows, spectra):
 
 
 def _distinct(criticals):
-    """Without those that two branches, meeting as a pair there, both tell."""
+    """Return the Criticals without duplicates from two branches that meet as a pair."""
     kept = []
     for c in criticals:
         twin = any(abs(c.place - k.place) <= 1e-9 * abs(c.place) and c.destabilizes == k.destabilizes for k in kept)
@@ -262,7 +264,10 @@ def _distinct(criticals):
 
 
 def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
-    """``sweep`` into a file, with ``columns`` into tables of comma-separated values beside it: (text, states)."""
+    """Write a ``sweep`` to a file, with ``columns`` also to CSV tables beside it; return (text, number of states).
+
+    Raises the errors of ``sweep``, and ResultsError if the file exists, unless ``force``, or cannot be written.
+    """
     with locked(file):
         refuse_existing(file, force)
         found = sweep(path, overrides, texts, **options)

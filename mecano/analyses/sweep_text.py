@@ -1,4 +1,4 @@
-"""What a sweep of modes found, as lines for a terminal."""
+"""The results of a sweep of modes as lines for a terminal."""
 
 import math
 
@@ -11,7 +11,7 @@ MOST_ROWS, MOST_DIGITS, INSTANT_DIGITS = 200, 11, 3
 
 
 def lines(sweep):
-    """Lines of the table: the least stable mode at each value, the modes, the critical values."""
+    """Yield the lines of the table: the least stable mode at each value, the modes, the critical values."""
     first = sweep.axes[0]
     yield f"modes over {first.name}, {len(first.values)} values from {first.values[0]:g} to {first.values[-1]:g}"
     yield f"about: {sweep.about}"
@@ -27,7 +27,7 @@ def lines(sweep):
 
 
 def _states(axis, locus):
-    """The value, how many modes grow, and the numbers of the least stable mode."""
+    """Yield a line for each value: the number of growing modes, and the least stable mode."""
     rows = [(axis.name, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
     for i, value in enumerate(axis.values):
         if locus.count[i] < 0:
@@ -49,7 +49,7 @@ def _states(axis, locus):
 
 
 def _modes(name, locus):
-    """Every mode: its family and numbers where it is least damped, and what moves most there."""
+    """Yield a line for each mode: family, frequency, damping and largest motions where it is least damped."""
     yield "modes, where they are least damped:"
     rows = [("mode", "family", "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "what moves most")]
     for b, values in enumerate(locus.values):
@@ -64,7 +64,7 @@ def _modes(name, locus):
 
 
 def _families(name, locus):
-    """The least damped mode of each family, over all values."""
+    """Yield a line for each family: its least damped mode over all values."""
     yield "least damped of each family:"
     rows = [("family", "mode", "damped [Hz]", "damping", f"at {name}")]
     for number in np.unique(locus.families[locus.families >= 0]):
@@ -77,19 +77,19 @@ def _families(name, locus):
 
 
 def _numbers(value):
-    """Damped frequency [Hz] and damping ratio of an eigenvalue."""
+    """Return damped frequency [Hz] and damping ratio of an eigenvalue as texts."""
     return f"{value.imag / (2.0 * np.pi):.6g}", f"{float(damping(value)) + 0.0:.5f}"
 
 
 def _aligned(rows):
-    """Rows of texts in columns; the last one to the left."""
+    """Yield rows of texts aligned in columns, the last of them to the left."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join([*(f"{text:>{width}}" for text, width in zip(row[:-1], widths, strict=False)), row[-1]])
 
 
 def _critical(name, locus):
-    """Where modes become unstable or stable."""
+    """Yield a line for each critical value, at which a mode becomes unstable or stable."""
     if not locus.critical:
         yield "no mode becomes unstable or stable in between"
     for c in locus.critical:
@@ -105,7 +105,7 @@ def _critical(name, locus):
 
 
 def known(value, error):
-    """The digits of a value that hold, at most 11: half a unit of the last one is no less than the ``error``."""
+    """Return a value with its correct digits, at most 11: half a unit of the last digit is at least the ``error``."""
     if not (value and error):
         return f"{value:.{MOST_DIGITS}g}"
     digits = math.floor(math.log10(abs(value))) - math.ceil(math.log10(2.0 * error)) + 1
@@ -113,7 +113,7 @@ def known(value, error):
 
 
 def _stretches(axis, locus):
-    """Between which of the values some mode grows."""
+    """Return a text on the ranges of values in which some mode grows."""
     grows = locus.count > 0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))
     parts = [f"{axis.values[a]:.6g} to {axis.values[b - 1]:.6g}" for a, b in edges.reshape(-1, 2)]

@@ -1,4 +1,4 @@
-"""Compiling ahead: what all decks can contain, or what some decks do."""
+"""Ahead-of-time compilation of everything a deck can contain, or of everything that given decks contain."""
 
 import os
 import tempfile
@@ -22,9 +22,9 @@ BETWEEN = 0.7  # steps between two saved times, which are then interpolated
 
 
 def warmup(decks=(), overrides=()):
-    """Compile the loops of all kinds and what solves every model, or all that the ``decks`` need; yields texts.
+    """Compile the loops of all kinds and the solver, or all code that ``decks`` need; yield progress texts.
 
-    Raises what reading and running a deck raises.
+    Raises the errors of reading and running a deck.
     """
     before = store.size()
     if decks:
@@ -44,9 +44,9 @@ def warmup(decks=(), overrides=()):
 
 
 def share(folder):
-    """Copy all compiled code of this user into a shared store below ``folder``; return what to do with it, as text.
+    """Copy all compiled code of this user into a shared store below ``folder``; return instructions for its users.
 
-    Raises ResultsError where it cannot be written, or untrusted users can write there.
+    Raises ResultsError if the store cannot be written, or if untrusted users can write there.
     """
     try:
         target, size = store.share(folder)
@@ -58,7 +58,7 @@ def share(folder):
 
 
 def all_kinds():
-    """All kinds, those of basic constraints and variants among them."""
+    """Return all kinds, including basic constraints and variants."""
     found = {}
     for package in (constraints, elements):
         for module in walk_packages(package.__path__, f"{package.__name__}."):
@@ -68,7 +68,7 @@ def all_kinds():
 
 
 def _shortened(deck):
-    """Overrides that leave some steps of a march, and save between them; an equilibrium has none to be left out."""
+    """Return overrides that shorten a dynamic run to some steps, with saved times between them; [] for statics."""
     time = deck.values["time"]
     if not time:
         return []
@@ -87,7 +87,7 @@ def _compile(kinds):
 
 
 def _begin(deck):
-    """Compile all loops of the model, those that are called late as well, and run some steps."""
+    """Compile all loops of the model, including those not called in the first steps, and run some steps."""
     _compile(batch.kind for batch in prepare(deck).system.batches)
     with tempfile.TemporaryDirectory() as folder:
         (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))

@@ -1,4 +1,4 @@
-"""The commands by subject: arguments and help. What they do lives on its floor and is imported when they are called."""
+"""The commands by subject: arguments and help. Their implementations are imported when they are called."""
 
 import os
 import sys
@@ -26,7 +26,7 @@ plugins = click.option(
 
 
 def show(text):
-    """Print; a reader that has seen enough (as ``head`` has) is no error."""
+    """Print a text; a reader that closes the pipe early (such as ``head``) is no error."""
     try:
         click.echo(text)
     except BrokenPipeError:

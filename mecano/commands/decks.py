@@ -1,4 +1,4 @@
-"""Commands about decks, and about what they can contain."""
+"""Commands about decks and their possible content."""
 
 import click
 
@@ -35,8 +35,8 @@ def list_():
 def explain(name):
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
-    Of a word that is used elsewhere, such as "motor" or "ball joint", it names what there is for it.
-    `mecano explain study` is about the files of `mecano sweep`.
+    For a word of other programs, such as "motor" or "ball joint", it names the counterparts in mecano.
+    `mecano explain study` describes the files of `mecano sweep`.
     """
     name = " ".join(name)
     if name == "study":
@@ -53,7 +53,7 @@ def explain(name):
 @click.option("--study", is_flag=True, help="Of study files, instead of decks.")
 @plugins
 def schema(output, study):
-    """Write the grammar of decks as JSON Schema, for editors that then complete, explain and check while you type."""
+    """Write the JSON Schema of decks, with which editors complete, explain and check decks while you type."""
     from mecano.deck.new import schema_text, write_text
 
     if study:
@@ -95,7 +95,7 @@ def _starters(context, parameter, begun):
 @click.argument("deck", required=False, type=click.Path())
 @click.option("--list", "every", is_flag=True, help="List the decks to begin with, and the examples.")
 def new(template, deck, every):
-    """Write a commented deck to begin with, by default TEMPLATE.yaml here; without TEMPLATE: list them."""
+    """Write a commented starter deck, by default to TEMPLATE.yaml here; without TEMPLATE: list them."""
     from mecano.deck.new import list_of_examples, list_of_starters, starter, write_text
 
     if every or template is None:
@@ -116,7 +116,7 @@ def _examples(context, parameter, begun):
 @click.argument("name", required=False, shell_complete=_examples)
 @click.argument("deck", required=False, type=click.Path())
 def example(name, deck):
-    """Write an example deck, by default NAME.yaml here, and the files that it reads; without NAME: list them."""
+    """Write an example deck, by default to NAME.yaml here, and the files it reads; without NAME: list them."""
     from mecano.deck.new import list_of_examples, write_example
 
     if name is None:

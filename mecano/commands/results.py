@@ -32,13 +32,13 @@ from mecano.commands import plugins, show
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
 
-    Without --plot, --spectrum, --at: the pictures that show this model, from the overview to the step size. Names of
-    outputs are those of `mecano info RESULTS --names`, vectors have components: --plot axle.position.z,
+    Without --plot, --spectrum, --at: the standard plots for this model, from the overview to the step size.
+    `mecano info RESULTS --names` lists the names of outputs; vectors have components: --plot axle.position.z,
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
-    --animate writes one page for a browser, without a network: the motion of one file in space, with time slider,
-    colours by stress or force, and beside it the plots asked for, or the first of the overview. --report writes one
-    page on the run: model, solution, energies, events, pictures (those asked for first), extremes, the deck.
+    --animate writes one self-contained page for a browser: the motion of one file in space, with a time slider, colours
+    by stress or force, and beside it the requested plots, or the first of the overview. --report writes one page on
+    the run: model, solution, energies, events, pictures (requested ones first), extremes, the deck.
     """
     from mecano.results.checked import blaming, cut_short
 
@@ -70,7 +70,7 @@ def _post(results, plots, spectra, at, output, kind, columns, title, page, repor
 
 
 def _refuse_strays(results, **given):
-    """Raise UsageError for what pages cannot have."""
+    """Raise UsageError for options that do not apply to pages."""
     if len(results) > 1:
         raise click.UsageError("--animate and --report are about one results file")
     strays = [f"--{name}" for name, value in given.items() if value]
@@ -87,7 +87,7 @@ def _refuse_strays(results, **given):
 def export(results, output, series, vtk, force):
     """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
 
-    Without -o columns go to a file beside RESULTS with the ending .csv. Names as in `mecano post --plot`.
+    Without -o, columns are written to a file .csv beside RESULTS. Names as in `mecano post --plot`.
     """
     from mecano.post.export import export as write
     from mecano.results.checked import blaming, cut_short
@@ -106,7 +106,7 @@ def export(results, output, series, vtk, force):
 )  # fmt: skip
 @click.option("--events", is_flag=True, help="List all events, each in a line of its own.")
 def info(results, pattern, events):
-    """Say what is in a results file and how the run went: status, steps, events, extremes."""
+    """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text
     from mecano.results.checked import blaming, cut_short
 
@@ -119,7 +119,7 @@ def info(results, pattern, events):
 @click.command()
 @click.argument("results", type=click.Path())
 def verify(results):
-    """Look for changed or missing bytes in a results file: exit code 5, and which data they are of."""
+    """Check a results file for changed or missing bytes; if any, name the data affected, with exit code 5."""
     from mecano.results.verify import verify as text
 
     show(text(results))

@@ -22,10 +22,10 @@ from mecano.process.interrupt import Interruption, again, seconds
 @overrides
 @plugins
 def run(deck, output, force, resume, limit, interval, quiet, overrides):
-    """Solve a deck into a results file.
+    """Solve a deck and write a results file.
 
     SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
-    continues to the same bits. A second Ctrl-C ends it at once.
+    continues it to the same bits. A second Ctrl-C ends it at once.
     """
     if resume and force:
         raise click.UsageError("--resume goes on with a results file, --force replaces it")
@@ -66,12 +66,13 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 @overrides
 @plugins
 def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
-    """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
+    """Compute modes about the initial state of a deck, its equilibrium, or a saved state.
 
-    With 'static' or 'initial: static' in the deck: about the static equilibrium, with 'initial: {steady: ...}' about
-    straight steady running. With --at: about a body that moves, whose modes are those of the instant; about the
-    equilibrium beside it with --at-rest. Complex eigenvalues with constraints, damping, gyroscopic and follower terms;
-    a table here, shapes in the file and, with --plot, in a picture. With --sweep: root loci and critical values.
+    With 'static' or 'initial: static' in the deck: about the static equilibrium; with 'initial: {steady: ...}': about
+    straight steady running. With --at: about a saved state, whose modes hold for that instant if it moves; with
+    --at-rest: about the equilibrium near that state. Complex eigenvalues with constraints, damping, gyroscopic and
+    follower terms; prints a table, writes shapes to the file and, with --plot, a picture. With --sweep: root loci and
+    critical values.
     """
     if sweeps:
         if at is not None or at_rest:
@@ -130,10 +131,10 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 @overrides
 @plugins
 def reduce_(deck, elements, nodes, number, output, force, overrides):
-    """Reduce a part of a deck to matrices over its boundary nodes and modes: the file of a superelement.
+    """Reduce a part of a deck to matrices for a superelement.
 
-    Of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these held, about
-    the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
+    Method of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these
+    held, about the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
     """
     if number != "all" and not number.isdigit():
         raise click.BadParameter("must be a whole number or 'all'", param_hint="--modes")

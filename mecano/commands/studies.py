@@ -1,4 +1,4 @@
-"""Commands for many runs, here and on clusters."""
+"""Commands for many runs, on this machine and on clusters."""
 
 import os
 import shlex
@@ -35,11 +35,11 @@ from mecano.process.interrupt import Interruption, seconds
 @plugins
 def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, scheduler, options, wait,
           only_table, number, plot, quiet):  # fmt: skip
-    """Run a deck many times with other values, each case as a process of its own.
+    """Run a deck many times with varied values, each case in a separate process.
 
-    STUDY is a file that names the deck, what is varied (grid, list, csv, latin_hypercube, seeds) and which numbers of
-    each run are wanted: docs/studies.md. The folder gets a results file and a log for each case, table.csv and
-    table.h5. A case that fails stops no other. Exit code 0: all cases are complete, 3: some are not.
+    STUDY is a file that names the deck, the variations (grid, list, csv, latin_hypercube, seeds) and the outputs of
+    each run: docs/studies.md. The folder receives a results file and a log for each case, table.csv and table.h5. A
+    failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not.
     """
     _refuse_strays(executor, resume=resume, force=force, jobs=jobs, scheduler=scheduler, sbatch=options, wait=wait)
     interruption = Interruption()
@@ -80,7 +80,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
 
 
 def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
-    """Raise UsageError where options do not go together."""
+    """Raise UsageError for options that exclude each other."""
     if resume and force:
         raise click.UsageError("--resume goes on with the cases, --force begins anew")
     if scheduler and executor != "dask":
@@ -92,7 +92,7 @@ def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
 
 
 def _runner(executor, scheduler):
-    """What runs cases for `perform`."""
+    """Return the function that runs cases for ``perform``."""
     if executor == "dask":
         from mecano.study.dask import run_in_tasks
 
@@ -103,7 +103,7 @@ def _runner(executor, scheduler):
 
 
 def _finish(table, plot):
-    """Say how the study went and draw it; raises IncompleteStudyError unless all cases are complete."""
+    """Print a summary of the study, and draw it if ``plot``. Raises IncompleteStudyError unless all are complete."""
     from mecano.study.perform import judge
 
     show(table.summary())
@@ -120,9 +120,9 @@ def _finish(table, plot):
 @click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code there, for other users.")
 @plugins
 def warmup(decks, overrides, share):
-    """Compile all that decks can contain, or what the given DECKS do, before many runs want it at once.
+    """Compile everything a deck can contain, or what the given DECKS contain, ahead of the first run.
 
-    Compiled code is kept on the disk; this says where. For a cluster see docs/cluster.md.
+    Compiled code is kept on disk, in the folder printed. For clusters see docs/cluster.md.
     """
     from mecano.analyses.progress import COMPILING
     from mecano.analyses.warmup import share as copy_to

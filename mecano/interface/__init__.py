@@ -1,1 +1,1 @@
-"""What Python programs and notebooks call: `mecano.run`, `mecano.Deck` and the other names of `dir(mecano)`."""
+"""The interface for Python programs and notebooks: `mecano.run`, `mecano.Deck` and the other names of `dir(mecano)`."""

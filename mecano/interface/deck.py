@@ -23,7 +23,7 @@ WIDTH = 110
 
 
 class Deck(MutableMapping[str, Any]):
-    """Represent a deck by dicts, lists, numbers and strings; quantities with units and expressions are strings.
+    """A deck of dicts, lists, numbers and strings; quantities with units and expressions are strings.
 
     A deck is checked when it is used. Errors refer to lines and columns of its ``text``.
 
@@ -82,12 +82,12 @@ class Deck(MutableMapping[str, Any]):
         return f"Deck {self.name!r}: {', '.join(self._sections)}"
 
     def copy(self) -> "Deck":
-        """Return a deck that can be changed by itself."""
+        """Return an independent copy of the deck."""
         return Deck(deepcopy(self._sections), folder=self.folder, name=self.name)
 
     @property
     def text(self) -> str:
-        """The deck as YAML. Raises TypeError for objects that are no part of it."""
+        """The deck as YAML. Raises TypeError for objects that a deck cannot hold."""
         try:
             return yaml.dump(
                 self._sections, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=WIDTH,
@@ -99,7 +99,7 @@ class Deck(MutableMapping[str, Any]):
             ) from None
 
     def save(self, path: "AnyPath", *, replace: bool = False) -> None:
-        """Write the text into a file. Raises UsageError where it exists and is not to be replaced, ResultsError."""
+        """Write the text to a file. Raises UsageError if the file exists, unless ``replace``, and ResultsError."""
         write_text(path, self.text, replace)
 
 
@@ -119,17 +119,17 @@ def checked_deck(deck, overrides):
 
 
 def _override_texts(overrides):
-    """Overrides as `mecano run --set` takes them."""
+    """Return overrides as texts for `mecano run --set`."""
     return tuple(f"{path}={_in_one_line(value)}" for path, value in (overrides or {}).items())
 
 
 def _in_one_line(value):
     text = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=np.inf, allow_unicode=True)
-    return text.removesuffix("...\n").strip()  # the end of a document behind a single value
+    return text.removesuffix("...\n").strip()  # the end mark of a document after a scalar
 
 
 def name_of(deck):
-    """Return the name that results files of a path or Deck begin with."""
+    """Return the stem of the names of results files of a path or Deck."""
     return deck.name if isinstance(deck, Deck) else Path(deck).stem
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Results(reader.Results):
-    """Read a results file, convert it to xarray or pandas, plot it; displayed as a table in notebooks.
+    """An open results file, with conversion to xarray and pandas, and plots; displayed as a table in notebooks.
 
     Examples
     --------
@@ -34,8 +34,7 @@ class Results(reader.Results):
     def to_xarray(self, pattern: str = "*") -> "xarray.Dataset":
         """Return outputs at the saved times as a Dataset: all, or those that match a pattern such as "wheel.*".
 
-        Every variable has its unit and meaning as the attributes ``units`` and ``long_name``. Raises ImportError
-        without xarray.
+        Every variable has the attributes ``units`` and ``long_name``. Raises ImportError without xarray.
         """
         xarray = imported("xarray", "Results.to_xarray")
         variables = {}

@@ -16,11 +16,11 @@ from mecano.results.lookup import Lookup
 
 
 class Simulation:
-    """Advance a dynamic run step by step in a ``with`` block; it writes the results file of ``mecano.run``.
+    """A dynamic run advanced step by step in a ``with`` block; it writes the results file of ``mecano.run``.
 
     Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At
-    the end of the block the file is closed: as complete at the end of the deck, otherwise with a checkpoint, from which
-    ``mecano.run(..., resume=True)`` continues. Ctrl-C in ``advance`` also leaves a checkpoint, and raises
+    the end of the block the file is closed: as complete if the end time was reached, otherwise with a checkpoint, from
+    which ``mecano.run(..., resume=True)`` continues. Ctrl-C in ``advance`` also leaves a checkpoint, and raises
     KeyboardInterrupt.
 
     ``deck``, ``path``, ``set`` and ``force`` are those of ``mecano.run``.
@@ -30,7 +30,7 @@ class Simulation:
     DeckError, AssemblyError, ResultsError
         As ``mecano.run``, when the block begins.
     UsageError
-        The deck asks for equilibria.
+        The deck is one of statics.
 
     Examples
     --------
@@ -82,12 +82,12 @@ class Simulation:
         return self._checked.values["time"]["end"]
 
     def advance(self, duration: float) -> None:
-        """Advance by ``duration`` [s], or to the end of the deck if that comes first.
+        """Advance by ``duration`` [s], or to the end time of the deck if that comes first.
 
         Raises
         ------
         UsageError
-            The duration is not positive, the end of the deck has been reached, or the block has ended.
+            The duration is not positive, the end time has been reached, or the block has ended.
         ConvergenceError, NonFiniteError, ResultsError
             As ``mecano.run``.
         """
@@ -101,7 +101,7 @@ class Simulation:
             self._started.advance(min(self.time + duration, self.end))
 
     def __getitem__(self, name: str) -> float | np.ndarray:
-        """Return the present value of an output, named by any ending of its path. Raises UnknownNameError."""
+        """Return the current value of an output, named by any ending of its path. Raises UnknownNameError."""
         row = self._started.recorder.row
         series, component = self._lookup.find(name)
         start = self._starts[series.path]

@@ -8,7 +8,7 @@ from mecano.errors import UsageError
 
 
 def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
-    """Solve a checked deck into the results file ``path``; options and errors as of ``mecano.run``."""
+    """Solve a checked deck and write the results file ``path``; options and errors as in ``mecano.run``."""
     static = checked.values["static"]
     if static and checkpoint is not None:
         raise UsageError("checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")

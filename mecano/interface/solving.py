@@ -1,4 +1,4 @@
-"""Solve decks and studies from Python, with progress on the standard error; Ctrl-C leaves a checkpoint."""
+"""Solution of decks and studies from Python, with progress on the standard error; Ctrl-C leaves a checkpoint."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ def run(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False, resume: bool = False,
     checkpoint: float | None = None, quiet: bool = False,
 ) -> Results:  # fmt: skip
-    """Solve a deck into a results file, with progress on the standard error, and open it.
+    """Solve a deck, with progress on the standard error, and return its open results file.
 
     Ctrl-C ends the run with a checkpoint and raises KeyboardInterrupt; ``resume`` continues it to the same bits.
 
@@ -31,7 +31,7 @@ def run(
     path : str or Path
         Results file; by default the name of the deck with .h5, in the working folder.
     set : dict
-        Values put into the deck, {"time.end": 2}.
+        Overrides of values of the deck, {"time.end": 2}.
     force : bool
         Replace an existing results file.
     resume : bool
@@ -48,9 +48,9 @@ def run(
     Raises
     ------
     DeckError
-        The deck is wrong; the text says where, and what would be right.
+        The deck is invalid; the message gives locations and corrections.
     UsageError
-        The options do not go together, or with the deck, or the results file is of another one.
+        The options exclude each other or do not apply to the deck, or the results file belongs to another deck.
     MecanoError
         The run failed: AssemblyError, ConvergenceError, NonFiniteError, ResultsError. The file keeps every saved time.
 
@@ -76,7 +76,7 @@ def check(deck: AnyDeck, *, set: Values | None = None) -> "Check":
     Returns
     -------
     Check
-        Its text is what `mecano check` prints.
+        Its text is the output of `mecano check`.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def modes(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, at: str | None = None,
     at_rest: bool = False, number: int = 10, frame: str = "inertial", solver: str = "automatic", force: bool = False,
 ) -> "Modes":  # fmt: skip
-    """Find the modes of small motions about the start of a deck, its equilibrium, or a saved state.
+    """Compute modes about the initial state of a deck, its equilibrium, or a saved state.
 
     Parameters
     ----------
@@ -124,15 +124,15 @@ def modes(
     path : str or Path
         File for the shapes; by default none is written.
     set : dict
-        Values put into the deck.
+        Overrides of values of the deck.
     at : str
         "results.h5:1.25": about the saved state nearest to that time.
     at_rest : bool
         About the equilibrium near the state of ``at``.
     number : int
-        Modes of lowest frequency.
+        Number of modes, those of lowest frequency.
     frame : str
-        Axes in which the motions are seen: "inertial", a node, or "wx,wy,wz" [rad/s].
+        Axes of the motions: "inertial", those of a node, or turning at "wx,wy,wz" [rad/s].
     solver : {"automatic", "dense", "sparse"}
     force : bool
         Replace an existing file.
@@ -179,18 +179,18 @@ def sweep(
     study: AnyPath, folder: AnyPath | None = None, *, jobs: int | None = None, resume: bool = False,
     force: bool = False, quiet: bool = False,
 ) -> "Study":  # fmt: skip
-    """Run the cases of a study side by side, each in a process of its own, and read the table of all.
+    """Run the cases of a study in parallel, each in a separate process, and return their table.
 
-    From the main thread. Ctrl-C ends all cases with checkpoints.
+    To be called from the main thread. Ctrl-C ends all cases with checkpoints.
 
     Parameters
     ----------
     study : str or Path
         Study file.
     folder : str or Path
-        Of the cases; by default the name of the study with _runs, in the working folder.
+        Folder of the cases; by default the name of the study with _runs, in the working folder.
     jobs : int
-        Cases side by side; by default one for each core.
+        Number of parallel cases; by default one per core.
     resume : bool
         Run the cases that are neither complete nor failed.
     force : bool
@@ -240,12 +240,12 @@ class Study:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns: the case, what is varied, how it ended, the outputs."""
+        """Names of the columns: case, varied values, status, outputs."""
         return tuple(self._columns)
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each column: name -> unit, empty where it has none."""
+        """Unit of each column: name -> unit, empty if it has none."""
         return {name: one.unit for name, one in self._columns.items()}
 
     def __getitem__(self, name: str) -> np.ndarray:

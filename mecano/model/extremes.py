@@ -1,4 +1,4 @@
-"""Largest and smallest value of every number of the row over all accepted steps, with their times."""
+"""Largest and smallest value of every number of a row over all accepted steps, with their times."""
 
 import math
 
@@ -15,9 +15,9 @@ class Extremes:
         self.high_time, self.low_time = np.full(size, np.nan), np.full(size, np.nan)
 
     def take(self, t, row):
-        """Compare with the row (size,) at the time t [s]; return the index of a number that is not finite, or -1.
+        """Update with a row (size,) at the time ``t`` [s]; return the index of a number that is not finite, or -1.
 
-        A row with such a number changes nothing.
+        A row with such a number is ignored.
         """
         return update(t, row, self.high, self.high_time, self.low, self.low_time)
 

@@ -1,4 +1,4 @@
-"""The numbers of curves as comma-separated values, in SI units."""
+"""Curves as comma-separated values, in SI units."""
 
 import csv
 from itertools import zip_longest
@@ -7,9 +7,10 @@ from mecano.post.quantity import STEPS
 
 
 def write_columns(path, curves, run_labels=()):
-    """Write curves, a column each, after the column that they are plotted over; names with units, and of several runs.
+    """Write curves as columns with names and units, each after the column over which it is plotted.
 
-    Columns that several curves share stand there once. Shorter ones, of other files or step sizes, end earlier.
+    ``run_labels`` prefix the names if there are several runs. Columns shared by curves are written once. Columns may
+    differ in length, as files or step sizes differ.
     """
     columns = {}
     for curve in curves:
@@ -22,7 +23,7 @@ def write_columns(path, curves, run_labels=()):
 
 
 def write_table(path, rows):
-    """Write rows, the heading among them."""
+    """Write rows, the first of them the heading, as comma-separated values."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows(rows)
 

@@ -1,17 +1,16 @@
-"""Deployment margin: what the motors of a structure that unfolds have to spare.
+"""Deployment margin: the torque reserve of the motors of a deploying structure.
 
-Motors are joints with a law of their angle and a latch. Against the mean of their angles, from the start to the
-first lock:
+Motors are hinges with a law and a latch. Over the mean of their angles, from the start to the first lock:
 
-    torque       work of their laws per angle, the mean of all motors
-    resisting    work done against everything else per angle: energy stored (weight, springs, deformation), dissipated,
-                 taken by prescribed motion and winders; what is left of the torque accelerates
+    torque       work of their laws per angle, mean of all motors
+    resisting    work against everything else per angle: energy stored (weight, springs, deformation), dissipated, or
+                 transferred to prescribed motion and winders; the rest of the torque accelerates the structure
     margin       torque over resisting torque
 
-All are means over small intervals of the angle, between saved times, so that small swings do not matter. The least
-margin is told twice: on the way, and in its last LATCHING. There members of a flexible structure tighten and bend as it
-comes to its shape, by its momentum as much as by its motors, and would hide how near these were to stopping before.
-Of a structure that does not tighten, the smaller of both numbers counts.
+All are means over small intervals of the angle, between saved times, so that small oscillations do not matter. The
+least margin is reported separately for the last part LATCHING of the way and for the rest. In the last part the members
+of a flexible structure become taut and bend, driven by its momentum as well as by the motors, which would hide how
+close the motors were to stalling before. For a structure that does not become taut, the smaller number counts.
 """
 
 import numpy as np
@@ -19,14 +18,14 @@ import numpy as np
 from mecano.post.quantity import Quantity
 from mecano.post.sheet import Curve, Panel, Sheet
 
-ANGLES = "angles of the motors"  # to which quantities belong
+ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
 LATCHING = 0.05  # of the way to the first lock
-LEAST = 1e-3  # of the largest torque: resistance below that is none
+LEAST = 1e-3  # of the largest torque: less resistance is ignored
 
 
 def deployment_sheet(runs):
-    """The sheet of the deployment margin; without panels where no motor turns."""
+    """Return the Sheet of the deployment margin, without panels if no motor turns."""
     torques, margins, reported = [], [], []
     for number, run in enumerate(runs):
         found = _torques(run, motors(run))
@@ -45,7 +44,7 @@ def deployment_sheet(runs):
 
 
 def margin_told(angle, margin):
-    """The least margin (n,) on the way over angles (n,) [rad], and that of its last LATCHING, in words."""
+    """Return a text on the least ``margin`` (n,) over ``angle`` (n,) [rad], in the last part LATCHING and before."""
     last = np.arange(len(angle)) >= round((1.0 - LATCHING) * len(angle))
     least = []
     for rows in (~last, last):
@@ -56,7 +55,7 @@ def margin_told(angle, margin):
 
 
 def motors(run):
-    """Names of the joints with a law of their angle and a latch -> the sign of the way to the latch."""
+    """Return {name: sign of the latch angle} of the hinges with a law and a latch."""
     joints = run.deck.get("joints", {}).items()
     driven = ((name, d["latch"]) for name, d in joints if d.get("turning_law") and d.get("latch"))
     return {name: float(np.sign(latch["angle"])) for name, latch in driven if "angle" in latch}
@@ -70,12 +69,12 @@ class _Curves:
         self.x = Quantity("motors/angle", "rad", "mean angle of the motors", ANGLES, times, angle)
 
     def of(self, name, unit, values):
-        """One quantity."""
+        """Return the Curve of one quantity."""
         return Curve(self.x, Quantity(f"motors/{name}", unit, name, ANGLES, self.times, values), self.number, "motors")
 
 
 def _torques(run, found):
-    """Angle (n,), mean torque, mean resisting torque, times, in the middle of intervals; None where nothing turns."""
+    """Return mean angle (n,), torque, resisting torque and times at midpoints of intervals; None if nothing turns."""
     results = run.results
     rows = results.time <= min((event.time for event in results.events if event.name == "locks"), default=np.inf)
     if not found or np.count_nonzero(rows) < 3:
@@ -97,5 +96,5 @@ def _torques(run, found):
 
 
 def _power(results, name):
-    """Power [W] that a motor gives to the mechanism."""
+    """Return the power [W] of a motor, > 0 into the mechanism."""
     return -results.find(f"joints/{name}/law_moment").values * results.find(f"joints/{name}/rate").values

@@ -1,4 +1,4 @@
-"""A panel of curves drawn into axes of matplotlib."""
+"""Drawing of a panel of curves into axes of matplotlib."""
 
 import re
 
@@ -19,24 +19,24 @@ from mecano.post.style import (
     with_unit,
 )
 
-EVENT_ROOM = 0.06  # of the width of the axes: labels of events are not closer to one another
-LINE_ROOM = 0.01  # the same of their lines
-MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
-TILT, LABEL_RISE = 30, 0.028  # of such a label: degrees, inches for each letter
+EVENT_ROOM = 0.06  # least distance of labels of events, over the width of the axes
+LINE_ROOM = 0.01  # least distance of lines of events, likewise
+MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # with more events, short lines at the axis: height, least distance
+TILT, LABEL_RISE = 30, 0.028  # of labels of events: degrees, height per letter in inches
 MOST_NAMED = 8  # events
-LATE = 0.6  # of the axis: names of events that are mostly later stand to the left of their lines
-MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
+LATE = 0.6  # of the axis: if events are later on average, their names are left of the lines
+MISSED = 1e-3  # of the largest value shown: a peak that exceeds it by more is marked
 TINY = 1e-300
-DECADES = 1e-12  # of the largest value: logarithmic axes show no less
+DECADES = 1e-12  # of the largest value: lower limit of logarithmic axes
 LINE, WIDER = 1.3, 0.9  # points
 MOST_COVERING = 3
-ALIKE = 0.01  # of their range
+ALIKE = 0.01  # of the span of the axes: curves that differ by less cover each other
 WIDTH = 3.7  # inches, of most axes
-MANY = 500  # values from which on steps are drawn finer
+MANY = 500  # with more values, steps are drawn with thinner lines
 
 
 def draw_panel(ax, panel, look, events, labelled):
-    """Draw the curves, their legend, the events; ``labelled``: they are named here."""
+    """Draw the curves of a panel, their legend and the events; ``labelled``: with names of the events."""
     unit = panel.curves[0].y.unit
     x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
     y_factor, y_unit = (1.0, unit) if panel.logarithmic else shown_unit(unit, _all(panel, "y"))
@@ -69,23 +69,23 @@ def _all(panel, side):
 
 
 def _misses_peak(curve):
-    """Whether the values shown leave out the largest one of all accepted steps."""
+    """Return whether the values shown miss the peak over all accepted steps."""
     return bool(curve.peak) and abs(curve.peak[0]) > (1.0 + MISSED) * np.nanmax(np.abs(curve.y.values), initial=0.0)
 
 
 def _spans(panel):
-    """How much of both axes the curves of a panel take; of one with a constant, what it shows."""
+    """Return the spans of the curves of a panel along both axes, as drawn if they are constant."""
     return [np.ptp(range_of(values) or values[np.isfinite(values)]) for values in (_all(panel, "x"), _all(panel, "y"))]
 
 
 def _width(curve, later, spans):
-    """A line is wider than those that cover it."""
+    """Return the width of a line [points], wider than the ``later`` lines that cover it."""
     covering = sum(not other.reference and _alike(curve, other, spans) for other in later)
     return LINE + WIDER * min(covering, MOST_COVERING)
 
 
 def _alike(curve, other, spans):
-    """Whether two curves can hardly be told apart in a panel with these spans."""
+    """Return whether two curves nearly coincide in a panel with these spans."""
     pairs = (curve.x.values, other.x.values), (curve.y.values, other.y.values)
     return len(pairs[0][0]) == len(pairs[0][1]) and all(
         np.all(np.abs(one - two)[np.isfinite(one - two)] <= ALIKE * span)
@@ -100,7 +100,7 @@ def _steps(panel, values):
 
 
 class PlainPowers(LogFormatterSciNotation):
-    """Labels of a logarithmic axis without the markup of formulas, which no text of a picture has."""
+    """Formatter of a logarithmic axis without mathematical markup, as texts of pictures are not parsed."""
 
     def __call__(self, x, pos=None):
         """Return the label of the tick at ``x``."""
@@ -115,7 +115,7 @@ def _scales(ax, panel, x_factor, y_factor):
         ax.yaxis.set_major_formatter(PlainPowers())
         ax.yaxis.set_minor_formatter(PlainPowers(labelOnlyBase=False, minor_thresholds=(1.0, 0.4)))
         largest = np.max(y, where=np.isfinite(y), initial=0.0)
-        if np.any((y > TINY) & (y < DECADES * largest)):  # a step without any error, for example
+        if np.any((y > TINY) & (y < DECADES * largest)):  # for instance a step with nearly zero error
             ax.set_ylim(bottom=DECADES * largest)
     elif constant := range_of(y):
         ax.set_ylim(*constant)
@@ -138,14 +138,14 @@ def _note(ax, panel, factor, unit):
 
 
 def _marks(panel, events, look):
-    """Events of the elements of the panel; of all where they have none."""
+    """Return the events of the elements of the panel, or all if they have none."""
     return [mark for mark in events if mark.element in look.owners(panel)] or events
 
 
 def _draw_events(ax, marks, factor, look, short):
-    """Thin lines at the times over ``factor``; of many, some of those that are close, so that they stay lines.
+    """Draw thin lines at the events, times divided by ``factor``; of many close events, only some.
 
-    Of very many, and ``short`` ones, only at the axis: they would otherwise grey the panel.
+    Very many events, or ``short`` ones, are marked at the axis only, as lines would cover the panel.
     """
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
@@ -161,7 +161,7 @@ def _draw_events(ax, marks, factor, look, short):
 
 
 def room_above(panel, events, look, labelled):
-    """Inches that the legend of a panel takes, and the names of its events if it is ``labelled`` with them."""
+    """Return the height [inches] of the legend of a panel and, if ``labelled``, of the names of its events."""
     handles = look.legend(panel)
     room = LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0
     if labelled and panel.over_time:
@@ -171,17 +171,16 @@ def room_above(panel, events, look, labelled):
 
 
 def _span(panel):
-    """First and last time [s] of a panel."""
+    """Return the first and last time [s] of a panel."""
     times = _all(panel, "x")
     return times.min(), times.max()
 
 
 def _names(marks, low, high):
-    """(mark, name) of the events between two times, as far as there is room; "+ 2" stands for two more close behind,
-    other than the same of another run.
+    """Return (mark, name) of the events between two times, at a least distance; [] for more than MOST_NAMED events.
 
-    The element is named where several meet the same. Of many events only lines are drawn: names of some would not
-    tell which ones.
+    "+ 2" stands for two other events close behind, not counting the same event of another run. The element is named
+    if several have the same event.
     """
     shown = [mark for mark in marks if low <= mark.time <= high]
     if len(shown) > MOST_NAMED:
@@ -196,7 +195,7 @@ def _names(marks, low, high):
 
 
 def _name_events(ax, panel, names, factor, look, height):
-    """Names of events so many points above the axes, tilted away from where there is less room."""
+    """Write names of events ``height`` points above the axes, tilted to the side with more room."""
     low, high = _span(panel)
     late = np.mean([mark.time for mark, _ in names] or [low]) > low + LATE * (high - low)
     for mark, name in names:
@@ -208,7 +207,7 @@ def _name_events(ax, panel, names, factor, look, height):
 
 
 def _thinned(marks, room):
-    """Marks that are at least ``room`` [s] apart, each with those left out behind it."""
+    """Return marks at least ``room`` [s] apart, each with the list of marks left out after it."""
     kept = []
     for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
         if kept and mark.time - kept[-1][0].time < room:

@@ -1,4 +1,4 @@
-"""A side view of the mechanism drawn into axes of matplotlib."""
+"""Drawing of a side view of the mechanism into axes of matplotlib."""
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -8,17 +8,17 @@ from mecano.post.shapes import BODY, CABLE, GUIDE, JOINT, MASS, ROD, SPRING, SUP
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
 
 LETTERS = "xyz"
-FAINTEST = 0.12  # opacity of the first instant where later ones lie on top
+FAINTEST = 0.12  # opacity of the first instant if instants are superimposed
 COILS = 5
 MOST_NAMES = 8
 NARROW, WIDE = 3.7, 8.0  # inches, of axes
-MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
+MOST_DOTS = 60  # joints drawn as dots; more dots would hide the mechanism
 MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
 def draw_sketch(ax, sketch, title="", named=True):
-    """Draw ground, paths, and the shapes at all instants, later ones darker where they lie on top.
+    """Draw ground, paths, and the shapes at all instants, later ones darker if superimposed.
 
     ``named``: with a legend and the span of the instants.
     """
@@ -53,13 +53,13 @@ def draw_sketch(ax, sketch, title="", named=True):
 
 
 def _colours(sketch):
-    """Colours of all that has a name of its own to be told by: all but joints and supports."""
+    """Return the colours of all named shapes except joints and supports: name -> colour."""
     names = [s.name for s in sketch.shapes if s.style not in (JOINT, SUPPORT)]
     return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(dict.fromkeys(names))}
 
 
 def _name(ax, colours, sketch):
-    """The legend; returns its height in points."""
+    """Draw the legend, and return its height in points."""
     if not 1 < len(colours) <= MOST_NAMES:
         return 0.0
     handles = [Line2D([], [], color=colour, linewidth=3, label=name) for name, colour in colours.items()]
@@ -67,7 +67,7 @@ def _name(ax, colours, sketch):
 
 
 def _label_instants(ax, sketch):
-    """The side-by-side view has times instead of a horizontal coordinate."""
+    """Label the instants of a side-by-side view with their times instead of a horizontal axis."""
     right = sketch.axes[0]
     for i, t in enumerate(sketch.times):
         x = np.concatenate([shape.points[i][:, right] for shape in sketch.shapes]) + sketch.shift[i]
@@ -85,7 +85,7 @@ def _draw_ground(ax, line):
 
 
 def _draw_body(ax, points, colour, opacity):
-    """A line between two points, the outline of more."""
+    """Draw a body as a line between two points, or as the convex outline of more."""
     if len(points) == 2:
         ax.plot(*points.T, color=colour, alpha=opacity, linewidth=2.6, solid_capstyle="round", zorder=3)
         return
@@ -95,7 +95,7 @@ def _draw_body(ax, points, colour, opacity):
 
 
 def _draw_rods(ax, rods, opacity):
-    """All at once: there may be hundreds, and lines of their own take a millisecond each."""
+    """Draw all rods as one collection, as separate lines take a millisecond each."""
     if rods:
         lines, drawn = zip(*rods, strict=True)
         ax.add_collection(LineCollection(lines, colors=drawn, alpha=opacity, linewidths=1.4, capstyle="projecting",
@@ -111,7 +111,7 @@ def _draw_mass(ax, points, colour, opacity):
 
 
 def _draw_wheel(ax, points, colour, opacity):
-    """The rim and a spoke, which shows how far it turns."""
+    """Draw the rim of a wheel and a spoke, which shows its rotation."""
     rim, centre = points[:-1], points[-1]
     ax.fill(*rim.T, color=colour, alpha=0.15 * opacity, linewidth=0, zorder=2)
     ax.plot(*rim.T, color=colour, alpha=opacity, linewidth=1.8, zorder=2.2)
@@ -139,7 +139,7 @@ DRAW = {
 
 
 def hull(points):
-    """Convex outline (m, 2), counter-clockwise, of points (n, 2)."""
+    """Return the convex outline (m, 2), counter-clockwise, of points (n, 2)."""
     ordered = sorted(map(tuple, points))
 
     def half(sequence):
@@ -158,7 +158,7 @@ def _turn(a, b, c):
 
 
 def zigzag(points):
-    """A spring (n, 2) between two points (2, 2): straight ends, coils as high as a tenth of its length."""
+    """Return a zigzag line (n, 2) between two points (2, 2), with straight ends and coils 0.1 of its length high."""
     (a, b), count = points, 2 * COILS
     along = b - a
     across = 0.1 * np.array([-along[1], along[0]])

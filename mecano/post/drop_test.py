@@ -1,8 +1,8 @@
-"""The page of a drop test: a gear with a shock absorber from its touch-down until it leaves the ground again.
+"""The sheet of a drop test: a gear with a shock absorber from touch-down to lift-off.
 
-The efficiency of an absorber is the work of its compression up to the largest stroke over the largest force times that
-stroke: 1 for a force that stays the same. Spin-up is the largest drag of the wheel on the gear, against the motion;
-spring-back the largest push forward after it, when the gear swings back.
+The efficiency of an absorber is the work of compression up to the largest stroke over the product of largest force and
+largest stroke: 1 for a constant force. Spin-up is the largest drag of the wheel on the gear, against the motion;
+spring-back is the largest forward force after it, when the gear springs back.
 """
 
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 
 @dataclass(frozen=True)
 class Impact:
-    """The first impact of a wheel in run number ``number``: its saved times are those where ``during``."""
+    """The first ground contact of a wheel in run number ``number``; ``during`` selects its saved times."""
 
     run: Run
     number: int
@@ -32,13 +32,13 @@ class Impact:
     during: np.ndarray
 
     def curve(self, name, x=None, *, sign=1.0):
-        """One quantity over the time or over another one."""
+        """Return the Curve of a quantity over time, or over another quantity ``x``."""
         y = self._cut(find(self.run.results, name)[0])
         y = replace(y, values=sign * y.values)
         return Curve(time_of(y) if x is None else self._cut(find(self.run.results, x)[0]), y, self.number, y.subject)
 
     def of(self, path, unit, doc, values):
-        """A curve over the time of values at all saved times."""
+        """Return the Curve over time of ``values`` given at all saved times."""
         y = self._cut(Quantity(path, unit, doc, SAVED, self.run.results.time, values))
         return Curve(time_of(y), y, self.number, y.subject)
 
@@ -47,7 +47,7 @@ class Impact:
 
 
 def drop_sheet(runs):
-    """The sheet of the first impacts of the runs; without panels where nothing touches down on an absorber."""
+    """Return the Sheet of the first impacts of the runs, without panels if no gear with an absorber touches down."""
     impacts = [impact for number, run in enumerate(runs) for impact in _impacts(run, number)]
     panels = [_load_stroke(impacts), _ground(impacts), _tyre(impacts), _axle(impacts), _travel(impacts)]
     panels = [_within(with_peaks(panel, runs)) for panel in panels if panel.curves]
@@ -56,7 +56,7 @@ def drop_sheet(runs):
 
 
 def _impacts(run, number):
-    """The Impact of each wheel that touches down."""
+    """Yield the Impact of each wheel that touches down."""
     absorbers = tuple(name for name, d in run.deck.get("elements", {}).items() if _absorbs(run, d))
     for name, d in run.deck.get("elements", {}).items():
         if absorbers and d.get("ground") and PICTURE in run.display(d).pictures:
@@ -74,7 +74,7 @@ def _absorbs(run, d):
 
 
 def _contact(run, wheel):
-    """Times [s] between which a wheel is on the ground for the first time after it was in the air."""
+    """Return the times [s] of the first touch-down of a wheel and of the lift-off after it; inf if there is none."""
     happened = [e for e in run.results.events if (quoted := QUOTED.search(e.element)) and quoted[1] == wheel]
     downs = [event.time for event in happened if event.name == "touch_down"]
     start = downs[0] if downs else np.inf
@@ -90,7 +90,7 @@ def _load_stroke(impacts):
 
 
 def efficiency(stroke, force):
-    """Work of the compression up to the largest stroke over largest force times largest stroke."""
+    """Return the work of compression up to the largest stroke over largest force times largest stroke."""
     last = int(np.argmax(stroke)) + 1
     stroke, force = stroke[:last], force[:last]
     most = np.ptp(stroke) * force.max(initial=0.0)
@@ -110,7 +110,7 @@ def _ground(impacts):
 
 
 def _axle(impacts):
-    """Drag on the gear at the axle, with spin-up and spring-back in words."""
+    """Return the Panel of the drag on the gear at the axle, with a note on spin-up and spring-back."""
     curves = [curve for one in impacts if (curve := _axle_drag(one)) is not None]
     found = [spin_up_and_spring_back(curve.y.values) for curve in curves]
     reported = [_peaks_text(curves, [rows[i] for rows in found]) for i in range(2)]
@@ -119,19 +119,19 @@ def _axle(impacts):
 
 
 def _peaks_text(curves, rows):
-    """Sizes of the values of the curves in these rows; of a single one with its time."""
+    """Return a text with the magnitudes of the curves at ``rows``; with the time if there is a single curve."""
     sizes = ", ".join(f"{abs(c.y.values[row]) / 1e3:.3g}" for c, row in zip(curves, rows, strict=True))
     return f"{sizes} kN at {curves[0].y.time[rows[0]]:.3g} s" if len(curves) == 1 else f"{sizes} kN"
 
 
 def spin_up_and_spring_back(drag):
-    """Rows of the largest drag and of the largest push forward after it."""
+    """Return the rows of the largest drag and of the largest forward force after it."""
     up = int(np.argmax(drag))
     return up, up + int(np.argmin(drag[up:]))
 
 
 def _axle_drag(one):
-    """Force of the wheel on the gear against the motion, in the joint that carries it; None without one."""
+    """Return the Curve of the drag on the gear in the hinge that carries the wheel; None without such a hinge."""
     node = one.run.deck["elements"][one.wheel]["node"]
     for name, d in one.run.deck.get("joints", {}).items():
         if one.run.display(d).along_axes and d["nodes"][1] == node and d["nodes"][0] != "ground":
@@ -145,7 +145,7 @@ def _axle_drag(one):
 
 
 def _heading(one):
-    """Directions (n, 3) in which the wheel moves over the ground."""
+    """Return the unit directions (n, 3) of motion of the wheel along the ground."""
     d = one.run.deck["elements"][one.wheel]
     normal = np.array(one.run.deck["grounds"][d["ground"]]["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)
@@ -160,7 +160,7 @@ def _travel(impacts):
 
 
 def _energies(impacts):
-    """Changes of the energies since the touch-down, and how well they balance."""
+    """Return the Panel of the changes of energies since touch-down, with a note on the energy balance."""
     curves = []
     for one in {impact.number: impact for impact in impacts}.values():
         for name in EXCHANGED:
@@ -172,7 +172,7 @@ def _energies(impacts):
 
 
 def _within(panel):
-    """The panel without the peaks of other times."""
+    """Return the panel without peaks outside its times."""
     curves = [
         replace(curve, peak=curve.peak if curve.peak and curve.x.time[0] <= curve.peak[1] <= curve.x.time[-1] else ())
         for curve in panel.curves

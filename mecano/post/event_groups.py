@@ -1,4 +1,4 @@
-"""Events of a run that are alike and happen at one instant, together; the sheet and the table of its shocks."""
+"""Groups of like events at one instant; the sheet and the table of the shocks of a run."""
 
 import re
 from dataclasses import dataclass
@@ -9,22 +9,22 @@ import numpy as np
 from mecano.post.quantity import Quantity, time_of
 from mecano.post.sheet import QUOTED, Curve, Panel, Sheet
 
-MOST_NAMES = 3  # of the elements of one line
-TOGETHER = 1e-6  # of the time of a run: events that are no farther apart are at one instant
-BESIDE, LEAST = 0.2, 0.05  # of the time of the shocks, of that of the run: shown before and behind them
-SHOCKS = "shocks"  # to whose times quantities belong
+MOST_NAMES = 3  # elements named in a line
+TOGETHER = 1e-6  # of the duration of a run: events no farther apart are at one instant
+BESIDE, LEAST = 0.2, 0.05  # margin shown around shocks, of the duration of the shocks, and least of that of the run
+SHOCKS = "shocks"  # clock of the quantities
 HEADING = ("run", "time [s]", "group", "element", "event", "impulse", "unit of the impulse", "energy lost [J]")
 
 
 @dataclass(frozen=True)
 class Group:
-    """Events at one instant, of elements of one kind, with one name and one change of mode."""
+    """Events at one instant, of elements of one kind, with the same name and change of phase."""
 
     events: tuple
 
     @property
     def time(self):
-        """That of the first [s]."""
+        """Time of the first event [s]."""
         return self.events[0].time
 
     @cached_property
@@ -39,12 +39,12 @@ class Group:
 
     @property
     def single(self):
-        """A Group for each of the events."""
+        """A list of Groups of one event each."""
         return [Group((event,)) for event in self.events]
 
     @property
     def title(self):
-        """The element, or the kind, how many they are, and the names of the first of them."""
+        """The element, or number and kind of the elements with the first of their names."""
         if len(self.events) == 1:
             return self.events[0].element
         more = f" and {len(self.names) - MOST_NAMES} more" if len(self.names) > MOST_NAMES else ""
@@ -52,27 +52,27 @@ class Group:
 
     @property
     def what(self):
-        """What happened to what, in words: hinge locks."""
+        """Kind and name of the event: hinge locks."""
         return f"{self.kind} {self.events[0].name}".replace("_", " ")
 
     @property
     def is_shock(self):
-        """True when momentum is exchanged."""
+        """Whether the events are shocks, which exchange momentum."""
         return bool(self.events[0].impulse_unit)
 
     @property
     def impulse(self):
-        """The impulse of largest size."""
+        """The impulse of largest magnitude."""
         return max((event.impulse for event in self.events), key=abs)
 
     @property
     def lost(self):
-        """Energy lost in all of them [J]."""
+        """Energy lost in all events [J]."""
         return sum(event.energy_lost for event in self.events)
 
 
 def groups(results):
-    """The events of a file as Groups, in their order."""
+    """Return the events of a file as a list of Groups, in order of time."""
     within = TOGETHER * float(np.ptp(results.time)) if len(results.time) else 0.0
     found, here = [], {}
     for event in results.events:
@@ -89,7 +89,7 @@ def _kind(event):
 
 
 def shock_sheet(runs):
-    """The sheet of the shocks: largest impulse at each instant, energy lost so far; its table has every one of them."""
+    """Return the Sheet of shocks: largest impulse at each instant, cumulative energy loss; its table lists all."""
     found = [(number, run, [g for g in groups(run.results) if g.is_shock]) for number, run in enumerate(runs)]
     impulses, energies = [], []
     for number, run, of_run in (one for one in found if one[2]):
@@ -108,14 +108,14 @@ def shock_sheet(runs):
 
 
 def _window(run, of_run):
-    """Times [s] around the shocks of a run, from which to which they are shown."""
+    """Return the start and end [s] of the window in which the shocks of a run are shown."""
     (start, end), (first, last) = run.results.time[[0, -1]], (of_run[0].time, of_run[-1].time)
     beside = max(BESIDE * (last - first), LEAST * (end - start))
     return max(start, first - beside), max(last, min(end, last + beside))
 
 
 def _curve(window, number, path, unit, times, values):
-    """A curve within a window, zero before and as at last behind it."""
+    """Return a Curve within a window, zero before the first time and constant after the last."""
     times, values = np.array([window[0], *times, window[1]]), np.array([0.0, *values, values[-1]])
     y = Quantity(path, unit, path.rpartition("/")[2].replace("_", " "), SHOCKS, times, values)
     return Curve(time_of(y), y, number, y.subject)
@@ -140,7 +140,7 @@ def _count(found):
 
 
 def _table(runs):
-    """Heading and a line for each shock of all runs."""
+    """Return the heading and a line for each shock of all runs; () without shocks."""
     lines = [
         (run.label or run.title, e.time, number, e.element, e.name, e.impulse, e.impulse_unit, e.energy_lost)
         for run in runs

@@ -1,4 +1,4 @@
-"""Results for other programs: comma-separated values, and points and cells for ParaView."""
+"""Export of results for other programs: comma-separated values, and points and cells for ParaView."""
 
 from pathlib import Path
 
@@ -19,28 +19,28 @@ OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
 
 
 def export(path, output=None, *, series=(), vtk=False, force=False):
-    """Write what a results file holds for other programs; returns the Path written.
+    """Write the content of a results file for other programs, and return the Path written.
 
     Parameters
     ----------
     path : str or Path
         The results file.
     output : str or Path
-        Ends with .csv or .vtkhdf, which is added where it has no ending; when absent, columns go to the name of the
-        results file with .csv, cells into the results file itself.
+        File with the extension .csv or .vtkhdf, which is added if missing; by default, columns are written to the name
+        of the results file with .csv, cells to the results file itself.
     series : sequence of str
-        What becomes columns, as in ``mecano post --plot``: outputs, components, patterns. All series when empty.
+        Columns, as in ``mecano post --plot``: outputs, components, patterns; empty for all series.
     vtk : bool
-        Cells (VTKHDF), not columns.
+        Write cells (VTKHDF) instead of columns.
     force : bool
-        Replace what exists.
+        Replace an existing file or group.
 
     Raises
     ------
     UsageError, UnknownNameError
-        The name of ``output`` has another ending, or ``series`` names what is not there.
+        ``output`` has another extension, or ``series`` names an unknown output.
     ResultsError
-        The file cannot be read, has no saved times, or what would be written exists or cannot be written.
+        The file cannot be read, has no saved times, or the target exists or cannot be written.
     """
     target = _target(output, vtk)
     _check(target, series, vtk)
@@ -62,7 +62,7 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
 
 
 def _target(output, vtk):
-    """The Path to be written, with an ending; None where none is given."""
+    """Return the Path to be written, with an extension, or None if ``output`` is not given."""
     target = Path(output) if output else None
     if target and not target.name:
         refuse_folder(target)
@@ -91,7 +91,7 @@ def _refuse(run, target, force):
 
 
 def _into_results(run, force):
-    """Add the cells to the results file, which no one may be writing."""
+    """Add the cells to the results file. Raises ResultsError if it is being written or truncated."""
     if run.results.status in ("running", "truncated"):
         state = "is still being written" if run.results.status == "running" else "is cut short"
         raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write a file of its own with -o")

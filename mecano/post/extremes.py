@@ -1,12 +1,12 @@
-"""Extremes over all accepted steps that are worth telling of a run as a whole."""
+"""Extremes over all accepted steps that are worth reporting for a run as a whole."""
 
 import math
 
-ROUNDING = 1e-10  # of the largest value of a unit: what stays below it says nothing
+ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are rounding errors
 
 
 def telling(extremes):
-    """(name as it is asked for, Extreme) of all but the nodes, and but what is zero or rounding beside its unit."""
+    """Return (name, Extreme) of all outputs, except those of nodes and those that are zero or rounding errors."""
     least = dict.fromkeys((extreme.unit for extreme in extremes.values()), 0.0)
     for extreme in extremes.values():
         if math.isfinite(size := _largest(extreme)):
@@ -19,7 +19,7 @@ def telling(extremes):
 
 
 def named(path):
-    """The name by which an output is asked for."""
+    """Return the name of an output as used in requests."""
     return path.replace("/", ".")
 
 

@@ -1,4 +1,4 @@
-"""Sheets as figures of matplotlib, without a display."""
+"""Figures of sheets by matplotlib, without a display."""
 
 import math
 
@@ -22,7 +22,7 @@ CUT = " ..."
 
 
 def sheet_figure(sheet, title):
-    """Figure of a sheet: its panels in columns, or its sketches one below the other."""
+    """Return the figure of a sheet: its panels in columns, or its sketches one below the other."""
     if not isinstance(sheet.panels[0], Panel):
         return _sketches(sheet, title)
     columns = 1 if len(sheet.panels) < 2 else 2
@@ -38,7 +38,7 @@ def sheet_figure(sheet, title):
 
 
 def overview_figure(sheet, title, facts):
-    """Figure of an overview: the sketch in the corner, or over the whole width when it is a row; panels around it."""
+    """Return the figure of an overview: panels around the sketch, which is in a corner or fills the first row."""
     sketched = not isinstance(sheet.panels[0], Panel)
     wide = sketched and not sheet.panels[0].in_place
     cells = [(r, c) for r in range(len(sheet.panels)) for c in range(COLUMNS)]
@@ -56,20 +56,20 @@ def overview_figure(sheet, title, facts):
 
 
 def save(figure, target, kind=""):
-    """Write a figure, once, to a path that tells the ``kind``, or to a stream; the same numbers give the same bytes.
+    """Write a figure to a path, whose extension is the default of ``kind``, or to a stream; it can be saved only once.
 
-    Raises OSError.
+    The same figure gives the same bytes. Raises OSError.
     """
     kind = kind or target.suffix[1:]
     with matplotlib.rc_context(SETTINGS):
         figure.get_layout_engine().execute(figure)
     with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
-        figure.set_layout_engine()  # none: to find the layout, savefig draws everything once more
+        figure.set_layout_engine()  # none, as savefig would draw everything again to compute the layout
         figure.savefig(target, format=kind, metadata={"Date": None} if kind == "svg" else None)
 
 
 def _room(sheet, look, cells, width):
-    """Inches for the legends and the names of events above each row of panels, and for the legend of all below."""
+    """Return the height [inches] of legends and names of events above the rows, and of the common legend below."""
     named = min((row for (row, _), panel in zip(cells, sheet.panels, strict=True) if _over_time(panel)), default=None)
     rows = {}
     for (row, _), panel in zip(cells, sheet.panels, strict=True):
@@ -91,7 +91,7 @@ def _sketches(sheet, title):
 
 
 def plain_figure(width, height, title, heading):
-    """An empty figure with a bold title and a line below it."""
+    """Return an empty figure with a bold title and a heading below it."""
     figure = Figure(figsize=(width, height + ROOM))
     figure.get_layout_engine().set(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)
     head = figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
@@ -103,7 +103,7 @@ def plain_figure(width, height, title, heading):
 
 
 def _fit(text, inches):
-    """Make a line of text smaller, or at last cut it, so that it fits into a width."""
+    """Reduce the size of a line of text, and truncate it at the smallest size, to fit a width in inches."""
     share = inches * text.figure.dpi / max(text.get_window_extent().width, 1.0)
     size = text.get_fontsize()
     if share < 1.0:
@@ -119,7 +119,7 @@ def _over_time(panel):
 
 
 def _fill(figure, sheet, places, look):
-    """Draw the panels; the first row with panels over time names the events."""
+    """Draw the panels, with names of events in the first row that has panels over time."""
     rows = [place.rowspan.start for place, panel in zip(places, sheet.panels, strict=True) if _over_time(panel)]
     for place, panel in zip(places, sheet.panels, strict=True):
         ax = figure.add_subplot(place)

@@ -1,4 +1,4 @@
-"""A motion as a moving picture, GIF, WebP or MP4: the mechanism as lines, seen from a fixed direction."""
+"""Films of a motion, GIF, WebP or MP4: the mechanism as lines, seen from a fixed direction."""
 
 import subprocess
 from pathlib import Path
@@ -34,16 +34,16 @@ COLOURS = "viridis"
 
 
 def film(path, target, title=None):
-    """Write the film ``target`` (.gif, .webp or .mp4) of the results file ``path``; the Path written.
+    """Write the film ``target`` (.gif, .webp or .mp4) of the results file ``path``, and return its Path.
 
-    Lines have the colour of the stress, or else of the axial force, where the file has it.
+    Lines are coloured by stress, or otherwise by axial force, if the file has them.
 
     Raises
     ------
     UsageError
-        What writes such films is not installed.
+        The program that writes such films is not installed.
     ResultsError
-        The file cannot be read or holds nothing that moves, or the film cannot be written.
+        The file cannot be read or has nothing to draw, or the film cannot be written.
     """
     target = Path(target)
     writer = WRITERS[target.suffix]
@@ -62,7 +62,7 @@ def _write(scene, target, writer, title):
     picture = _Picture(scene, ax, title)
     picture.show(0)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # it would be found anew for each frame, in half of the time
+    figure.set_layout_engine("none")  # computing the layout for each frame would take half of the time
     moving = animation.FuncAnimation(figure, picture.show, frames=len(scene.times), blit=False)
     try:
         moving.save(target, writer=writer, fps=PER_SECOND, dpi=DOTS)
@@ -72,7 +72,7 @@ def _write(scene, target, writer, title):
 
 
 class _Picture:
-    """The axes of the film, and what is exchanged in them from frame to frame."""
+    """The axes of the film, and the artists updated from frame to frame."""
 
     def __init__(self, scene, ax, title):
         self._scene, self._ax, self._projection = scene, ax, projection(scene.eye, scene.up)
@@ -91,7 +91,7 @@ class _Picture:
         return points @ self._projection.T
 
     def _limits(self):
-        """The whole motion, or as much of it as the mechanism needs when the view goes along."""
+        """Set centre and half widths of the view: of the whole motion, or of the mechanism if the view follows it."""
         scene = self._scene
         shift = scene.middle[:, None] if scene.follow else 0.0
         flat = np.concatenate([self._flat(s.points - shift).reshape(-1, 2) for s in scene.shapes])
@@ -109,7 +109,7 @@ class _Picture:
         return mark
 
     def _coloured(self):
-        """(name, mapping of values to colours) of what the lines show, with its scale; None where there is nothing."""
+        """Draw the colour bar; return (name, factor, colour mapping) of the quantity shown, or None without one."""
         known = [one for one in self._scene.ranges if one[3] > one[2]]
         if not known:
             return None
@@ -121,14 +121,14 @@ class _Picture:
         return name, factor, mapping
 
     def show(self, frame):
-        """Put everything where it is at saved time number ``frame`` of the scene."""
+        """Update all artists to saved time number ``frame`` of the scene."""
         scene = self._scene
         centre = self._middle + (self._flat(scene.middle[frame]) if scene.follow else 0.0)
         self._ax.set_xlim(centre[0] - self._half[0], centre[0] + self._half[0])
         self._ax.set_ylim(centre[1] - self._half[1], centre[1] + self._half[1])
         self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")
         for i, line in self._lines.items():
-            points = self._flat(scene.shapes[i].points[frame])  # of a wheel the rim and a spoke
+            points = self._flat(scene.shapes[i].points[frame])  # for a wheel the rim and a spoke
             line.set_segments(np.stack([points[:-1], points[1:]], axis=1))
             if self._colours:
                 line.set_color(self._colour(scene.colours[i], frame, len(points) - 1))
@@ -136,6 +136,6 @@ class _Picture:
             mark.set_data(*self._flat(scene.shapes[i].points[frame]).T)
 
     def _colour(self, values, frame, count):
-        """Colours of so many pieces of a line; grey where it has no such values."""
+        """Return the colours of ``count`` pieces of a line; grey if it has no values."""
         name, factor, mapping = self._colours
         return mapping.to_rgba(np.resize(values[name][frame] / factor, count)) if name in values else GREY

@@ -1,8 +1,8 @@
-"""The mechanism as points and cells over time: what ParaView shows and colours.
+"""The mechanism as points and cells over time, for ParaView.
 
-Every node is a point, and so are the rims of wheels, centres of mass and the nodes inside superelements. An element
-between two nodes, or each element of a divided member, is a line; a wheel its rim and a spoke; a body a line through
-its points; a joint or a point mass a dot.
+Points are the nodes, the rims of wheels, centres of mass and the nodes inside superelements. An element between two
+nodes, or each element of a divided member, is a line; a wheel is its rim and a spoke; a body is a line through its
+points; a joint or a point mass is a vertex.
 """
 
 import numpy as np
@@ -16,13 +16,13 @@ UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
 PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of these where they are single numbers
 
 
-NUMBERS = 2**20  # of the results file that are taken at once, 8 MB: what is made of them is up to four times as much
+NUMBERS = 2**20  # read at once from the results file, 8 MB; the data made of them are up to four times as large
 
 
 def grids_of(run):
-    """The Grids of a run, one after the other, each of some saved times; cells and names are the same in all.
+    """Yield the Grids of successive blocks of saved times of a run, with the same cells and names.
 
-    Raises ResultsError where there is nothing to be seen.
+    Raises ResultsError if there is nothing to draw.
     """
     count, size = len(run.results.time), max(1, NUMBERS // run.results.layout.size)
     motion = _Blocks(run)
@@ -36,14 +36,14 @@ def grids_of(run):
 
 
 class _Blocks(Motion):
-    """The motion at some ``rows`` after others, at first the start; nodes that are ever apart are so in all of them."""
+    """The motion at a block of ``rows``, at first the start; nodes apart at any saved time are so in all blocks."""
 
     def __init__(self, run):
         super().__init__(run, slice(1))
         self._apart = {}
 
     def apart(self, nodes, points):
-        """True when nodes are not at one place at all saved times."""
+        """Return whether nodes are apart at any saved time of the run."""
         key = tuple(nodes)
         if key not in self._apart:
             whole = Motion(self.run, slice(None))
@@ -52,14 +52,14 @@ class _Blocks(Motion):
 
 
 def _points(motion):
-    """The _Points of a motion; and for each cell its owner in the file, type and numbers of points."""
+    """Return the _Points of a motion and, for each cell, (owner in the file, (type, numbers of points))."""
     points = _Points(motion)
     drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
     return points, [found for shape in drawn for found in _cells(motion.run, shape, points.numbers(shape))]
 
 
 def _grid(motion, start):
-    """The Grid of a motion, which was at ``start`` (1, points, 3) [m] at first."""
+    """Return the Grid of a motion, with displacements relative to ``start`` (1, points, 3) [m]."""
     points, found = _points(motion)
     owners = [owner for owner, _ in found]
     positions = points.positions()
@@ -76,7 +76,7 @@ def _grid(motion, start):
 
 
 class _Points:
-    """The points: first the nodes, then what shapes have besides."""
+    """The points: first the nodes, then the further points of shapes."""
 
     def __init__(self, motion):
         self._motion = motion
@@ -85,7 +85,7 @@ class _Points:
         self._number = {node: i for i, node in enumerate(motion.nodes)}
 
     def numbers(self, shape):
-        """Numbers of the points of a shape; those that are no nodes are added."""
+        """Return the numbers of the points of a shape, and add those that are not nodes."""
         rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, BODY) else None
         return [
             self._number[node] if node else self._added(shape.points[:, i], rigid)
@@ -93,7 +93,7 @@ class _Points:
         ]  # fmt: skip
 
     def _added(self, positions, rigid):
-        """Number of a new point, which turns with the node ``rigid``, if with any: v + omega x r."""
+        """Add a point and return its number; if it moves with a node ``rigid``, its velocity is v + omega x r."""
         velocities = np.full(positions.shape, np.nan)
         if rigid is not None:
             i, omega = self._number[rigid], self._motion.vector(f"nodes/{rigid}/angular_velocity")
@@ -103,16 +103,16 @@ class _Points:
         return len(self._positions) - 1
 
     def positions(self):
-        """All positions (times, points, 3) [m]."""
+        """Return all positions (times, points, 3) [m]."""
         return np.stack(self._positions, axis=1)
 
     def velocities(self):
-        """All velocities (times, points, 3) [m/s]; nan inside superelements."""
+        """Return all velocities (times, points, 3) [m/s]; nan inside superelements."""
         return np.stack(self._velocities, axis=1)
 
 
 def _cells(run, shape, points):
-    """(owner in the file, cell) of each cell of a shape."""
+    """Yield (owner in the file, cell) of each cell of a shape."""
     owner = f"elements/{shape.name}"
     if shape.style == JOINT or owner not in run.things:
         owner = f"joints/{shape.name}"
@@ -125,7 +125,7 @@ def _cells(run, shape, points):
 
 
 def _data(motion, owners):
-    """Forces, moments and stresses of the owners of the cells: name -> Field."""
+    """Return forces, moments and stresses of the owners of the cells: name -> Field."""
     run = motion.run
     shape, found, cells_of = (len(run.results.time[motion.rows]), len(owners)), {}, {}
     for i, owner in enumerate(owners):

@@ -1,17 +1,18 @@
-"""The ground of a wheel: the line in which it cuts the plane of a side view, and lines on it along the way."""
+"""The ground of a wheel: its intersection with the plane of a side view, and lines on it along the path."""
 
 import numpy as np
 
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
 POINTS_OF_WAY = 500
-BESIDE = 3.0  # radii beyond the way
+BESIDE = 3.0  # radii beyond the path
 
 
 def ground_line(deck, ground, axes, centre, half_width):
-    """Points (n, 2) of the ground below ``centre`` (3,) [m], as wide to both sides as told; None if seen from above.
+    """Return points (n, 2) of the ground below ``centre`` (3,) [m], or None if it is seen from above.
 
-    ``deck`` is the resolved deck, ``ground`` one of its grounds, ``axes`` those that point to the right and up.
+    ``deck`` is the resolved deck, ``ground`` one of its grounds, ``axes`` the numbers of the inertial axes to the right
+    and up, ``half_width`` [m] the extent to both sides.
     """
     right, up = axes
     normal = np.array(ground["plane"]["normal"], float)
@@ -26,10 +27,7 @@ def ground_line(deck, ground, axes, centre, half_width):
 
 
 def ground_path(deck, ground, centres, radius):
-    """Yield three lines (k, 3) on the ground along the way of wheels: to the left, in the middle, to the right.
-
-    ``centres`` (wheels, n, 3) are those of the wheels, ``radius`` the largest of theirs [m].
-    """
+    """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m]."""
     normal = np.array(ground["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)
     profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
@@ -50,7 +48,7 @@ def ground_path(deck, ground, centres, radius):
 
 
 def _raised(deck, profile, points, point, normal):
-    """Points (n, 3) of a plane, lifted along its normal to the profile, if it has one."""
+    """Return points (n, 3) of a plane, raised along its normal to the profile, if any."""
     if not profile:
         return points
     direction = np.array(profile["direction"], float)
@@ -60,7 +58,7 @@ def _raised(deck, profile, points, point, normal):
 
 
 def _heights(deck, law, distances):
-    """Heights [m] of a profile by its law: a name or terms of the resolved deck."""
+    """Return the heights [m] of a profile from its ``law``, a name or the terms in the resolved deck."""
     from mecano.laws.probe import curve_at
 
     checked = _checked(deck["laws"][law] if isinstance(law, str) else law)
@@ -68,7 +66,7 @@ def _heights(deck, law, distances):
 
 
 def _checked(terms):
-    """A law of a resolved deck as the checked law it comes from: what is absent there is the default."""
+    """Return the checked law of the ``terms`` in a resolved deck, with defaults for absent fields."""
     from mecano.laws import TERMS
 
     return tuple(

@@ -1,4 +1,4 @@
-"""What is in a results file and how the run went, as text."""
+"""Summary of a results file and its run, as text."""
 
 import json
 import math
@@ -18,17 +18,17 @@ from mecano.results.writer import WRITING
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
 WIDTH = 100
-NOTICED = 0.01  # s for compiling
+NOTICED = 0.01  # s, least compile time reported
 RESUME = "--resume"
 ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
 
 
 def info(path, pattern=None, every_event=False):
-    """Text on a results file; with a pattern such as "wheel.*" on the outputs that fit it, "*" on all.
+    """Return the summary of a results file or, with a ``pattern`` such as "wheel.*" or "*", of the matching outputs.
 
-    Events that are alike at one instant stand in one line, the first ones only, unless ``every_event`` is asked for.
-    Files of modes are told as a whole. Raises ResultsError, UnknownNameError when no output fits.
+    Like events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
+    ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
     """
     if is_other(path):
         return info_other(path)
@@ -40,7 +40,7 @@ def info(path, pattern=None, every_event=False):
 
 
 def one_line(runs):
-    """How one run went, or what several are, in a line for the head of a picture."""
+    """Return a line for the head of a picture: the outcome of one run, or the names of several."""
     if len(runs) > 1:
         return f"{len(runs)} runs: {', '.join(run.results.path.name for run in runs)}"
     results = runs[0].results
@@ -50,7 +50,7 @@ def one_line(runs):
 
 
 def facts(results):
-    """How a run went and where it comes from: (label, text) of each fact."""
+    """Return (label, text) of each fact on the outcome and provenance of a run."""
     data = results.metadata
     versions = [f"{key.removeprefix('version_')} {data[key]}" for key in data if key.startswith("version_")]
     versions.sort(key=lambda text: not text.startswith("mecano"))
@@ -77,7 +77,7 @@ def _plugins(text):
 
 
 def _spent(data):
-    """The clock of the march, that of compiling where there was any, and the processor's of all."""
+    """Return a text on the wall-clock times of run and compilation, and on the CPU time of the process."""
     compiling = f" and {data['compile_time']:.2f} s for compiling" if data["compile_time"] >= NOTICED else ""
     return (
         f"{data['wall_time']:.2f} s by the clock for the march{compiling}; {data['processor_time']:.2f} s of CPU time "
@@ -95,7 +95,7 @@ def _run(results):
 
 
 def _going_on(results):
-    """The command that takes up a run again that ended early, unless its reason says it or it would fail once more."""
+    """Yield the command that resumes a run that ended early, unless its reason gives it or it would fail again."""
     status, reason = results.status, results.reason
     again = status != "failed" or WRITING in reason
     if again and results.resumable and RESUME not in reason:
@@ -110,7 +110,7 @@ def _automatic(results):
 
 
 def _energy(results):
-    """How far the energy balance is off, over the largest change of an energy; nothing where there is no balance."""
+    """Yield a text on the error of the energy balance over the largest change of an energy, if there is a balance."""
     extremes = {name: results.extremes.get(f"energy/{name}") for name in ENERGIES}
     balance = results.extremes.get("energy/balance")
     if balance is None or None in extremes.values() or not np.isfinite(balance.maximum - balance.minimum):
@@ -127,7 +127,7 @@ def _status(results):
 
 
 def count(results):
-    """How many steps, rejected trials and iterations a run took, in words."""
+    """Return a text with the numbers of steps, rejected trials and iterations of a run."""
     steps = results.steps
     if not len(steps):
         return "no step"
@@ -159,7 +159,7 @@ def _saved(results):
 
 
 def _holds(results):
-    """Outputs by what they belong to, with the kinds of the deck."""
+    """Return the lines on outputs by owner, with the kinds of the deck."""
     run = Run(results)
     kinds = {path: d["type"] for path, d in run.things.items()}
     owners = {}
@@ -178,7 +178,7 @@ def _holds(results):
 
 
 def _events(results, every):
-    """Events that are alike at one instant, a line for each of them where ``every`` is asked for."""
+    """Return the lines on events, with like events at one instant merged unless ``every``."""
     found = [one for group in groups(results) for one in (group.single if every else [group])]
     if not found:
         return ["Events: none"]
@@ -220,7 +220,7 @@ def _names(results, pattern):
 
 
 def _extremes(results, paths=None, most=MOST_EXTREMES):
-    """The table of extremes: of ``paths``, or of the run as a whole."""
+    """Return the table of extremes of ``paths``, or of the run as a whole."""
     rows = telling(results.extremes)
     if paths is not None:
         chosen = set(paths)

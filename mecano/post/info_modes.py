@@ -1,4 +1,4 @@
-"""What is in a file of modes, and in any other file that mecano writes besides results, as text."""
+"""Summary of a file of modes, and of other files of mecano besides results, as text."""
 
 import h5py
 
@@ -6,18 +6,18 @@ from mecano.results import modes_file
 from mecano.results.checked import format_of, open_checked
 from mecano.results.modes_file import read_modes
 
-OWN = "mecano "  # how the formats of all files besides results begin
+OWN = "mecano "  # prefix of the formats of mecano
 NUMBERS = ("frequency", "natural_frequency", "damping_ratio", "real_part", "residual")
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind")
 
 
 def is_other(path):
-    """True for a file of mecano that does not hold results over time."""
+    """Return whether a file is of mecano, but not a results file of a run."""
     return format_of(path).startswith(OWN) and format_of(path) != "mecano results"
 
 
 def info_other(path):
-    """Text on such a file. Raises ResultsError."""
+    """Return the summary of a file of modes, a sweep or a study. Raises ResultsError."""
     lines = _run(path)
     lines += _modes(read_modes(path)) if format_of(path) == modes_file.FORMAT else _contents(path)
     return "\n".join(lines)
@@ -50,7 +50,7 @@ def _modes(file):
 
 
 def _contents(path):
-    """Names, units and meanings of all numbers of the file."""
+    """Return lines with names, units and descriptions of all datasets of the file."""
     lines = ["Numbers"]
 
     def note(name, item):

@@ -19,17 +19,17 @@ from mecano.results.sweep_file import read_sweep
 
 SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
 UNSTABLE = "#d55e00"
-FAR = 2.5  # times the range of what is near the limit of stability: what decays faster is cut off
+FAR = 2.5  # times the range near the limit of stability: eigenvalues that decay faster are cut off
 DEEPEST = 10.0
 LITTLE = 0.3  # damping ratio
-SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not told apart
-LONGEST = (110, 70)  # characters of a motion in a legend of one column, of two
+SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is not resolved
+LONGEST = (110, 70)  # characters of a motion in a legend of one or two columns
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
-MOST_REPORTED = 6  # modes beyond the limits
+MOST_REPORTED = 6  # modes listed as beyond the limits
 
 
 def draw_sweep(path, output=None, kind="png"):
-    """Draw the picture of a file of a sweep beside it, or at ``output``; returns its path. Raises ResultsError."""
+    """Draw the picture of a file of a sweep beside it, or at ``output``, and return its Path. Raises ResultsError."""
     file = read_sweep(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     figure = sweep_figure(file)
@@ -41,14 +41,14 @@ def draw_sweep(path, output=None, kind="png"):
 
 
 def sweep_figure(file):
-    """The figure of a SweepFile. Raises ResultsError."""
+    """Return the figure of a SweepFile. Raises ResultsError."""
     units = _units(file)
     with matplotlib.rc_context(SETTINGS):
         return _map(file, units) if len(file.names) == 2 else _loci(file, units[0])
 
 
 def _units(file):
-    """Units of the parameters, as far as the deck in the file tells them. Raises ResultsError."""
+    """Return the units of the parameters, as far as the deck in the file gives them. Raises ResultsError."""
     with open_checked(file.path) as opened:
         text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
     written = parameters_of(str(file.path), text)
@@ -93,7 +93,7 @@ def _loci(file, unit):
 
 
 def _handles(file):
-    """The legend: what moves most in each mode, of many modes in those that are least stable."""
+    """Return the handles of the legend: the largest motions of each mode, or of the least stable of many modes."""
     real = file.modes["real_part"]
     order = np.argsort(-np.nanmax(real, axis=1), kind="stable")
     longest = LONGEST[len(real) > IN_A_COLUMN]
@@ -108,7 +108,7 @@ def _handles(file):
 
 
 def _plane(ax, file, unit):
-    """Eigenvalues in the complex plane, from the open to the filled dot as the parameter grows."""
+    """Plot eigenvalues in the complex plane, from the open to the filled dot as the parameter increases."""
     real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
     low, high, beyond = real_range(file.modes)
     for b in range(len(real)):
@@ -128,7 +128,7 @@ def _plane(ax, file, unit):
 
 
 def _mark(ax, file):
-    """Critical values as vertical lines with their numbers."""
+    """Draw critical values as vertical lines with their numbers."""
     places = file.critical["parameter"]
     for value, vague in zip(places, file.critical.get("of_instant", np.zeros(len(places))), strict=True):
         ax.axvline(value, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
@@ -138,10 +138,10 @@ def _mark(ax, file):
 
 
 def real_range(modes):
-    """Limits for real parts, and the modes that lie, at least in part, beyond: those that decay much faster.
+    """Return limits for real parts, and the modes partly beyond them, which decay much faster.
 
-    What grows, the least stable mode at each value, and what oscillates with little damping somewhere is inside, as
-    long as it is not DEEPEST times as far from the limit of stability as the fastest growth or the least decay.
+    Growing modes, the least stable mode at each value, and modes lightly damped at some value are within the limits,
+    unless they are DEEPEST times as far from the limit of stability as the fastest growth or the least decay.
     """
     real, ratio = modes["real_part"], modes["damping_ratio"]
     if not np.any(np.isfinite(real)):
@@ -161,7 +161,7 @@ def real_range(modes):
 
 
 def _limited(ax, limits, low, high, beyond):
-    """Set the limits of an axis, and say what lies beyond."""
+    """Set the limits of an axis, with a note on the modes beyond."""
     limits(low, high)
     if beyond:
         which = (

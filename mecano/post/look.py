@@ -1,4 +1,4 @@
-"""What tells curves apart in a panel: colours, dashes, and the legends that explain them."""
+"""Styles that distinguish the curves of a panel: colours, dashes, and their legends."""
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -8,14 +8,15 @@ from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
-MOST_REPORTED = 16  # elements with a colour or dashes of their own: more would not be found in the legend
+MOST_REPORTED = 16  # elements with a style of their own: more could not be identified in the legend
 
 
 class Look:
-    """Colours tell runs apart, else elements, else quantities; dashes what is left. No two curves look the same.
+    """The styles of the curves of a sheet, no two of them alike.
 
-    Elements are told apart in the whole sheet alike, with one legend for all panels, or in each panel by itself. Where
-    there are more than colours and dashes, those with the largest values have them and all others are pale.
+    Colours distinguish runs, otherwise elements, otherwise quantities; dashes distinguish the rest. Elements have the
+    same style in the whole sheet, with one legend for all panels, or styles of their own in each panel. If there are
+    more elements than styles, those with the largest values have them, and all others are pale.
     """
 
     def __init__(self, sheet, panel_by_panel=False):
@@ -28,11 +29,11 @@ class Look:
         self._owners = None if panel_by_panel else sheet.subjects
 
     def owners(self, panel):
-        """The elements whose events are to be named: those of the sheet, or of a panel by itself."""
+        """Return the elements whose events are named: those of the sheet, or of the panel."""
         return panel.subjects if self._owners is None else self._owners
 
     def style(self, curve, panel):
-        """Options of ``plot`` for a curve."""
+        """Return options of ``Axes.plot`` for a curve."""
         colour, dashes = self._key(curve, panel)
         if dashes >= len(DASHES):
             return OTHERS
@@ -40,7 +41,7 @@ class Look:
         return style | REFERENCE if curve.reference else style
 
     def _key(self, curve, panel):
-        """Numbers of colour and dashes; of the latter more than there are for a curve that is not told apart."""
+        """Return the numbers of colour and dashes; len(DASHES) or more for a curve without a style of its own."""
         subjects = self._subjects(panel)
         if curve.subject not in subjects or curve.run >= len(self._told_runs or [0]):
             return 0, len(DASHES)
@@ -56,13 +57,13 @@ class Look:
         return main % len(COLOURS), other + others * (main // len(COLOURS))
 
     def _subjects(self, panel):
-        """The elements that are told apart in a panel."""
+        """Return the elements with a style of their own in a panel."""
         if self._sheet is not None:
             return self._sheet
         return self._largest([panel], panel.subjects, len(panel.whats))
 
     def _largest(self, panels, subjects, whats):
-        """Those of the subjects with the largest values that can be told apart, with so many quantities each."""
+        """Return the subjects with the largest values, as many as there are styles for ``whats`` quantities each."""
         rounds = max(1, len(DASHES) // max(whats, 1))
         most = rounds if self.runs else min(MOST_REPORTED, rounds * len(COLOURS))
         if len(subjects) <= most:
@@ -76,7 +77,7 @@ class Look:
         return tuple(subject for subject in subjects if subject in chosen)
 
     def handles(self):
-        """Legend of the whole sheet: runs, or elements when there are several."""
+        """Return the legend of the whole sheet: runs, or elements if there are several."""
         if self.runs:
             handles = [_handle(i, name) for i, name in enumerate(self._told_runs)]
             return handles + _others(len(self.runs) - len(self._told_runs))
@@ -86,7 +87,7 @@ class Look:
         return handles + _others(len(self._owners) - len(self._sheet))
 
     def legend(self, panel):
-        """Legend of the panel: what the one of the sheet does not say."""
+        """Return the legend of a panel, without the entries of the legend of the sheet."""
         several = len(panel.subjects) > 1 and self._sheet is None
         named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)
         handles, others = {}, set()

@@ -14,11 +14,11 @@ DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle
     ("torque", "N m", (0,), ("moment_start", "moment", "moment_end")),
     ("bending moment", "N m", (1, 2), ("moment_start", "moment", "moment_end")),
 )
-CLEARLY = 1.05  # a largest moment that exceeds that of the last instant by less is not shown by itself
+CLEARLY = 1.05  # least ratio of the largest moment to that at the last instant for a sheet of its own
 
 
 def member_sheets(runs):
-    """Sheets of the diagrams at the last saved time, and at that of the largest moment where it is clearly larger."""
+    """Return the Sheets of diagrams at the last saved time and, if clearly larger, at that of the largest moment."""
     peaks = [_peak(run) for run in runs]
     if not any(row is not None for row, _, _ in peaks):
         return []
@@ -30,21 +30,21 @@ def member_sheets(runs):
 
 
 def _members(run):
-    """(name, deck values) of the members with results."""
+    """Return (name, deck values) of the members with results."""
     elements = run.deck.get("elements", {}).items()
     found = [(name, d) for name, d in elements if run.display(d).shape == "beam"]
     return [(name, d) for name, d in found if f"elements/{piece_names(name, d)[0]}/moment" in run.paths]
 
 
 def _largest(run, name, d):
-    """Length of the largest section moment of a member at each saved time."""
+    """Return the magnitude of the largest section moment of a member at each saved time (n,) [N m]."""
     pieces = piece_names(name, d)
     outputs = [run.results.find(f"elements/{one}/{end}").values for one in pieces for end in DIAGRAMS[2][3]]
     return np.max(np.linalg.norm(outputs, axis=-1), axis=0)
 
 
 def _peak(run):
-    """Row of the largest moment of all members (None without members), its size, and the size in the last row."""
+    """Return the row of the largest moment of all members (None without members), its magnitude, and the last one."""
     sizes = [_largest(run, name, d) for name, d in _members(run)]
     if not sizes:
         return None, 0.0, 0.0
@@ -74,14 +74,14 @@ def _sheet(name, when, runs, rows):
 
 
 def _shown(run, row, most):
-    """The ``most`` members with the largest moments at the instant, in the order of the deck."""
+    """Return the ``most`` members with the largest moments at ``row``, in the order of the deck."""
     members = _members(run)
     ranked = sorted(members, key=lambda member: -_largest(run, *member)[row])[:most]
     return [member for member in members if member in ranked]
 
 
 def _curves(run, number, row, member, label, unit, components, outputs):
-    """A curve for each component: three points of each element over the distance along the strain-free member."""
+    """Yield a Curve per component: three points of each element over the arc length at the start."""
     name, d = member
     pieces, nodes = piece_names(name, d), divided_nodes(name, d)
     start = np.array([run.results.find(f"nodes/{node}/position").values[0] for node in nodes])

@@ -1,4 +1,4 @@
-"""Pictures of modes: the mechanism at some phases of each motion, from the file of modes only."""
+"""Pictures of modes: the mechanism at some phase angles of each motion, from the file of modes only."""
 
 import math
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ from mecano.results.modes_file import read_modes
 
 AMPLITUDE = 0.12  # of the size of the mechanism
 PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
-MOTION_COUNTS = 4.0  # how much more than extent motion counts in the choice of the plane
+MOTION_COUNTS = 4.0  # weight of motion over extent in the choice of the plane
 COLUMNS, PANEL = 3, (4.2, 3.2)  # inches
 ROOM = 0.7
 
 
 @dataclass(frozen=True)
 class ModeMotion:
-    """The motion of one mode as ``shapes`` asks for motions: positions of nodes at PHASES."""
+    """The motion of one mode, with the interface of ``shapes.Motion``: positions of nodes at PHASES."""
 
     run: object  # deck, things, paths
     file: object  # ModesFile
@@ -37,7 +37,7 @@ class ModeMotion:
 
     @cached_property
     def nodes(self):
-        """Names of the nodes, those of divided members among them."""
+        """Names of the nodes, including those of divided members."""
         return list(self.file.nodes)
 
     @cached_property
@@ -45,33 +45,33 @@ class ModeMotion:
         return self.amplitude * np.exp(1j * PHASES)
 
     def position(self, node):
-        """Positions (phases, 3) [m]."""
+        """Return the positions (phases, 3) [m] of a node."""
         values = self.file.nodes[node]
         return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
 
     def apart(self, nodes, points):
-        """True when nodes, with their ``points`` (phases, nodes, 3) [m], are not at one place all the time."""
+        """Return whether nodes with ``points`` (phases, nodes, 3) [m] are apart at any phase."""
         return apart(points)
 
     def inside(self, name, d):
-        """Positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
+        """Return the positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         values = self.file.inner.get(name)
         if values is None:
             return None
         return values["position"] + np.real(self._turns[:, None, None] * values["translation"][self.mode])
 
     def turned(self, node, direction):
-        """An inertial direction (3,) of the state, carried along by the node: (phases, 3), of first order."""
+        """Return an inertial direction (3,) of the state, rotated with the node to first order: (phases, 3)."""
         rotation = np.real(self._turns[:, None] * self.file.nodes[node]["rotation"][self.mode])
         return direction + np.cross(rotation, direction)
 
     def vector(self, path):
-        """Outputs are not known: shapes that draw them use nodes only."""
+        """Raise ResultsError, as a file of modes has no outputs."""
         raise ResultsError(f"'{path}' is not in a file of modes")
 
 
 def draw_modes(path, output=None, kind="png"):
-    """Draw all modes of a file in one picture beside it, or at ``output``; returns its path. Raises ResultsError."""
+    """Draw all modes of a file in one picture beside it, or at ``output``, and return its Path. Raises ResultsError."""
     file = read_modes(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     try:
@@ -82,7 +82,7 @@ def draw_modes(path, output=None, kind="png"):
 
 
 def mode_sketches(file):
-    """A Sketch for each mode of a ModesFile, at PHASES; the largest displacement is AMPLITUDE of the mechanism."""
+    """Return a Sketch for each mode of a ModesFile at PHASES; the largest displacement is AMPLITUDE of the size."""
     things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
     paths = frozenset(f"nodes/{name}/position" for name in file.nodes)
     run = SimpleNamespace(deck=file.resolved, things=things, paths=paths, display=lambda d: file.displays[d["type"]])
@@ -90,7 +90,7 @@ def mode_sketches(file):
 
 
 def _sketch(run, file, mode):
-    """The Sketch of a mode, in the plane where most of it shows."""
+    """Return the Sketch of a mode in the plane of largest motion and extent."""
     inner = file.inner.values()
     positions = np.concatenate([[node["position"] for node in file.nodes.values()], *(n["position"] for n in inner)])
     moves = np.concatenate(

@@ -1,4 +1,4 @@
-"""Panels of outputs of elements: which curves, which of them are worth showing, and the peak of a single one."""
+"""Panels of outputs of elements: selection of curves, removal of noise, and peaks."""
 
 from dataclasses import replace
 
@@ -9,13 +9,13 @@ from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
-MOST_OF_SEVERAL = 2  # of each of several runs
-FAR_APART = 20.0  # ratio of sizes of curves that do not share a panel
-NOTHING = 1e-9  # of the largest value of the same unit: what is smaller is numerical noise
+MOST_OF_SEVERAL = 2  # elements of each of several runs
+FAR_APART = 20.0  # ratio of magnitudes above which curves do not share a panel
+NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
 
 
 def planned_panels(plan, runs):
-    """Panels of a plan and a remark on what is left out: for the elements that move most, where there are many."""
+    """Return the panels of a plan for the most active elements, and a note on elements left out."""
     things = _things(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
@@ -25,7 +25,7 @@ def planned_panels(plan, runs):
 
 
 def _by_size(panel):
-    """Panels for elements whose values are of one size, instead of one in which some cannot be seen."""
+    """Split a panel into panels for elements with values of similar magnitude, so that all are visible."""
     size = {}
     for curve in panel.curves:
         size[curve.subject] = max(size.get(curve.subject, 0.0), _size(curve.y.values))
@@ -38,13 +38,13 @@ def _by_size(panel):
 
 
 def worth_showing(panels, runs):
-    """The panels without curves that are nothing but noise beside others or the whole motion."""
+    """Return the panels without curves that are noise compared with others or with the whole motion."""
     scale = {}
     for unit, value in (item for run in runs for item in run.scales.items()):
         scale[unit] = max(scale.get(unit, 0.0), value)
     for curve in (curve for panel in panels for curve in panel.curves):
         scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), _size(curve.y.values))
-    if "m" in scale:  # a moment is nothing beside the forces at the size of the mechanism, and the reverse
+    if "m" in scale:  # moments are compared with forces times the size of the mechanism, and vice versa
         size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
         scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
     kept = []
@@ -74,7 +74,7 @@ def _most_active(things, view, runs):
 
 
 def _activity(view, thing, run):
-    """How much the first output of the view varies."""
+    """Return the range of the first output of the view over all accepted steps."""
     if thing not in run.pieces:
         return 0.0
     names = [name for output in view.outputs if (name := _name_of(run, thing, output))]
@@ -111,13 +111,13 @@ def _quantity(run, thing, output):
 
 
 def _while_pressed(quantity, pressed):
-    """The quantity with gaps where a wheel is in the air; with the value with which it touches down."""
+    """Return the quantity with gaps while a wheel is in the air, except at the row before touch-down."""
     begins = np.append(pressed[1:], False)
     return replace(quantity, values=np.where(pressed | begins, quantity.values, np.nan))
 
 
 def _name_of(run, thing, output):
-    """Name of the first alternative of an output that the file has for this element, or ""."""
+    """Return the name of the first alternative of an output that the file has for this element, or ""."""
     for alternative in filter(None, output.split("|")):
         owner, name = thing, alternative
         if alternative.startswith("node."):
@@ -130,13 +130,13 @@ def _name_of(run, thing, output):
 
 
 def _signed(run, name):
-    """A single number as it is: of its magnitude the sign would be missing."""
+    """Return the name without ".magnitude" for a scalar, whose sign would be lost."""
     stem = name.removesuffix(MAGNITUDE)
     return name if stem != name and run.results.series[stem].shape else stem
 
 
 def with_peaks(panel, runs):
-    """The panel with the peaks of its curves over all accepted steps, when they are shown over time."""
+    """Return the panel with the peaks of its curves over all accepted steps, if it is over time."""
     if not panel.over_time:
         return panel
     curves = tuple(replace(curve, peak=_peak(curve, runs[curve.run].results)) for curve in panel.curves)
@@ -145,6 +145,6 @@ def with_peaks(panel, runs):
 
 
 def _peak(curve, results):
-    """Its peak, unless that is in a gap."""
+    """Return the peak of a curve, or () if it lies in a gap."""
     peak = peak_of(results, curve.y)
     return peak if peak and np.isfinite(np.interp(peak[1], curve.y.time, curve.y.values)) else ()

@@ -1,4 +1,4 @@
-"""From results files to files of pictures and tables."""
+"""Pictures and tables of results files, written to files."""
 
 import os
 from pathlib import Path
@@ -20,39 +20,39 @@ from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder
 
 FORMATS = ("png", "svg")
-OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # else a name may hold a dot
+OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
 ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study}
 LONGEST_STEM = 60
 
 
 def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None):
-    """Make pictures of results files, several of them in one; yields the path of each file written.
+    """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, of sweeps and of studies are drawn one by one.
+    Files of modes, sweeps and studies are drawn one by one.
 
     Parameters
     ----------
     paths : sequence of str or Path
     plots : sequence of str
-        "Y[,Y2]:X"; without any plot or spectrum, the pictures that show this model.
+        "Y[,Y2]:X"; without any plot, spectrum or times, the standard plots for the model.
     spectra : sequence of str
         "Y[,Y2]": amplitudes over the frequency.
     output : str or Path
-        A folder (that exists or ends with /), or the beginning of the names of the pictures, or with one plot its
-        whole name ending with .png or .svg; the results file without its ending when absent.
+        A folder (existing or ending with /), or the prefix of the names of the pictures or, for one plot, its whole
+        name ending with .png or .svg; by default the results file without its extension.
     kind : "png" or "svg"
     columns : bool
-        Write the numbers too, as comma-separated values beside each picture.
+        Also write the numbers, as comma-separated values beside each picture.
     title : str
-        Of the pictures; that of the deck when absent.
+        Title of the pictures; by default that of the deck.
     at : str
-        Times [s] with commas between: one picture for each file, of the configurations at these times; alone, or beside
-        the ``plots``.
+        Times [s] separated by commas: a picture for each file of the configurations at these times, in addition to the
+        ``plots``.
 
     Raises
     ------
     UsageError, UnknownNameError
-        A plot cannot be understood, or names what is not in the file; a spectrum is not of equal intervals.
+        A plot is invalid or names an unknown output; the saved times of a spectrum are not equidistant.
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
@@ -81,13 +81,13 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
 
 
 def asked_sheets(plots, spectra, runs):
-    """The sheets of texts "Y[,Y2]:X" and, over the frequency, "Y[,Y2]". Raises UsageError, UnknownNameError."""
+    """Return the Sheets of ``plots`` "Y[,Y2]:X" and ``spectra`` "Y[,Y2]". Raises UsageError, UnknownNameError."""
     plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
 def _alone(paths, others, plots, output, kind):
-    """Pictures of files of modes, sweeps and studies, one each."""
+    """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     if plots or len(others) < len(paths):
         raise UsageError(
             f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
@@ -101,7 +101,7 @@ def _alone(paths, others, plots, output, kind):
 
 
 def _default_pictures(runs):
-    """The overview and all sheets, each with the function that draws it."""
+    """Return the overview and all sheets, each with the function that draws it."""
     sheets = default_sheets(runs)
     if not sheets:
         raise ResultsError("nothing moves and no force acts in these results; ask for a plot by name")
@@ -114,7 +114,7 @@ def _default_pictures(runs):
 
 
 def _targets(names, output, kind, runs):
-    """Path of each picture."""
+    """Return the Path of each picture."""
     whole = Path(output) if output else None
     if whole is not None and whole.suffix[1:] in FORMATS and not os.path.isdir(whole):
         if len(names) > 1:

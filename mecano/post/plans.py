@@ -1,7 +1,6 @@
-"""The standard pictures: which outputs they show of the elements, joints and loads that belong to them.
+"""Plans of the standard plots: outputs shown for each kind of element, joint and load.
 
-A kind declares by ``Display.pictures`` to which of them it belongs; all joints belong to the reactions besides, all
-loads to the loads. A kind of elements that belongs to none has a picture of its own with all its outputs.
+A kind without a plan gets a sheet of its own with all its outputs.
 """
 
 from dataclasses import dataclass
@@ -13,19 +12,19 @@ ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say somethi
 class View:
     """One panel of every sheet: outputs of each element over the time or over another output.
 
-    Outputs are written as in ``--plot`` without the element; "node.position.x" is one of the element's node. Those
-    that an element does not have are left out; of "one|other" the first that it has is taken.
+    Outputs are written as in ``--plot`` without the element; "node.position.x" is an output of the element's node.
+    Outputs that an element does not have are left out; of "one|other" the first existing one is used.
     """
 
     label: str
     outputs: tuple
     against: str = "time"
-    reference: str = ""  # output that the others are compared with
+    reference: str = ""  # output shown for comparison
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A sheet for all that belongs to it; the most important views first, ``lead`` of them equally so."""
+    """A sheet for all elements of some kinds, views by importance; the first ``lead`` views are equally important."""
 
     name: str
     heading: str

@@ -1,13 +1,12 @@
-"""Quantities of a results file by name: outputs, components and magnitudes, the solver history, and what follows
-from outputs.
+"""Quantities of a results file by name: outputs, components, magnitudes, solver history, and derived quantities.
 
-Names are those of the results reader (``wheel.radial_force``, ``axle.position.z``) and besides
+Names are those of the results reader (``wheel.radial_force``, ``axle.position.z``) and in addition
 
     <vector>.magnitude      length of a vector
-    <wheel>.rolling_rate    spin rate at which the wheel would roll without slip
+    <wheel>.rolling_rate    spin rate of rolling without slip
     <superelement>.<node>.position, displacement    of a node inside a superelement
-    <spring>.compression_force   its axial force, > 0 where it pushes, as engineers draw absorbers
-    <wheel>.drag_force      force of the ground on it, > 0 against its motion
+    <spring>.compression_force   axial force, > 0 in compression, as usual for shock absorbers
+    <wheel>.drag_force      force of the ground on the wheel, > 0 against its motion
     solver.<column>         solver history, a value for each accepted step; also with * or ?
     time
 """
@@ -32,13 +31,13 @@ class Quantity:
     Attributes
     ----------
     path : str
-        In the file, with the component: elements/wheel/contact_force.z.
+        Path in the file, with the component: elements/wheel/contact_force.z.
     unit, doc : str
     clock : str
-        SAVED or STEPS: to which times the values belong.
+        The times of the values: SAVED or STEPS, or a name for those of a derived quantity.
     time, values : (n,) arrays
     axis : (str, str)
-        What the times are, and their unit: of statics the load factor.
+        Name and unit of the times; for statics those of the load factor.
     """
 
     path: str
@@ -51,12 +50,12 @@ class Quantity:
 
     @property
     def subject(self):
-        """What it is a quantity of: the name of an element, joint, load or node, or "energy", "solver"."""
+        """Name of the owner: an element, joint, load or node, or "energy", "solver"."""
         return self.path.split("/")[-2] if "/" in self.path else ""
 
     @property
     def what(self):
-        """The quantity in words: radial force, position z."""
+        """The quantity as text: radial force, position z."""
         if self.path == "time":
             return self.axis[0]
         if self.path.endswith(MAGNITUDE):
@@ -65,13 +64,13 @@ class Quantity:
 
     @property
     def whole(self):
-        """The same without a component."""
+        """The quantity as text, without a component."""
         return self.path.split("/")[-1].partition(".")[0].replace("_", " ")
 
 
 @dataclass(frozen=True)
 class Derived:
-    """A quantity that follows from outputs of the same element; ``factor``: it is such a multiple of a single one."""
+    """A function of outputs of the same element; ``factor`` is set if it is a multiple of a single output."""
 
     unit: str
     doc: str
@@ -97,9 +96,9 @@ DERIVED = {
 
 
 def find(results, name):
-    """Quantities of that name: one, or one for each component of a vector; with * or ?, of all names that fit.
+    """Return the Quantities of a name, one per component of a vector; with * or ?, those of all matching names.
 
-    Raises UnknownNameError with the most similar names, ResultsError when the file cannot be read.
+    Raises UnknownNameError with similar names, UsageError if nothing matches, ResultsError for an unreadable file.
     """
     axis = results.axis.path, results.axis.unit
     return [replace(quantity, axis=axis) for quantity in _found(results, name)]
@@ -126,7 +125,7 @@ def _found(results, name):
 
 
 def peak_of(results, quantity):
-    """Value and time [s] of largest magnitude over all accepted steps; () where it is not known."""
+    """Return value and time [s] of largest magnitude over all accepted steps, or () if unknown."""
     owner, _, name = quantity.path.rpartition("/")
     derived = DERIVED.get(name)
     factor = derived.factor if derived else 1.0
@@ -140,7 +139,7 @@ def peak_of(results, quantity):
 
 
 def time_of(quantity):
-    """The times of a quantity as a quantity."""
+    """Return the times of a quantity as a Quantity."""
     name, unit = quantity.axis
     return replace(quantity, path="time", unit=unit, doc=name, values=quantity.time)
 
@@ -155,7 +154,7 @@ def _components(trace):
 
 
 def _recovered(results, path, doc, values, component):
-    """All components, the one asked for, or the magnitude, of a node inside a superelement."""
+    """Return the Quantities of all components of ``values``, of a single component, or of the magnitude."""
     columns = dict(zip("xyz", values.T, strict=True))
     columns["magnitude"] = np.linalg.norm(values, axis=1)
     wanted = [component] if component else ["x", "y", "z"]

@@ -1,4 +1,4 @@
-"""Motion of the nodes inside superelements, from the coordinates of these and the shapes in the resolved deck.
+"""Motion of the nodes inside superelements, from their generalized coordinates and the shapes in the resolved deck.
 
 A quantity of an inner node is named after its superelement: ``arm.inner.position``, ``arm.inner.displacement.z``.
 """
@@ -14,7 +14,7 @@ class Inner:
 
     names: list
     positions: np.ndarray  # (times, n, 3) [m], inertial
-    displacements: np.ndarray  # (times, n, 3) [m], from their place in the frame, axes of the frame
+    displacements: np.ndarray  # (times, n, 3) [m], relative to the frame, in its axes
 
 
 def nodes_inside(d):
@@ -24,12 +24,12 @@ def nodes_inside(d):
 
 
 def recover(results, name, d, rows=slice(None)):
-    """The Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
+    """Return the Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
     return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values[rows])
 
 
 def recovered(d, value):
-    """The Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...) by name."""
+    """Return the Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...)."""
     reduced = d["file"]
     X = np.array(reduced["positions"], float)
     places = np.array(reduced["interior_positions"], float).reshape(-1, 3) - X.mean(axis=0)
@@ -44,7 +44,7 @@ def recovered(d, value):
 
 
 def _matrices(quaternions):
-    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    """Return the rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
     w, x, y, z = quaternions.T
     rows = (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
@@ -61,7 +61,7 @@ WHATS = {
 
 
 def named(results, name):
-    """What a name such as arm.inner.position.z asks for: (path, doc, values (times, 3), component or "") or None."""
+    """Return (path, doc, values (times, 3), component or "") of a name such as arm.inner.position.z, or None."""
     text, component = name.replace("/", ".").removeprefix("elements."), ""
     if text.endswith((".x", ".y", ".z", ".magnitude")):
         text, _, component = text.rpartition(".")
@@ -83,7 +83,7 @@ def named(results, name):
 
 
 def lines(d):
-    """Chains of indices of nodes, boundary nodes first, that are joined in pictures."""
+    """Return chains of indices of nodes, boundary nodes first, that are connected in pictures."""
     pairs = d["file"].get("lines")
     if not pairs:
         return [[0, i] for i in range(1, len(d["file"]["positions"]))]

@@ -1,4 +1,4 @@
-"""What a report of one run holds, as data: sections of tables, texts and pictures. report_page.py makes a page."""
+"""The report on a run as data: sections of tables, texts and pictures, which report_page.py turns into a page."""
 
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ HEALTH = {
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts under columns; the columns from number ``first_number`` on are numbers."""
+    """Rows of texts; columns with an index of at least ``first_number`` hold numbers."""
 
     columns: tuple
     rows: list
@@ -35,7 +35,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph, or ``verbatim`` text, which is folded away."""
+    """A paragraph, or ``verbatim`` text in a collapsed block."""
 
     text: str
     verbatim: bool = False
@@ -44,7 +44,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of matplotlib that shows what ``title`` says."""
+    """A figure of matplotlib with a title."""
 
     title: str
     figure: object
@@ -60,7 +60,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report: title, how the run ended (a word and why), sections."""
+    """A whole report: title, status of the run and its reason, sections."""
 
     title: str
     status: str
@@ -69,9 +69,9 @@ class Report:
 
 
 def report_of(run, title=None, plots=(), spectra=()):
-    """The Report of a run; ``plots`` and ``spectra``, texts as of ``mecano post``, are its first pictures.
+    """Return the Report of a run; ``plots`` and ``spectra``, as for ``mecano post``, are its first pictures.
 
-    Raises ResultsError where it has no saved times, UsageError, UnknownNameError for a wrong plot.
+    Raises ResultsError if there are no saved times, UsageError and UnknownNameError for invalid plots.
     """
     results = run.results
     if not len(results.time):
@@ -89,12 +89,12 @@ def report_of(run, title=None, plots=(), spectra=()):
 
 
 def number(value):
-    """A number as it stands in tables, without a negative zero."""
+    """Return a number as text for tables, without negative zeros."""
     return f"{value + 0.0:.5g}"
 
 
 def _model(run):
-    """Nodes and things by kind; mass, unknowns, mobility; what the user was told."""
+    """Yield the parts on the model: counts by kind, mass, unknowns, mobility, warnings."""
     rows = [("nodes", str(len(run.deck.get("nodes", {}))))]
     for section in SECTIONS:
         kinds = Counter(d["type"] for d in run.deck.get(section, {}).values())
@@ -109,12 +109,12 @@ def _model(run):
 
 
 def _run(results):
-    """Where the results come from, without what other sections tell."""
+    """Yield the table of provenance, without facts of other sections."""
     yield Table(("", ""), [row for row in facts(results) if row[0] not in ("title", "run", "energy")], 2)
 
 
 def _health(results):
-    """The solver history: smallest, mean and largest of its columns, and when the extremes were met."""
+    """Yield the parts on the solver history: smallest, mean and largest values, with times of the extremes."""
     steps, unit = results.steps, results.axis.unit
     if not len(steps):
         yield Text("No step was accepted.")
@@ -132,7 +132,7 @@ def _health(results):
 
 
 def _energy(results):
-    """Each energy at the start and end, and how well they balance."""
+    """Yield the parts on energies: values at start and end, and the error of the balance."""
     names = [name for name in (*ENERGIES, "balance") if f"energy/{name}" in results.series]
     rows, extremes = [], results.extremes
     for name in names:
@@ -150,7 +150,7 @@ def _energy(results):
 
 
 def _events(results):
-    """What happened when; of shocks the impulse and the energy lost."""
+    """Yield the parts on events; shocks with impulse and energy lost."""
     events = results.events
     shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
     columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "mode", "impulse", "energy lost [J]")
@@ -171,7 +171,7 @@ def _event(event):
 
 
 def _extremes(results):
-    """Extremes over all accepted steps, of the run as a whole."""
+    """Yield the table of extremes over all accepted steps."""
     found = [
         (name, e.unit.strip("-"), *map(number, (e.minimum, e.minimum_time, e.maximum, e.maximum_time)))
         for name, e in telling(results.extremes)
@@ -195,7 +195,7 @@ def _pictures(sheets):
 
 
 def _deck(results):
-    """The deck as written, what was set besides, and all values that were understood."""
+    """Yield the overrides, the deck as written, and the resolved deck."""
     for text in results.metadata["overrides"]:
         yield Text(f"Set on the command line: {text}")
     yield Text(results.deck_text, True, "As written")
@@ -205,7 +205,7 @@ def _deck(results):
 
 
 def _shortened(value):
-    """Plain data whose long lists say how long they are."""
+    """Return plain data with long lists truncated and their lengths given."""
     if isinstance(value, dict):
         return {key: _shortened(one) for key, one in value.items()}
     if isinstance(value, list):

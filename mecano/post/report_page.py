@@ -1,4 +1,4 @@
-"""A report as one page for any browser and for paper: everything in it, nothing asked for outside."""
+"""A report as a self-contained HTML page, for browsers and for print."""
 
 import base64
 import io
@@ -15,14 +15,14 @@ from mecano.results.whole_file import appearing, make_folder
 
 
 def write_report(path, page, title=None, plots=(), spectra=()):
-    """Write the ``page`` that reports on the results file ``path``; the Path written.
+    """Write the report on the results file ``path`` to ``page``, and return its Path.
 
-    ``plots``, ``spectra``: texts as of ``mecano post``, shown before the pictures that every report has.
+    ``plots`` and ``spectra``, as for ``mecano post``, are shown before the standard plots.
 
     Raises
     ------
     UsageError, UnknownNameError
-        The page has no name of its own, or a plot cannot be understood or names what is not in the file.
+        The name of the page does not end with .html, or a plot is invalid or names an unknown output.
     ResultsError
         The file cannot be read or has no saved times, or the page cannot be written.
     """
@@ -39,7 +39,7 @@ def write_report(path, page, title=None, plots=(), spectra=()):
 
 
 def page_of(report):
-    """The page as text."""
+    """Return the page of a Report as text."""
     template = resources.files("mecano.post").joinpath("report.html").read_text(encoding="utf-8")
     filled = {
         "title": escape(report.title), "status": escape(report.status), "reason": escape(report.reason),
@@ -82,7 +82,7 @@ def _table(table):
 
 
 def _image(figure):
-    """The figure as an address that holds it: vector graphics, which stay sharp on paper."""
+    """Return the figure as a data URL of SVG, which stays sharp in print."""
     stream = io.BytesIO()
     save(figure, stream, "svg")
     return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}"

@@ -1,4 +1,4 @@
-"""What ``--plot Y[,Y2]:X`` asks for, as a sheet: a panel for each unit, the curves of all runs in it."""
+"""Requested plots ``--plot Y[,Y2]:X`` as sheets: a panel for each unit, with the curves of all runs."""
 
 import re
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ GRAMMAR = "write Y, Y:X or Y,Y2:X with names as `mecano info --names` shows them
 
 @dataclass(frozen=True)
 class Request:
-    """Names of what is to be plotted, and of what it is plotted over."""
+    """Names of the quantities to plot, and of the quantity on the horizontal axis."""
 
     ys: tuple
     x: str = "time"
 
     @classmethod
     def parse(cls, text):
-        """The request of a text. Raises UsageError."""
+        """Parse "Y[,Y2]:X". Raises UsageError."""
         left, *right = text.split(":")
         ys = tuple(name.strip() for name in left.split(","))
         x = [name.strip() for name in right] or ["time"]
@@ -33,13 +33,13 @@ class Request:
 
     @property
     def name(self):
-        """For the name of a file."""
+        """The request as part of the name of a file."""
         whole = "_".join(self.ys) + ("" if self.x == "time" else f"-{self.x}")
         return re.sub(r"[^A-Za-z0-9_.-]+", "_", whole).strip("_")[:LONGEST_NAME] or "plot"
 
 
 def requested_sheet(request, runs):
-    """The sheet of a request. Raises UnknownNameError, UsageError, ResultsError."""
+    """Return the Sheet of a Request. Raises UnknownNameError, UsageError, ResultsError."""
     curves = [curve for number, run in enumerate(runs) for curve in _curves(request, run, number)]
     subjects = tuple(dict.fromkeys(curve.subject for curve in curves))
     panels = []
@@ -52,7 +52,7 @@ def requested_sheet(request, runs):
 
 
 def _marks(runs, subjects):
-    """Events of the subjects, and of what is on the nodes among them; all where these have none."""
+    """Return the events of the subjects and of the elements at nodes among them, or all if these have none."""
     marks = event_marks(runs)
     owners = {path.partition("/")[2] for run in runs for path, d in run.things.items() if d.get("node") in subjects}
     return tuple(mark for mark in marks if mark.element in owners.union(subjects)) or marks
@@ -77,7 +77,7 @@ def _one(run, name):
 
 
 def found(run, name):
-    """Quantities of that name in a run; the UnknownNameError of a wrong one says in which file."""
+    """Return the Quantities of a name in a run. Raises UnknownNameError, which names the file."""
     try:
         return find(run.results, name)
     except UnknownNameError as error:
@@ -85,7 +85,7 @@ def found(run, name):
 
 
 def curve_label(curves, subjects=None):
-    """What curves show, and of what if that is one thing: of all ``subjects`` of a sheet, or of the curves."""
+    """Return the label of curves, with the owner if there is only one among ``subjects``, or among the curves."""
     subjects = subjects or tuple(dict.fromkeys(curve.subject for curve in curves))
     whats = dict.fromkeys(curve.y.whole for curve in curves)
     text = ", ".join(whats)

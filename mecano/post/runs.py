@@ -1,4 +1,4 @@
-"""Results files that are shown together, each with a label that says what distinguishes it."""
+"""Results files shown together, each with a label that distinguishes it."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,13 +9,13 @@ from mecano.element_interface import SECTIONS, Display
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
-LONGEST = 80  # characters of a label: more do not fit below the narrowest picture
-HEADED = ("title",)  # what pictures tell anyway
+LONGEST = 80  # characters of a label: the width of the narrowest picture
+HEADED = ("title",)  # overrides shown in the heading of pictures
 
 
 @dataclass(frozen=True)
 class Run:
-    """One results file among those shown; ``label`` is empty when it is the only one."""
+    """One of the results files shown; ``label`` is empty if it is the only one."""
 
     results: Results
     label: str = ""
@@ -37,7 +37,7 @@ class Run:
 
     @cached_property
     def pieces(self):
-        """The same, with the elements of a divided member in place of the member."""
+        """As ``things``, with the elements of a divided member in place of the member."""
         found = {}
         for path, d in self.things.items():
             section, _, name = path.partition("/")
@@ -50,7 +50,7 @@ class Run:
 
     @cached_property
     def ranges(self):
-        """How much each number, and the component of each vector that varies most, varies over all accepted steps."""
+        """Range over all accepted steps of each number, and the largest range of a component of each vector."""
         ranges = {}
         for name, extreme in self.results.extremes.items():
             span = extreme.maximum - extreme.minimum
@@ -61,7 +61,7 @@ class Run:
 
     @cached_property
     def scales(self):
-        """Sizes of the whole motion by unit: what is smaller by many orders is numerical noise."""
+        """Scales of the whole motion by unit; values many orders smaller are numerical noise."""
         lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]
         length = max(filter(np.isfinite, lengths), default=0.0)
         duration = float(np.ptp(self.results.time)) or 1.0
@@ -80,7 +80,7 @@ def open_runs(paths):
 
 
 def labels(opened):
-    """What tells files apart: parameters and overrides that differ, or the names of the files."""
+    """Return labels that distinguish files: parameters and overrides that differ, or the names of the files."""
     if len(opened) == 1:
         return [""]
     schemes = [_stems(opened), [str(results.path) for results in opened]]
@@ -101,7 +101,7 @@ def _short(text):
 
 
 def _overrides(opened):
-    """Values of all that was set differently; of a run that keeps the deck's value, that one."""
+    """Return texts with the values of overrides that differ, or of the deck where a run does not override them."""
     given = [_given(results) for results in opened]
     paths = list(dict.fromkeys(path for some in given for path in some if path not in HEADED))
     values = [
@@ -114,7 +114,7 @@ def _overrides(opened):
 
 
 def _given(results):
-    """Path -> value of all that was set; of a mapping, of all that is in it."""
+    """Return {path: value} of all overrides, with mappings replaced by their entries."""
     found = {}
     for path, text in (override.split("=", 1) for override in results.metadata["overrides"]):
         value = _at(results.resolved, path)
@@ -123,7 +123,7 @@ def _given(results):
 
 
 def _leaves(path, value):
-    """(path, value) of all that is in a mapping and in those inside it."""
+    """Yield (path, value) of all leaves of nested mappings."""
     if not isinstance(value, dict):
         yield path, value
         return
@@ -141,14 +141,14 @@ def _parameters(opened):
 
 
 def _differences(given):
-    """Texts "name = value, ..." of the values that differ; ``given``: name -> text of each file."""
+    """Return texts "name = value, ..." of the values that differ; ``given``: {name: text} of each file."""
     names = [name for name in dict.fromkeys(n for some in given for n in some) if len({g.get(name) for g in given}) > 1]
     nothing = ", ".join(f"no {name}" for name in names)
     return [", ".join(f"{name} = {some[name]}" for name in names if some.get(name)) or nothing for some in given]
 
 
 def _at(deck, path):
-    """The value of a resolved deck at the path of an override, None where it has none."""
+    """Return the value of a resolved deck at the path of an override, or None."""
     for key in path.split("."):
         if isinstance(deck, list) and key.isdecimal() and int(key) < len(deck):
             deck = deck[int(key)]
@@ -160,7 +160,7 @@ def _at(deck, path):
 
 
 def _in_words(value):
-    """A number shortly, so that 0.50 and 5e-1 are the same; any other text as it is, nothing for None."""
+    """Return a value as text, with numbers normalized (0.50 equals 5e-1) and "" for None."""
     if isinstance(value, bool):
         return str(value).lower()
     try:

@@ -1,6 +1,6 @@
-"""The mechanism as lines in space at chosen instants: bodies, rods, springs, wheels, joints, supports.
+"""The mechanism as lines in space at given instants: bodies, rods, springs, wheels, joints, supports.
 
-Positions come from the file, what connects them from the resolved deck.
+Positions come from the file, the connectivity from the resolved deck.
 """
 
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ RIM_POINTS = 49
 
 @dataclass(frozen=True)
 class Shape:
-    """One thing at some instants: ``points`` (instants, n, 3) [m]. Those of a wheel end with its centre.
+    """A shape at some instants: ``points`` (instants, n, 3) [m]; the last point of a wheel is its centre.
 
-    ``nodes``: of each point the name of the node that is there, "" where there is none; empty where no point is one.
+    ``nodes`` are the names of the nodes at the points, "" for other points; empty if no point is a node.
     """
 
     style: str
@@ -39,27 +39,27 @@ class Motion:
         self.nodes = [name for name in [*run.deck.get("nodes", {}), *names] if f"nodes/{name}/position" in run.paths]
 
     def position(self, node):
-        """Positions (instants, 3) [m] of a node."""
+        """Return the positions (instants, 3) [m] of a node."""
         return self.vector(f"nodes/{node}/position")
 
     def vector(self, path):
-        """An output (instants, ...) of the file."""
+        """Return an output (instants, ...) of the file."""
         if isinstance(self.rows, slice):
             return self.run.results.find(path, self.rows).values
         return self.run.results.find(path).values[self.rows]
 
     def apart(self, nodes, points):
-        """True when nodes, with their ``points`` (instants, nodes, 3) [m], are not at one place all the time."""
+        """Return whether nodes with ``points`` (instants, nodes, 3) [m] are apart at any instant."""
         return apart(points)
 
     def inside(self, name, d):
-        """Positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
+        """Return the positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         if not nodes_inside(d) or f"elements/{name}/frame_origin" not in self.run.paths:
             return None
         return recovered(d, lambda output: self.vector(f"elements/{name}/{output}")).positions
 
     def turned(self, node, direction):
-        """An inertial direction (3,) of the start, carried along by the node: (instants, 3)."""
+        """Return an inertial direction (3,) of the start, rotated with the node: (instants, 3)."""
         path = f"nodes/{node}/rotation"
         start = self.run.results.find(path, slice(1)).values
         carried = _rotated(start * (1, -1, -1, -1), np.array(direction, float)[None])
@@ -76,19 +76,19 @@ class Motion:
 
 
 def apart(points):
-    """True when ``points`` (instants, n, 3) [m] are not at one place all the time."""
+    """Return whether ``points`` (instants, n, 3) [m] are apart at any instant."""
     return np.ptp(points, axis=1).max(initial=0.0) > 1e-9
 
 
 def _rotated(quaternions, vectors):
-    """R v for unit quaternions (n, 4) and vectors (1 or n, 3): v + 2 w (u x v) + 2 u x (u x v)."""
+    """Return R v for unit quaternions (n, 4) and vectors (1 or n, 3): v + 2 w (u x v) + 2 u x (u x v)."""
     w, u = quaternions[:, :1], quaternions[:, 1:]
     across = np.cross(u, vectors)
     return vectors + 2.0 * w * across + 2.0 * np.cross(u, across)
 
 
 def shapes(motion):
-    """All shapes of the mechanism; supports and joints last, as they are drawn on top."""
+    """Return all Shapes of the mechanism; supports and joints last, as they are drawn on top."""
     found = []
     for path, d in motion.run.things.items():
         section, _, name = path.partition("/")
@@ -122,17 +122,17 @@ def _mass(motion, name, d):
 
 
 def _rod(motion, name, d):
-    """Any element between two nodes."""
+    """Return the line of any element between two nodes."""
     return _line(motion, name, d, ROD)
 
 
 def _beam(motion, name, d):
-    """The line through all nodes of a member."""
+    """Return the line through all nodes of a member."""
     return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
 
 
 def _superelement(motion, name, d):
-    """Lines through its boundary nodes and, where its coordinates are in the file, those inside."""
+    """Return lines through the boundary nodes and, if the file has its coordinates, the inner nodes."""
     nodes = [node for node in d["nodes"] if f"nodes/{node}/position" in motion.run.paths]
     if len(nodes) < len(d["nodes"]):
         return []
@@ -166,7 +166,7 @@ def _line(motion, name, d, style):
 
 
 def _joint(motion, name, d):
-    """A dot at the place of a joint; a joint with the ground is a support too."""
+    """Return a dot at the position of a joint, with a support if it joins the ground."""
     nodes = d.get("nodes", ())
     moving = [node for node in nodes if node in motion.nodes]
     if not moving:
@@ -178,7 +178,7 @@ def _joint(motion, name, d):
 
 
 def _curve(motion, name, d):
-    """The curve, carried by its node, and a dot at the point on it."""
+    """Return the curve, moved with its node, and a dot at the point on it."""
     (a, b), points = d["nodes"], drawn(d)
     if b not in motion.nodes:
         return []
@@ -206,7 +206,7 @@ def _wheel(motion, name, d):
 
 
 def _flattened(points, ground):
-    """Points below a flat ground lifted onto it."""
+    """Return the points, with those below a flat ground raised onto it."""
     if ground.get("profile"):
         return points
     normal = np.array(ground["plane"]["normal"], float)

@@ -1,4 +1,4 @@
-"""What is shown, before anything is drawn: sheets of panels of curves."""
+"""Content of pictures before drawing: sheets of panels of curves."""
 
 import re
 from dataclasses import dataclass, field
@@ -8,15 +8,15 @@ import numpy as np
 from mecano.post.quantity import Quantity
 
 QUOTED = re.compile("'(.+)'")  # the name in "wheel 'left'"
-CONSTANT = 1e-5  # of its size: what varies less is constant
+CONSTANT = 1e-5  # of the magnitude: a quantity that varies less is constant
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One quantity over another: of run number ``run`` and of the element, joint, load or node ``subject``.
+    """One quantity over another, of run number ``run`` and of the element, joint, load or node ``subject``.
 
-    A ``reference`` is what other curves are compared with. ``peak``: value and time [s] of largest magnitude over all
-    accepted steps, which saved times may miss; empty when it is not known.
+    A ``reference`` is shown for comparison. ``peak`` is value and time [s] of largest magnitude over all accepted
+    steps, which saved times may miss; empty if unknown.
     """
 
     x: Quantity
@@ -34,17 +34,17 @@ class Panel:
     Attributes
     ----------
     label : str
-        What the vertical axis shows, without the unit.
+        Label of the vertical axis, without the unit.
     curves : tuple of Curve
-        All y of one unit, all x of one unit.
+        Curves with a common unit of y and a common unit of x.
     logarithmic : bool
-        The vertical axis is.
+        Whether the vertical axis is logarithmic.
     stepped : bool
-        A value holds for the whole step that ends at its time.
+        Whether a value holds for the whole step that ends at its time.
     peak : (value, time [s])
-        That of the only curve, of one run, to be told in words; may be empty.
+        Peak of a single curve of one run, to be written below; may be empty.
     note : str
-        Said in small print.
+        Text in small print.
     """
 
     label: str
@@ -56,22 +56,22 @@ class Panel:
 
     @property
     def over_time(self):
-        """True when the horizontal axis is the time."""
+        """Whether the horizontal axis is time."""
         return all(curve.x.path == "time" for curve in self.curves)
 
     @property
     def constant(self):
-        """True when nothing in it changes."""
+        """Whether all curves are constant."""
         return all(_constant(curve.y.values) for curve in self.curves)
 
     @property
     def subjects(self):
-        """What the curves are quantities of."""
+        """Names of the owners of the curves."""
         return tuple(dict.fromkeys(curve.subject for curve in self.curves))
 
     @property
     def whats(self):
-        """The different quantities that are not references, in words."""
+        """Names of the different quantities except references."""
         return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
 
 
@@ -82,7 +82,7 @@ def _constant(values):
 
 @dataclass(frozen=True)
 class EventMark:
-    """Something that happened at a time [s] to an element in run number ``run``."""
+    """An event of an element at a time [s] in run number ``run``."""
 
     time: float
     element: str
@@ -97,17 +97,17 @@ class Sheet:
     Attributes
     ----------
     name : str
-        In the name of its file.
+        Part of the name of the file.
     heading : str
-        What it shows, in words.
+        Heading of the picture.
     panels : tuple of Panel or Sketch
     events : tuple of EventMark
     run_labels : tuple of str
-        Of all runs; empty for one run.
+        Labels of all runs; empty for one run.
     lead : int
-        How many of its panels are as important as the first of another sheet.
+        Number of panels as important as the first panel of another sheet.
     table : tuple of tuple
-        Lines, a heading first, that are written beside the picture in the place of the numbers of its curves.
+        Lines, the first a heading, written beside the picture instead of the numbers of the curves.
     """
 
     name: str
@@ -120,17 +120,17 @@ class Sheet:
 
     @property
     def subjects(self):
-        """What its curves are quantities of."""
+        """Names of the owners of all curves."""
         return tuple(dict.fromkeys(curve.subject for curve in self.curves))
 
     @property
     def curves(self):
-        """The curves of all its panels."""
+        """The curves of all panels."""
         return tuple(curve for panel in self.panels if isinstance(panel, Panel) for curve in panel.curves)
 
 
 def event_marks(runs):
-    """Marks of all events of all runs."""
+    """Return an EventMark for each event of all runs."""
     marks = []
     for number, run in enumerate(runs):
         for event in run.results.events:

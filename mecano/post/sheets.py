@@ -1,4 +1,4 @@
-"""The sheets of a model: those that its kinds ask for, energies, solver, the mechanism itself, and an overview."""
+"""The standard sheets of a model: those of its kinds, energies, solver, the mechanism itself, and an overview."""
 
 from dataclasses import replace
 
@@ -14,9 +14,9 @@ from mecano.post.quantity import find, time_of
 from mecano.post.sheet import Curve, Panel, Sheet, event_marks
 from mecano.post.sketch import Sketch, sketch
 
-MOST_SKETCHES = 4  # on one sheet, of several runs
-PLACES = 9  # of the overview; a sketch of a mechanism that stays in place takes one
-WIDE_RANGE = 3.0  # a quantity that varies by more than this factor gets a logarithmic axis
+MOST_SKETCHES = 4  # runs sketched on one sheet
+PLACES = 9  # cells of the overview; a sketch of a mechanism that stays in place takes one
+WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
 SMALLEST = 1e-16  # shown on logarithmic axes
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 WARNINGS = {
@@ -42,12 +42,12 @@ def default_sheets(runs):
     labels = tuple(run.label for run in runs) if len(runs) > 1 else ()
     marks = event_marks(runs)
     sheets = [replace(sheet, events=marks) for sheet in sheets]
-    sheets.append(shock_sheet(runs))  # whose curves are the events
+    sheets.append(shock_sheet(runs))  # without marks, as its curves are the events
     return [replace(sheet, run_labels=labels) for sheet in sheets if sheet.panels]
 
 
 def overview(sheets):
-    """A sheet of the most important panels of each sheet, then the second ones..., as many as fill it, and a sketch."""
+    """Return the Sheet of a sketch and the most important panels of all sheets, as many as fit."""
     ranked = [
         (max(0, i - sheet.lead + 1), k, i)
         for k, sheet in enumerate(sheets)
@@ -62,7 +62,7 @@ def overview(sheets):
 
 
 def _named(sheet, i):
-    """A panel that says of what it is, away from the heading of its sheet."""
+    """Return a panel labelled with its owner, for use without the heading of its sheet."""
     panel = sheet.panels[i]
     if len(panel.subjects) > 1 or panel.subjects[0] in (panel.label, sheet.name):
         return panel
@@ -82,7 +82,7 @@ def _mechanism(runs):
 
 
 def _path(runs):
-    """The path of equilibria: load factor over the displacement that changes most, and the stability."""
+    """Return the Sheet of the equilibrium path: load factor over the coordinate that changes most, and stability."""
     static = [(number, run) for number, run in enumerate(runs) if "static/load_factor" in run.paths]
     loads, unstable = [], []
     for number, run in static:
@@ -117,12 +117,12 @@ def _found(run, path):
 
 
 def _changed(quantity):
-    """Its change since the start: the level of potential energies has no meaning."""
+    """Return the change of a quantity since the start, as the zero of potential energies is arbitrary."""
     return replace(quantity, values=quantity.values - quantity.values[:1])
 
 
 def _relative(quantity, size):
-    """The quantity over a size of the same unit; where that is zero, nothing is left of it."""
+    """Return a quantity divided by ``size`` of the same unit; zeros if ``size`` is zero."""
     return replace(quantity, unit="-", values=quantity.values / size if size else 0.0 * quantity.values)
 
 
@@ -139,7 +139,7 @@ def _solver(runs):
 
 
 def _history(runs, label, columns):
-    """A panel of the solver history; None where nothing ever happened."""
+    """Return a Panel of columns of the solver history, or None if all values are zero."""
     found = [
         Curve(time_of(q), q, number, "solver")
         for number, run in enumerate(runs)

@@ -1,4 +1,4 @@
-"""A side view of the mechanism at several instants: the plane of motion, the instants, the shapes in the plane."""
+"""Side view of the mechanism at several instants: choice of plane and instants, shapes in the plane."""
 
 from dataclasses import dataclass, replace
 
@@ -7,13 +7,13 @@ import numpy as np
 from mecano.post.ground import ground_line
 from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes
 
-MOST_ROWS = 300  # saved times looked at
+MOST_ROWS = 300  # saved times considered
 INSTANTS = 7
-FAR = 6.0  # sizes: what travels farther is shown from left to right beside itself, not where it is
-PITCH = 1.25  # widths between neighbours then
+FAR = 6.0  # widths: a mechanism that travels farther is shown side by side, not in place
+PITCH = 1.25  # spacing side by side, in widths
 PATHS = 12  # most paths of points shown
-STILL = 1e-3  # of the size of the picture: a point that moves less has no path
-ALIKE = 0.99  # two extents that differ by less count as equal
+STILL = 1e-3  # of the size of the picture: points that move less have no path
+ALIKE = 0.99  # ratio above which two extents count as equal
 
 
 @dataclass(frozen=True)
@@ -23,21 +23,21 @@ class Sketch:
     Attributes
     ----------
     label : str
-        Of the run.
+        Label of the run.
     axes : (int, int)
-        Inertial axes (0, 1, 2) that point to the right and up.
+        Inertial axes (0, 1, 2) to the right and up.
     times : (n,) array
         Instants [s].
     shapes : tuple of Shape
-        With points (n, k, 3) [m].
+        Shapes with points (n, k, 3) [m].
     shift : (n,) array
-        To be added to the horizontal coordinates at each instant [m]; zeros where all is shown in its place.
+        Shift of the horizontal coordinates at each instant [m]; zeros if shown in place.
     paths : tuple of (m, 2) arrays
-        Where points pass.
+        Paths of points [m].
     grounds : tuple of (k, 2) arrays
-        Lines of the ground, shifted already.
+        Lines of the ground, with the shift included [m].
     axis : (str, str)
-        What the times are, and their unit.
+        Name and unit of the times.
     """
 
     label: str
@@ -51,19 +51,19 @@ class Sketch:
 
     @property
     def in_place(self):
-        """True when all is shown where it is."""
+        """Whether all instants are shown in place, without shift."""
         return not self.shift.any()
 
     @property
     def aspect(self):
-        """Height over width of all that is shown."""
+        """Height over width of all shapes."""
         points = [s.points[..., self.axes] + np.stack([self.shift, 0.0 * self.shift], -1)[:, None] for s in self.shapes]
         width, height = np.ptp(np.concatenate([some.reshape(-1, 2) for some in points]), axis=0)
         return height / width if width > 0.0 else 1.0
 
 
 def sketch(run):
-    """The Sketch of a run, or None where there is nothing to be drawn."""
+    """Return the Sketch of a run, or None if there is nothing to draw."""
     count = len(run.results.time)
     if not count:
         return None
@@ -84,7 +84,7 @@ def sketch(run):
 
 
 def _axes(points, gravity):
-    """The two inertial axes along which the points (n, 3) extend most; the vertical one, if it is one of them, up."""
+    """Return the two inertial axes of largest extent of points (n, 3), the vertical one second if included."""
     up = 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity)))
     extent = np.ptp(points, axis=0)
     extent = np.where(extent > ALIKE * extent.max(), extent.max(), extent)
@@ -95,13 +95,13 @@ def _axes(points, gravity):
 
 
 def _cloud(moving):
-    """Points (instants, n, 3) of all shapes, of wheels only the centre, of guides none."""
+    """Return the points (instants, n, 3) of all shapes, with wheels reduced to centres and without guides."""
     places = [s.points[:, -1:] if s.style == WHEEL else s.points for s in moving if s.style != GUIDE]
     return np.concatenate(places, axis=1)
 
 
 def _instants(times, cloud):
-    """Indices of instants, closer to one another where the mechanism changes its shape or turns."""
+    """Return indices of instants, denser where the mechanism deforms or turns."""
     if len(times) <= INSTANTS:
         return np.arange(len(times))
     relative = cloud - cloud.mean(axis=1, keepdims=True) if cloud.shape[1] > 1 else cloud
@@ -113,7 +113,7 @@ def _instants(times, cloud):
 
 
 def _shift(drawn, right):
-    """Horizontal shift of each instant: zeros, or side by side when the mechanism travels far."""
+    """Return the horizontal shift (n,) [m]: zeros, or side by side if the mechanism travels far."""
     x = np.concatenate([s.points[..., right] for s in drawn], axis=1)
     low, high = x.min(axis=1), x.max(axis=1)
     width, middle = np.max(high - low), 0.5 * (low + high)
@@ -123,7 +123,7 @@ def _shift(drawn, right):
 
 
 def _paths(cloud):
-    """The longest different paths (m, 2) of a cloud of points (m, n, 2)."""
+    """Return the longest distinct paths (m, 2) of a cloud of points (m, n, 2)."""
     extents = np.hypot(*np.ptp(cloud, axis=0).T)
     size = np.hypot(*np.ptp(cloud.reshape(-1, 2), axis=0))
     paths = []
@@ -137,7 +137,7 @@ def _paths(cloud):
 
 
 def _grounds(run, drawn, axes, shift):
-    """Lines of the ground under each wheel at each instant, or one long line where all is shown in its place."""
+    """Yield lines of the ground below each wheel at each instant, or one long line if shown in place."""
     right = axes[0]
     x = np.concatenate([s.points[..., right] for s in drawn], axis=1)
     half_width = 0.5 * (np.ptp(x, axis=1).max() if shift.any() else np.ptp(x)) * PITCH

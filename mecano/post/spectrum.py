@@ -1,7 +1,7 @@
-"""Spectra: how large the oscillations of a quantity are at each frequency.
+"""Amplitude spectra of quantities.
 
-Amplitudes, one-sided, of the values less their mean under a Hann window, corrected by the mean of the window: a sine
-of amplitude A shows a peak of height A, where its frequency is a multiple of 1/duration; in between, up to 15 % less.
+One-sided amplitudes of the values minus their mean, with a Hann window, corrected by the mean of the window: a sine of
+amplitude A gives a peak of height A if its frequency is a multiple of 1/duration; in between, up to 15 % less.
 """
 
 from dataclasses import replace
@@ -14,13 +14,13 @@ from mecano.post.quantity import Quantity
 from mecano.post.request import GRAMMAR, Request, curve_label, found
 from mecano.post.sheet import Curve, Panel, Sheet
 
-FEWEST = 8  # values of which a spectrum says anything
-UNEVEN = 1e-6  # of the interval: larger differences are no rounding
-FLOOR = 1e-8  # of the largest amplitude: what is smaller is rounding, and is not shown
+FEWEST = 8  # least number of values
+UNEVEN = 1e-6  # of the interval: larger differences are not rounding errors
+FLOOR = 1e-8  # of the largest amplitude: smaller ones are rounding errors and not shown
 
 
 def spectrum_sheet(text, runs):
-    """The sheet of the spectra of "Y[,Y2]", a panel for each unit. Raises UsageError, UnknownNameError."""
+    """Return the Sheet of the spectra of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError."""
     request = Request.parse(text)
     if request.x != "time":
         raise UsageError(f"--spectrum {quoted(text)} is over the frequency; {GRAMMAR.partition(',')[0]} or Y,Y2")
@@ -49,17 +49,17 @@ def _spectrum(quantity, run, number):
 
 
 def amplitudes(values, interval):
-    """Frequencies [Hz] and amplitudes (n // 2,) of values (n,) every ``interval`` [s]; without that at 0 Hz."""
+    """Return frequencies [Hz] and amplitudes (n // 2,) of values (n,) every ``interval`` [s], without 0 Hz."""
     count = len(values)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
     sizes = 2.0 * np.abs(np.fft.rfft((values - values.mean()) * window)) / window.sum()
     if count % 2 == 0:
-        sizes[-1] *= 0.5  # at half the rate of saving there is one line, not one of each sign
+        sizes[-1] *= 0.5  # the Nyquist frequency has one line, not one of each sign
     return np.fft.rfftfreq(count, interval)[1:], sizes[1:]
 
 
 def _evenly(quantity, run):
-    """Interval [s] and values of a quantity; without the last one where the run ended between two saved times."""
+    """Return interval [s] and values of a quantity, without a last value at a shorter interval. Raises UsageError."""
     where, gaps = f"{quoted(quantity.path)} in {run.results.path}", np.diff(quantity.time)
     if quantity.axis[1] != "s":
         raise UsageError(f"{where} is over the {quantity.axis[0]}: a spectrum needs times")
@@ -79,7 +79,7 @@ def _evenly(quantity, run):
 
 
 def _peak(curves):
-    """The highest line of a single curve in words."""
+    """Return a text on the highest line of a single curve, or ""."""
     if len(curves) > 1 or not np.any(np.isfinite(curves[0].y.values)):
         return ""
     [curve] = curves

@@ -1,4 +1,4 @@
-"""Picture of a study: each output over each value that is varied, a dot for each complete case."""
+"""Picture of a study: each output over each varied parameter, with a dot for each complete case."""
 
 from collections import Counter
 from pathlib import Path
@@ -12,12 +12,12 @@ from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, shown_unit, with_
 from mecano.results.study_file import read_study
 
 PANEL = (3.4, 2.4)  # inches
-MOST_COLOURS = 8  # values of another parameter that colours tell apart
-MOST_JOINED = 2  # parameters up to which dots that differ in one alone are joined by lines
+MOST_COLOURS = 8  # values of another parameter distinguished by colours
+MOST_JOINED = 2  # parameters up to which dots that differ in one parameter are joined by lines
 
 
 def draw_study(path, output=None, kind="png"):
-    """Draw the picture of the table of a study beside it, or at ``output``; returns its path. Raises ResultsError."""
+    """Draw the picture of a table of a study beside it, or at ``output``, and return its Path. Raises ResultsError."""
     table = read_study(path)
     target = Path(output) if output else Path(path).with_suffix(f".{kind}")
     parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]
@@ -51,7 +51,7 @@ def _figure(table, parameters, outputs):
 
 
 def _panel(ax, output, parameter, other, joined, named):
-    """Dots, in colours by the values of the ``other`` parameter where these are few; ``named``: with a legend."""
+    """Plot dots, coloured by the values of the ``other`` parameter if these are few; ``named``: with a legend."""
     factor, _ = shown_unit(output.unit, output.values)
     values = sorted(set(other.values)) if other is not None else []
     distinguished = 1 < len(values) <= MOST_COLOURS
@@ -79,6 +79,6 @@ def _panel(ax, output, parameter, other, joined, named):
 
 
 def _short(path):
-    """The last two keys of a path, or all but 'parameters'."""
+    """Return the last two keys of a path, without 'parameters'."""
     keys = path.removeprefix("parameters.").split(".")
     return ".".join(keys[-2:])

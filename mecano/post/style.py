@@ -1,4 +1,4 @@
-"""How pictures look: colours, lines, units with prefixes, ranges of axes."""
+"""Style of pictures: colours, lines, units with prefixes, ranges of axes."""
 
 from textwrap import wrap
 
@@ -8,14 +8,14 @@ from mecano.post.sheet import CONSTANT
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
 DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
-LEGEND = {"handlelength": 1.6, "columnspacing": 1.2}  # sizes of the font
+LEGEND = {"handlelength": 1.6, "columnspacing": 1.2}  # in units of the font size
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
-BESIDE = 24  # characters of small print that have room beside the label of an axis
+BESIDE = 24  # characters of small print that fit beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SETTINGS = {
-    "text.parse_math": False,  # titles and names may have any letters
+    "text.parse_math": False,  # titles and names may contain any characters
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.labelsize": 9,
@@ -51,7 +51,7 @@ FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3}
 
 
 def shown_unit(unit, values):
-    """Factor and unit in which values are shown: kN from 2000 N on, mm below 0.1 m, else powers of 1000 if need be."""
+    """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, otherwise powers of 1000."""
     unit = "" if unit == "-" else unit
     largest = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
     for prefix in reversed(LARGE.get(unit, "")):
@@ -64,7 +64,7 @@ def shown_unit(unit, values):
 
 
 def _scaled(largest, factor, unit):
-    """The same with a power of 1000 before the unit when the numbers are too long for an axis."""
+    """Return factor and unit, with a power of 1000 before the unit if the numbers are too long for an axis."""
     if not largest or 2e-3 <= largest / factor < 2e5:
         return factor, unit
     exponent = 3 * int(np.floor(np.log10(largest / factor / 2.0) / 3.0))
@@ -72,7 +72,7 @@ def _scaled(largest, factor, unit):
 
 
 def with_unit(label, unit):
-    """A label with its unit in brackets, if it has one; on several lines when it is long."""
+    """Return a label with its unit, if any, in brackets, on several lines if it is long."""
     text = f"{label} [{unit}]" if unit else label
     if len(text) <= LONGEST_LABEL:
         return text
@@ -87,13 +87,13 @@ def with_unit(label, unit):
 
 
 def legend_columns(handles, inches):
-    """How many columns of a legend fit into a width."""
+    """Return the number of columns of a legend that fit into a width in inches."""
     longest = max(len(handle.get_label()) for handle in handles)
     return min(len(handles), max(1, int(inches / (0.064 * longest + 0.44))))
 
 
 def legend_above(ax, handles, inches):
-    """A legend above axes of that width, so that it hides nothing; returns its height in points."""
+    """Draw a legend above axes of a width in inches, and return its height in points."""
     if not handles:
         return 0.0
     columns = legend_columns(handles, inches)
@@ -103,7 +103,7 @@ def legend_above(ax, handles, inches):
 
 
 def note_below(ax, text):
-    """Small print at the lower right of axes; below their label where it is long."""
+    """Write small print at the lower right of axes, below their label if it is long."""
     wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label stands in the middle
     down = -18 if len(text) <= BESIDE - wider else -32
     ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, down), textcoords="offset points",
@@ -111,7 +111,7 @@ def note_below(ax, text):
 
 
 def range_of(values):
-    """Limits of an axis for what is constant but for rounding; None for all else."""
+    """Return limits of an axis for values that are constant up to rounding, otherwise None."""
     values = values[np.isfinite(values)]
     if not values.size:
         return 0.0, 1.0
@@ -123,5 +123,5 @@ def range_of(values):
 
 
 def power_of_ten(exponent):
-    """Write a power of ten with its exponent, a whole number or its text, raised."""
+    """Return a power of ten with a superscript exponent, given as int or str."""
     return f"10{str(exponent).translate(RAISED)}"

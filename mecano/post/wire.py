@@ -16,17 +16,17 @@ COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
 TALLEST = 1.4  # height over width of a view
 MARGIN = 0.06  # of the size of what is shown
 SUPPORT_SIZE = 7
-FAR = 2.0  # sizes: what travels farther is drawn about its own middle each time, it would be too small
+FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its own centre at each time
 
 
 def view(up=2):
-    """Matrix (2, 3) that projects inertial positions to the right and up of the picture; ``up``: the vertical axis."""
+    """Return the matrix (2, 3) that projects inertial positions into the picture; ``up`` is the vertical axis."""
     ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
     return np.roll([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]], up - 2, axis=1)
 
 
 def times_of(text):
-    """Times [s] of a text "0,1.5,3.2". Raises UsageError."""
+    """Return the times [s] of a text "0,1.5,3.2". Raises UsageError."""
     try:
         times = [float(part) for part in text.split(",")]
     except ValueError:
@@ -37,7 +37,7 @@ def times_of(text):
 
 
 def wire_figure(run, times, title):
-    """Figure of a run with the saved configurations nearest to ``times`` [s], all on one scale. Raises UsageError."""
+    """Return the figure of the saved configurations nearest to ``times`` [s], on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
     shown = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, CABLE, SPRING, BODY, WHEEL, GUIDE)]
@@ -70,7 +70,7 @@ def wire_figure(run, times, title):
 
 
 def _frame(points):
-    """Where each of the configurations (n, k, 2) is moved from (n, 2), and the corners of the frame of all (2,)."""
+    """Return the origins (n, 2) of configurations (n, k, 2), and the lower and upper corner (2,) of their frame."""
     low, high = points.min(axis=1), points.max(axis=1)
     middle = 0.5 * (low + high)
     far = np.ptp(middle, axis=0).max() > FAR * (high - low).max()
@@ -79,19 +79,19 @@ def _frame(points):
 
 
 def _heading(run, travels, fixed):
-    """What is shown, in words."""
+    """Return the heading of the figure."""
     of = f"configurations of {run.label}" if run.label else "configurations"
     return of + ", all on one scale" + ", each about its middle" * travels + "; dots: what is fixed" * fixed
 
 
 def _named(saved, asked):
-    """The time that is drawn, and the one that was asked for where they differ."""
+    """Return a text with the time drawn, and the time requested if they differ."""
     shown, wanted = f"t = {saved:.4g} s", f"{asked:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
 
 
 def _draw(ax, lines):
-    """Thin lines first, so that they lie behind."""
+    """Draw the lines, thin ones first, so that they lie behind."""
     for thin, colour, width in ((True, GREY, 0.6), (False, INK, 1.4)):
         some = [points for is_thin, points in lines if is_thin == thin]
         ax.add_collection(LineCollection(some, colors=colour, linewidths=width, capstyle="round"))

@@ -1,1 +1,1 @@
-"""The process that a run is: its signals, its memory, its end with the one that started it."""
+"""The process of a run: its signals, its memory, its end together with the parent process."""

@@ -1,4 +1,4 @@
-"""What asks a process to end early: signals, and the wall-clock time that it was given."""
+"""Requests to end a process early: signals, and the limit of wall-clock time."""
 
 import re
 import shlex
@@ -8,21 +8,21 @@ import threading
 import time
 from contextlib import contextmanager
 
-CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is looked at between steps only
+CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is checked between steps only
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGXCPU": 152, "SIGUSR1": 75}
 EXIT_CODES = {getattr(signal, name): code for name, code in CODES.items() if hasattr(signal, name)} | {CLOCK: 75}
 HANGUP = getattr(signal, "SIGHUP", None)
 SIGNALS = tuple(number for number in EXIT_CODES if number in signal.valid_signals())
 WORDS = {CLOCK: "the end of its wall-clock time"}
-STACK = 2**26  # B for a thread: compilers need more than the half megabyte that some systems give
-BEGUN = time.monotonic()  # of the process, but for the time in which Python starts
-RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s], left for the last checkpoint
+STACK = 2**26  # B for a thread: compilers need more than the half megabyte of some systems
+BEGUN = time.monotonic()  # start of the process, without the startup of Python
+RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s] at most, for the last checkpoint
 UNITS = re.compile(r"(?:(\d+)d)?(?:(\d+)h)?(?:(\d+)m)?(?:(\d+)s?)?")
 OF_A_CLOCK = re.compile(r"(?:(\d+)-)?(\d+):(\d\d):(\d\d)")
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal, or the end of the wall-clock time, ends the run; ``exit_code`` is what the process returns."""
+    """The run was stopped by a signal or by the limit of wall-clock time; ``exit_code`` is that of the process."""
 
     def __init__(self, number, further=""):
         self.exit_code = EXIT_CODES[number]
@@ -30,14 +30,14 @@ class Stopped(KeyboardInterrupt):
 
 
 class Interruption:
-    """Whether the process is to end: at once, or while ``postponed`` where ``wanted`` is asked next.
+    """Requests to end the process: handled at once or, within ``postponed``, at the next call of ``wanted``.
 
     Parameters
     ----------
     limit : float or None
         Wall-clock time of the process [s].
     again : str
-        Command that takes the run up again, for people.
+        Command that resumes the run, for messages.
     """
 
     def __init__(self, limit=None, again=""):
@@ -47,7 +47,7 @@ class Interruption:
         self._asked, self._longest = None, 0.0
 
     def listen(self, numbers=SIGNALS):
-        """From now on these signals and the clock end the process; not SIGHUP where `nohup` has it ignored."""
+        """Handle these signals and the clock from now on; SIGHUP stays ignored under `nohup`."""
         sys.unraisablehook = _unraisable
         for number in numbers:
             if number != HANGUP or signal.getsignal(number) != signal.SIG_IGN:
@@ -58,13 +58,13 @@ class Interruption:
     def _ask(self, number, frame):
         again, self._number = self._number is not None, self._number or number
         if not self._postponed:
-            raise Stopped(number)  # where nothing can be raised this is swallowed; then ``wanted`` still knows
+            raise Stopped(number)  # may be lost where exceptions cannot propagate; ``wanted`` still returns True
         if _abandonable or (again and number == signal.SIGINT):
             raise self.stopped("in the midst of a step")
 
     @contextmanager
     def postponed(self):
-        """In this block the process ends where ``wanted`` is asked, in ``abandonable``, or by a second SIGINT."""
+        """Postpone the end of the process in this block to ``wanted``, ``abandonable``, or a second SIGINT."""
         self._postponed = True
         try:
             yield
@@ -72,29 +72,29 @@ class Interruption:
             self._postponed = False
 
     def check(self, what, left, ending):
-        """Raise Stopped or UsageError where ``what`` is done before a march is not to be gone on with.
+        """Raise an exception if an activity before the time integration must not continue.
 
         Parameters
         ----------
         what : str
-            For the user, such as "taking up r.h5".
+            Description of the activity.
         left : float
-            Time that the rest of it takes [s].
+            Estimated remaining time of the activity [s].
         ending : float
-            Time that the end of the process takes [s].
+            Time to end the process [s].
 
         Raises
         ------
         Stopped
-            A signal asks for it.
+            A signal was received.
         UsageError
-            The wall-clock time leaves none for the march: asked for again, it would not either.
+            The limit of wall-clock time leaves none for the integration, and would not if the run were repeated.
         """
         if self._number not in (None, CLOCK):
             raise Stopped(self._number, f" while {what}; the file is as it was")
         now = time.monotonic()
         if now + ending > self._deadline:
-            from mecano.errors import UsageError  # takes a hundredth of the time of `mecano --help`
+            from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
 
             needed = now - BEGUN + left + ending
             raise UsageError(
@@ -103,9 +103,9 @@ class Interruption:
             )
 
     def wanted(self, now, ending=0.0):
-        """True when the process is to end, or would not come to the next question in time.
+        """Return whether the process must end now, as the time limit may not allow to wait for the next call.
 
-        ``now`` monotonic [s]; ``ending``: time that the end of the process takes [s].
+        ``now`` is monotonic time [s], ``ending`` the time to end the process [s].
         """
         if self._asked is not None:
             self._longest = max(self._longest, now - self._asked)
@@ -115,21 +115,21 @@ class Interruption:
         return self._number is not None
 
     def raise_if_asked(self, where):
-        """Raise Stopped where a signal has asked for it, be it that the exception was lost where none can be raised."""
+        """Raise Stopped if a signal was received, for instance where its own exception was lost."""
         if self._number is not None:
             raise self.stopped(where)
 
     def stopped(self, where):
-        """The exception that ends the run; ``where`` it stands, in words."""
+        """Return the exception that ends the run; ``where`` describes the place, such as "at t = 1 s"."""
         return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
 
 
 def abandonable(call, *arguments):
-    """Return ``call(*arguments)``, made in a thread of its own: a signal ends the wait for it at once.
+    """Return ``call(*arguments)``, executed in a separate thread, so that a signal interrupts the wait at once.
 
-    The handlers of Python run in the main thread only, between two of its instructions. While a library works there for
-    long, as a compiler or a decomposition of a matrix does, no signal is answered. What the thread does then goes on
-    until the process ends, so it must change nothing that lasts. In another thread than the main one this is a call.
+    Python runs signal handlers only in the main thread, between two of its instructions, hence not while a library
+    works there for long (a compiler, a matrix decomposition). After a signal the thread continues until the process
+    ends, so ``call`` must have no permanent effects. Outside the main thread this is an ordinary call.
     """
     global _abandonable
     if threading.current_thread() is not threading.main_thread():
@@ -149,11 +149,11 @@ def abandonable(call, *arguments):
     return result
 
 
-_abandonable = False  # while the main thread waits in ``abandonable``
+_abandonable = False  # whether the main thread waits in ``abandonable``
 
 
 def _keep_outcome(outcome, done, call, arguments):
-    """Put the result of a call and the exception that it raised into the list ``outcome``; one of them is None."""
+    """Append the result of a call and its exception to the list ``outcome``; one of them is None."""
     try:
         outcome += [call(*arguments), None]
     except BaseException as error:
@@ -162,8 +162,8 @@ def _keep_outcome(outcome, done, call, arguments):
 
 
 def stopped_by(error):
-    """The Stopped that an exception comes from, or None: compiled code in between may put another in its place."""
-    seen = set()  # a chain of exceptions may be a ring
+    """Return the Stopped in the chain of an exception, or None; compiled code may replace it by another exception."""
+    seen = set()  # a chain of exceptions may be cyclic
     while error is not None and not isinstance(error, Stopped) and id(error) not in seen:
         seen.add(id(error))
         error = error.__cause__ or error.__context__
@@ -171,24 +171,27 @@ def stopped_by(error):
 
 
 def _unraisable(lost):
-    """Say what Python says of exceptions that cannot be raised where they occur, but of Stopped nothing."""
+    """Report unraisable exceptions as Python does, except Stopped."""
     if not isinstance(lost.exc_value, Stopped):
         sys.__unraisablehook__(lost)
 
 
 def again():
-    """The command that goes on with what this process was told to do."""
+    """Return the command that resumes the command of this process."""
     words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
     return shlex.join(["mecano", *words, "--resume"])
 
 
 def seconds(text):
-    """Seconds of "3600", "2h30m", "1d", "90s", "02:30:00" or, as Slurm writes it, "1-02:30:00". Raises UsageError."""
+    """Return the seconds of "3600", "2h30m", "1d", "90s", "02:30:00" or, as in Slurm, "1-02:30:00".
+
+    Raises UsageError.
+    """
     match = OF_A_CLOCK.fullmatch(text) or UNITS.fullmatch(text)
     numbers = [int(part or 0) for part in match.groups()] if match else [0]
     total = sum(number * size for number, size in zip(numbers, (86400, 3600, 60, 1), strict=False))
     if not total:
-        from mecano.errors import UsageError  # takes a hundredth of the time of `mecano --help`
+        from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
 
         raise UsageError(f"'{text}' is no wall-clock time; write 3600, 2h30m or 02:30:00")
     return total

@@ -1,27 +1,27 @@
-"""Processes that end with the one that started them, even where that is killed.
+"""Child processes that end with their parent, even if it is killed.
 
-A child inherits the reading end of a pipe in which nothing is ever written, and waits there: the system closes the
-writing end with the parent, however that ends. (Linux could send the child a signal instead, but does so already when
-the thread ends that started it; other systems cannot.)
+A child inherits the reading end of a pipe to which nothing is ever written, and waits for it: the system closes the
+writing end when the parent ends, for any reason. (Linux could send the child a signal instead, but does so already at
+the end of the thread that started it; other systems cannot.)
 """
 
 import os
 import signal
 import threading
 
-VARIABLE = "MECANO_PARENT"  # of the environment of a child: the file descriptor of the pipe
-_pipe: list[int] = []  # its ends, for reading and for writing, once there is a child
+VARIABLE = "MECANO_PARENT"  # environment variable of a child: the file descriptor of the pipe
+_pipe: list[int] = []  # its ends for reading and writing, once there is a child
 
 
 def popen_options():
-    """Options of ``subprocess.Popen`` for a process of mecano that ends, as by SIGTERM, when this process has ended."""
+    """Return options of ``subprocess.Popen`` for a process of mecano that ends, as by SIGTERM, with this process."""
     if not _pipe:
         _pipe.extend(os.pipe())
     return {"pass_fds": _pipe[:1], "env": {**os.environ, VARIABLE: str(_pipe[0])}}
 
 
 def watch_parent():
-    """From now on end this process by SIGTERM when the one that started it, ``popen_options``, has ended."""
+    """Start a thread that sends SIGTERM to this process when a parent that started it with ``popen_options`` ends."""
     descriptor = os.environ.pop(VARIABLE, "")
     if descriptor.isdigit():
         threading.Thread(target=_end_with_parent, args=(int(descriptor),), daemon=True).start()
@@ -30,6 +30,6 @@ def watch_parent():
 def _end_with_parent(descriptor):
     try:
         os.read(descriptor, 1)
-    except OSError:  # the variable was meant for another process
+    except OSError:  # the variable belongs to another process
         return
     os.kill(os.getpid(), signal.SIGTERM)

@@ -1,8 +1,8 @@
-"""Recognize a lack of memory, which the libraries below Python rarely report as MemoryError."""
+"""Recognition of a lack of memory, which libraries below Python rarely report as MemoryError."""
 
 import errno
 
-WORDS = (  # of errors of the loader of libraries, of threads, of C++ and of HDF5
+WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "failed to map segment from shared object",
     "cannot allocate memory",
     "can't start new thread",
@@ -13,7 +13,7 @@ WORDS = (  # of errors of the loader of libraries, of threads, of C++ and of HDF
 
 
 def is_lack_of_memory(error):
-    """Decide whether an exception, or one that it came from, says that the system gave no more memory."""
+    """Decide whether an exception, or one in its chain of causes, reports a lack of memory."""
     seen = set()
     while error is not None and id(error) not in seen:
         seen.add(id(error))

@@ -1,4 +1,4 @@
-"""Reading HDF5 files of mecano: no byte that has changed since it was written gets to HDF5, which it might crash."""
+"""Reading of HDF5 files with checksums: a byte changed since it was written never reaches HDF5, which might crash."""
 
 import os
 import signal
@@ -17,30 +17,30 @@ from mecano.results.seekable import Seekable
 AT_ONCE = 256  # blocks
 PAGE = 4096
 UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, OverflowError, struct.error)
-"""What h5py, and reading what it gives, raises for files in which something is wrong."""
-PATIENCE = 5.0  # s of processor time in which HDF5 has to read what describes a file without sums
+"""Exceptions raised for damaged files by h5py and by the interpretation of its data."""
+PATIENCE = 5.0  # s of processor time in which HDF5 must read the metadata of a file without checksums
 SHORT = 2**20  # bytes
 _ATTEMPTS = 8
-_ends = {}  # how reading files without sums ends: exit code, or minus the signal, by the version of the file
+_ends = {}  # version of a file without checksums -> exit code of trial reading, or minus the signal
 _HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a superblock of version 2
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 class Checked(Seekable):
-    """A read-only file-like object for h5py over a file, each byte of which is checked by the sums in the file.
+    """A read-only file-like object for h5py that checks every byte by the checksums in the file.
 
-    Reading a block that has changed raises OSError, and so does reading behind the end of a file that was cut short.
+    Reading a changed block raises OSError, and so does reading beyond the end of a truncated file.
 
     Attributes
     ----------
     path : str or Path
     sums : Seal, LastTable or None
-        None: the file has no sums, and is read unchecked.
+        Checksums; None if the file has none and is read unchecked.
     size, missing : int
-        Bytes that are there, and that are gone at the end of the HDF5 file. Where there are no sums, zeros at the end
-        count as gone: so crashes of machines leave files.
+        Numbers of bytes present, and missing at the end of the HDF5 file. In files without checksums, pages of zeros
+        at the end count as missing, as crashes of machines leave them.
     damaged : set of int
-        Numbers of the changed blocks that were met.
+        Numbers of the changed blocks found so far.
     """
 
     def __init__(self, path):
@@ -57,7 +57,7 @@ class Checked(Seekable):
             raise
 
     def refresh(self):
-        """Find the sums; those of a file that is being written move as it grows."""
+        """Locate the checksums, which move as a file grows."""
         self.sums = seal_of(self._descriptor) or last_table(self._descriptor)
 
     def close(self):
@@ -66,11 +66,11 @@ class Checked(Seekable):
 
     @property
     def end(self):
-        """Bytes of the whole file, those that are missing included."""
+        """Size of the whole file in bytes, missing ones included."""
         return self.size + self.missing
 
     def readinto(self, buffer):
-        """Fill a buffer."""
+        """Fill a buffer. Raises OSError for changed or missing bytes."""
         view = memoryview(buffer).cast("B")
         start, stop = self._position, self._position + len(view)
         data = self._checked(start, stop)
@@ -82,23 +82,23 @@ class Checked(Seekable):
 
     @property
     def block(self):
-        """Bytes of a block."""
+        """Size of a block in bytes."""
         return self.sums.block if self.sums is not None else BLOCK
 
     def _checked(self, start, stop):
-        """The bytes from ``start`` to ``stop``, whose blocks have not changed; fewer at the end. Raises OSError."""
+        """Return the bytes from ``start`` to ``stop``, or fewer at the end. Raises OSError if a block has changed."""
         for attempt in range(_ATTEMPTS):
             first = start // self.block
             data, changed = self._compared(first, -(-stop // self.block))
             if not len(changed):
                 return data[start - self.block * first :][: stop - start]
-            time.sleep(0.003 * attempt)  # its writer may be just changing them
+            time.sleep(0.003 * attempt)  # the writer may be changing them now
             self.refresh()
         self.damaged.update(map(int, changed))
         raise OSError(f"{self.path} is damaged: bytes have changed {self.place(self.damaged)}")
 
     def _compared(self, first, last):
-        """(bytes of some blocks, numbers of those that have changed); a file that is cut short has fewer."""
+        """Return the bytes of blocks ``first`` to ``last``, fewer at the end, and the numbers of changed ones."""
         data = os.pread(self._descriptor, self.block * (last - first), self.block * first)
         if self.sums is None:
             return data, ()
@@ -106,7 +106,7 @@ class Checked(Seekable):
         return data, self.sums.changed(memoryview(data)[:count], first)
 
     def changed(self):
-        """Return the numbers (n,) of all blocks that have changed, of the whole file."""
+        """Return the numbers (n,) of all changed blocks in the file."""
         last = -(-min(self.sums.covered, self.size) // self.block)
         found = []
         for first in range(0, last, AT_ONCE):
@@ -120,14 +120,14 @@ class Checked(Seekable):
         return np.array(found, int)
 
     def place(self, blocks):
-        """Return where in the file some blocks are, in words."""
+        """Return a description of the place of ``blocks`` in the file."""
         first, count = self.block * min(blocks), len(blocks)
         more = f", and {count - 1} more blocks" if count > 1 else ""
         return f"between byte {first} and {first + self.block - 1}{more}"
 
 
 def _content(descriptor, size):
-    """Bytes of an open file without the pages of zeros at its end."""
+    """Return the size of an open file in bytes, without the pages of zeros at its end."""
     for first in range((size - 1) // PAGE * PAGE, -1, -PAGE):
         if os.pread(descriptor, PAGE, first).strip(b"\0"):
             return min(first + PAGE, size)
@@ -135,7 +135,7 @@ def _content(descriptor, size):
 
 
 def _missing(descriptor, size):
-    """Bytes that are gone at the end of an HDF5 file; 0 also for what is none."""
+    """Return the number of bytes missing at the end of an HDF5 file; 0 for other files."""
     head = os.pread(descriptor, _HEAD.size, 0)
     if len(head) < _HEAD.size:
         return 0
@@ -144,7 +144,7 @@ def _missing(descriptor, size):
 
 
 def cut_short(paths):
-    """Yield a warning for each of the files that ends early, of which only what is left is shown."""
+    """Yield a warning for each truncated file, of which only the remaining data are shown."""
     for path in paths:
         with suppress(OSError, ValueError):
             source = Checked(path)
@@ -155,9 +155,9 @@ def cut_short(paths):
 
 @contextmanager
 def blaming(*paths):
-    """Take what goes wrong in this block for damage of files without sums: nothing shows that these are whole.
+    """Attribute unexpected exceptions in this block to damage of files without checksums.
 
-    Raises ResultsError instead of any exception that is not an error of mecano, if one of the files is such.
+    If one of the files has no checksums, raises ResultsError instead of any exception other than a MecanoError.
     """
     try:
         yield
@@ -175,9 +175,9 @@ def blaming(*paths):
 
 @contextmanager
 def open_checked(path):
-    """Give the HDF5 file of mecano at ``path``, open for reading, and closed when the block ends.
+    """Open the HDF5 file ``path`` for reading within a block.
 
-    Raises ResultsError for all that cannot be read, in the block as well, with what is damaged.
+    Raises ResultsError, which names the damage, if the file or anything read in the block is unreadable.
     """
     source = checked(path)
     try:
@@ -190,7 +190,7 @@ def open_checked(path):
 
 
 def format_of(path):
-    """Return what kind of file of mecano a file is, or "" where that cannot be read."""
+    """Return the attribute ``format`` of a file of mecano, or "" if it cannot be read."""
     try:
         with open_checked(path) as file:
             found = file.attrs.get("format", "")
@@ -200,7 +200,7 @@ def format_of(path):
 
 
 def checked(path):
-    """Return the Checked of an HDF5 file. Raises ResultsError: it cannot be read, or is none."""
+    """Return a Checked of an HDF5 file. Raises ResultsError if it is unreadable or not an HDF5 file."""
     try:
         if os.path.isdir(path):
             raise ResultsError(f"cannot read {path}: it is a folder")
@@ -219,10 +219,7 @@ def checked(path):
 
 
 def _refuse_deadly(path):
-    """Raise ResultsError for a file without sums, in which whatever may be changed, that crashes HDF5.
-
-    It is read by a process of its own first, which may crash.
-    """
+    """Raise ResultsError for a file without checksums that crashes HDF5, as found by a child process that reads it."""
     at = os.stat(path)
     version = at.st_dev, at.st_ino, at.st_size, at.st_mtime_ns
     if not hasattr(os, "fork"):
@@ -241,7 +238,7 @@ def _refuse_deadly(path):
 
 
 def _read_all(path):
-    """Read what describes the datasets of a file, and the short ones, and end this process."""
+    """Read the metadata and the short datasets of a file, and end this process."""
     try:
         _read_quietly(path)
     finally:
@@ -269,7 +266,7 @@ def _read_item(_, item):
 
 
 def unreadable(source, error, what=""):
-    """Return why something in the file of a Checked cannot be read, in words; ``error`` came of trying."""
+    """Return the message for an ``error`` in reading ``what``, or anything, from the file of a Checked."""
     name = f"'{what}' in {source.path}" if what else source.path
     if source.damaged:
         return (

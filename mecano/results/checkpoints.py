@@ -1,8 +1,8 @@
-"""States to resume from, in two places of the results file that are written in turn.
+"""Checkpoints in two slots of the results file, which are written in turn.
 
-A place is an array of bytes in ``/checkpoints``: a head (mark, number of the checkpoint, length, SHA-256), then a small
-HDF5 file in which ``save_state`` has put the state. It is overwritten where it stands, which needs no room on the disk
-and changes nothing else in the file; a kill in between spoils this one, and the other still holds.
+A slot is an array of bytes in ``/checkpoints``: a head (mark, number of the checkpoint, length, SHA-256), then a small
+HDF5 file with the state written by ``save_state``. A slot is overwritten in place, which needs no disk space and
+changes nothing else in the file. A kill during writing invalidates this slot only; the other one remains valid.
 """
 
 import hashlib
@@ -16,20 +16,20 @@ from mecano.results.state import load_state, save_state
 
 HEAD = struct.Struct("<8sQQ32s")
 MARK = b"mecano-1"
-ROOM = 2  # times what the first state takes: later ones may hold more
+ROOM = 2  # size of a slot over that of the first state, as later states may be larger
 SPARE = 16384  # bytes
 
 
 class Slots:
-    """The places of a file that is being written through a Disk."""
+    """The checkpoint slots of a file that is being written through a Disk."""
 
     def __init__(self, file, disk):
         self._group, self._disk = file.require_group("checkpoints"), disk
-        self._slots = [(0, 0), (0, 0)]  # (place in the file, bytes)
+        self._slots = [(0, 0), (0, 0)]  # (offset in the file, size in bytes)
         self.count = 0
 
     def write(self, state):
-        """Overwrite the older of the two; failures stand in the Disk."""
+        """Write a state to the older slot; failures are kept in ``Disk.error``."""
         content = packed(state)
         number = self.count + 1
         data = HEAD.pack(MARK, number, len(content), _digest(number, content)) + content
@@ -41,7 +41,7 @@ class Slots:
             self.count = number
 
     def _place(self, size):
-        """A new array of bytes, in the file before anything is written to it: (place in the file, bytes)."""
+        """Allocate a new slot of ``size`` bytes, and return (offset in the file, size)."""
         properties = h5p.create(h5p.DATASET_CREATE)
         properties.set_layout(h5d.CONTIGUOUS)
         properties.set_alloc_time(h5d.ALLOC_TIME_EARLY)
@@ -53,7 +53,7 @@ class Slots:
 
 
 def packed(state):
-    """A state (results/state.py) as bytes."""
+    """Return a state (results/state.py) as the bytes of an HDF5 file."""
     with h5py.File("state", "w", driver="core", backing_store=False) as file:
         save_state(file, "state", state)
         file.flush()
@@ -61,7 +61,7 @@ def packed(state):
 
 
 def latest(group):
-    """The state of the last checkpoint in the group that is whole, or None."""
+    """Return the state of the last valid checkpoint in the group, or None."""
     number, content = max((_content(group, name) for name in group), default=(0, b""))
     if not number:
         return None
@@ -70,7 +70,7 @@ def latest(group):
 
 
 def _content(group, name):
-    """(number, bytes of the state) of one place, (0, b"") if it holds none or a spoilt one, or was just being made."""
+    """Return (number, bytes of the state) of a slot; (0, b"") if it is empty, damaged or incomplete."""
     try:
         dataset = group[name]
         mark, number, length, digest = HEAD.unpack(dataset[: HEAD.size].tobytes())

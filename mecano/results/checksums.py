@@ -1,6 +1,6 @@
-"""What shows that a byte of a closed file has changed: a CRC-32 of every 4096 bytes, behind the end of the HDF5 file.
+"""Checksums of a closed file: a CRC-32 of every 4096 bytes, appended after the end of the HDF5 data.
 
-HDF5 does not look there. At the very end: a mark, how many bytes are covered, and the CRC-32 of all the sums.
+HDF5 ignores them. They end with a mark, the number of bytes covered, and the CRC-32 of all the sums.
 """
 
 import os
@@ -13,7 +13,7 @@ BLOCK = 4096  # the page of operating systems
 END = struct.Struct("<16sQI")
 MARK = b"mecano seal 2\0\0\0"
 BLOCKS = {MARK: BLOCK, b"mecano seal 1\0\0\0": 1024}
-"""Bytes in a block of files with each mark."""
+"""Size of a block in bytes, by the mark of the file."""
 
 
 class Seal:
@@ -22,20 +22,20 @@ class Seal:
     Attributes
     ----------
     block : int
-        Bytes of a block.
+        Size of a block in bytes.
     covered : int
-        Bytes that are covered.
+        Number of bytes covered.
     sums : (n,) array of uint32
-        Of each block.
+        CRC-32 of each block.
     whole : bool
-        The sums themselves have not changed.
+        Whether the sums themselves are unchanged.
     """
 
     def __init__(self, block, covered, sums, whole):
         self.block, self.covered, self.sums, self.whole = block, covered, sums, whole
 
     def changed(self, data, first):
-        """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""
+        """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""
         found = block_sums(data, self.block)
         return first + np.flatnonzero(found != self.sums[first : first + len(found)])
 
@@ -52,13 +52,13 @@ def crcs(data, block=BLOCK):
 
 
 def seal(sums, covered):
-    """Return the bytes to be put behind a file of ``covered`` bytes whose blocks have the ``sums`` (n,) uint32."""
+    """Return the bytes to append to a file of ``covered`` bytes whose blocks have the ``sums`` (n,) uint32."""
     data = sums.tobytes()
     return data + END.pack(MARK, covered, _sum_of(covered, data))
 
 
 def seal_of(descriptor):
-    """The Seal of an open file, or None: it has none, or its last bytes are gone. Raises OSError."""
+    """Return the Seal of an open file, or None if it has none or its last bytes are missing. Raises OSError."""
     size = os.fstat(descriptor).st_size
     end = os.pread(descriptor, END.size, max(size - END.size, 0))
     if len(end) < END.size:

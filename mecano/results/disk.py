@@ -1,19 +1,19 @@
-"""The file on disk as HDF5 sees it, arranged so that a kill at any instant leaves a readable file.
+"""File object through which HDF5 writes, so that a kill at any instant leaves a readable file.
 
-HDF5 writes through this object instead of by itself, for five reasons:
+HDF5 writes through a Disk instead of directly, for five reasons:
 
-* Every byte has a check sum, whenever the process is killed (live_checksums.py).
-* HDF5 notes the new end of the file in the superblock before it makes the file that long; a kill in between
-  leaves a file that nothing opens. Here the file, with the table of sums at its end, grows first.
-* After a failed write (disk full) HDF5 can neither go on nor close, and crashes at the exit of the process.
-  Here the first failure is kept in ``error``, nothing more reaches the disk, and HDF5 sees a disk that works.
-* Some numbers (counters, status) must change after all else is written, in one go, and without new space:
-  ``patch`` writes them straight to their place.
-* A signal handler that raises must not do so inside HDF5: ``undisturbed`` defers it.
+* Every byte has a checksum whenever the process is killed (live_checksums.py).
+* HDF5 writes the new end of the file to the superblock before it extends the file; a kill in between leaves a file
+  that cannot be opened. Here the file, with the table of checksums at its end, is extended first.
+* After a failed write (disk full) HDF5 can neither continue nor close, and crashes at the exit of the process. Here
+  the first failure is kept in ``error``, later data are not written, and HDF5 sees no failure.
+* Some numbers (counters, status) must be written after all other data, at once, and without allocation: ``patch``
+  overwrites them in place.
+* A signal handler must not raise inside HDF5: ``undisturbed`` defers it.
 
-So the file is at every instant a beginning of the sequence of writes. With the extensible-array index of chunks, which
-only ever grows at its end, and with metadata kept within pages of the operating system, each such beginning is a valid
-file (tests/test_results_crash.py tries them all).
+So the file at any instant results from the first n of the sequence of writes. With the extensible-array index of
+chunks, which only grows at its end, and with metadata aligned to pages of the operating system, it is valid for every n
+(tests/test_results_crash.py tests all n).
 """
 
 import errno
@@ -39,21 +39,21 @@ _END_OF_FILE = slice(28, 36)  # in a superblock of version 2
 
 
 class Disk(Seekable):
-    """A file-like object for h5py over a file that is being written; its bytes have check sums at every instant.
+    """A file-like object for h5py to write a file whose bytes have checksums at every instant.
 
     Parameters
     ----------
     path : str or Path
-        Of a new file; or, with ``begun``, of one that is there and that nobody else reads or writes.
+        New file or, with ``begun``, an existing one that no other process reads or writes.
     begun : bool
-        Go on with the bytes that are there.
+        Keep the existing bytes.
 
     Attributes
     ----------
     error : OSError or None
-        The first failure to write; after it nothing but patches is tried.
+        The first failure to write; after it only patches are attempted.
     size : int
-        Bytes that it holds, or would after a failure, without the sums.
+        Size in bytes as HDF5 sees it, also after a failure, without the checksums.
     """
 
     def __init__(self, path, begun=False):
@@ -61,15 +61,15 @@ class Disk(Seekable):
         self._descriptor = os.open(path, os.O_RDWR | (0 if begun else os.O_CREAT | os.O_TRUNC), 0o666)
         self._sums = LiveChecksums(self._descriptor)
         self.size = _unsealed_size(self._descriptor) if begun else 0
-        self._withheld = []  # (offset, bytes) of the writes after the failure, which HDF5 may read again
+        self._withheld = []  # (offset, bytes) of the writes after a failure, which HDF5 may read again
 
     @property
     def end(self):
-        """Bytes of the file, without the sums."""
+        """Size of the file in bytes, without the checksums."""
         return self.size
 
     def readinto(self, buffer):
-        """Read into a buffer as much as there is."""
+        """Fill a buffer as far as there are data, and return the number of bytes."""
         view = memoryview(buffer).cast("B")
         start, count = self._position, min(len(view), max(self.size - self._position, 0))
         os.preadv(self._descriptor, [view[:count]], start)
@@ -81,7 +81,7 @@ class Disk(Seekable):
         return count
 
     def write(self, data):
-        """Write bytes, making room first when they announce a longer file."""
+        """Write bytes; a superblock that states a longer file extends the file first."""
         data = memoryview(data).cast("B")
         if self._position == 0 and data[:8] == SIGNATURE:
             end = struct.unpack("<Q", data[_END_OF_FILE])[0]
@@ -96,21 +96,21 @@ class Disk(Seekable):
         return len(data)
 
     def truncate(self, size=None):
-        """Set the length of the file; the bytes behind it are those of the sums."""
+        """Set the size of the file, beyond which the checksums lie."""
         self.size = self._position if size is None else size
         if self.error is None:
             self._fail(self._sums.cover, self.size)
         return self.size
 
     def flush(self):
-        """Nothing is buffered here."""
+        """Do nothing, as no data are buffered."""
 
     def patch(self, offset, data):
-        """Overwrite bytes that are in the file already; after a failure too, as this needs no new space."""
+        """Overwrite existing bytes in place, also after a failure, as no space is needed."""
         self._fail(self._put, offset, memoryview(data).cast("B"))
 
     def keep_loss(self, path):
-        """Keep it as the first failure when the file was removed from its ``path`` and no other one stands there."""
+        """Set ``error`` if the file was removed from its ``path`` and not replaced by another one."""
         if self.error is None and os.fstat(self._descriptor).st_nlink == 0 and not os.path.lexists(path):
             self.error = FileNotFoundError(errno.ENOENT, "it was removed while it was written")
 
@@ -122,7 +122,7 @@ class Disk(Seekable):
         put(self._descriptor, offset, data)
 
     def _fail(self, action, *arguments):
-        """Do something; the first failure is kept."""
+        """Call ``action``, and keep its OSError if it is the first failure."""
         try:
             action(*arguments)
         except OSError as error:
@@ -130,9 +130,9 @@ class Disk(Seekable):
             self._sums.doubt()
 
     def seal(self):
-        """Put the sums of a file that will not change any more right behind it, in place of those of a changing one.
+        """Replace the checksums of a growing file by the shorter ones of a closed file, right after its data.
 
-        Where there is no room for that, the latter stay, which show changed bytes as well.
+        If there is no space for them, the former remain, which also detect changed bytes.
         """
         covered = -(-self.size // BLOCK) * BLOCK
         with suppress(OSError):
@@ -142,17 +142,17 @@ class Disk(Seekable):
             os.ftruncate(self._descriptor, covered + len(data))
 
     def close(self):
-        """Wait until the bytes are on the disk, and close; a late failure is kept in ``error``."""
+        """Synchronize with the disk, and close; a late failure is kept in ``error``."""
         for action in (os.fsync, os.close):
             try:
                 action(self._descriptor)
             except OSError as error:
                 self.error = self.error or error
-        self._descriptor = -1  # the system may give the old number to another file
+        self._descriptor = -1  # the system may reuse the number for another file
 
 
 def _unsealed_size(descriptor):
-    """Bytes of an open file without the sums behind it, which are removed. Raises OSError."""
+    """Remove the checksums of a closed file, and return its size in bytes without them. Raises OSError."""
     found = seal_of(descriptor)
     size = found.covered if found else os.fstat(descriptor).st_size
     os.ftruncate(descriptor, size)
@@ -161,9 +161,9 @@ def _unsealed_size(descriptor):
 
 @contextmanager
 def hdf5_appearing(path, begun=None):
-    """Give a new HDF5 file, open for writing, that gets its name and its sums when the block ends.
+    """Open a new HDF5 file for writing, which gets its name and its checksums at the end of the block.
 
-    It begins as a copy of the file ``begun`` if that is given. Raises ResultsError; nothing is left then.
+    It starts as a copy of the file ``begun`` if that is given. Raises ResultsError; no file is left then.
     """
     with appearing(Path(path)) as hidden:
         if begun is not None:
@@ -180,19 +180,19 @@ def hdf5_appearing(path, begun=None):
 
 
 def new_file(stream):
-    """Create an empty HDF5 file: a superblock that readers accept while it is open, newer formats for the rest."""
+    """Create an empty HDF5 file with a superblock that readers accept during writing, and newer formats otherwise."""
     h5py.File(stream, "w", libver=("earliest", "v110"), fs_strategy="page", fs_page_size=PAGE).close()
     return open_file(stream)
 
 
 def open_file(stream, cache_bytes=2**20, cache_slots=521):
-    """Open such a file to write on; the chunk cache of each dataset has so many bytes and places."""
+    """Open a file of ``new_file`` for writing, with a chunk cache of the given size for each dataset."""
     return h5py.File(stream, "r+", libver=("v110", "v110"), rdcc_nbytes=cache_bytes, rdcc_nslots=cache_slots)
 
 
 @contextmanager
 def undisturbed():
-    """Put off the Python handlers of signals to the end of the block."""
+    """Defer the Python handlers of signals to the end of the block."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,7 +1,7 @@
-"""A results file before its run: everything in it that follows from the layout, made once and kept.
+"""Blank results files: everything that depends on the layout only, created once and cached.
 
-The named views of a large model take longer to make than many a run, and all runs of a model have the same. So the
-bytes of such a file are kept beside the compiled code, and a run begins with a copy.
+Creating the named views of a large model may take longer than its run, and all runs of a model have the same views. So
+the bytes of a blank file are cached beside the compiled code, and a run starts with a copy.
 """
 
 import hashlib
@@ -23,13 +23,13 @@ from mecano.results.views import make_views
 RUNNING = "running"
 TEXT_LENGTHS = {"status": 16, "reason": 8000}
 CHANGING = ("run/status", "run/reason", "run/acknowledged", "run/clock", "run/compile_time")
-"""What is overwritten where it stands, besides the extremes."""
+"""Datasets that are overwritten in place, besides the extremes."""
 LEAST_TEXT = 64  # bytes of the texts of events
 MOST_KEPT = 20
 
 
 def empty_file(layout):
-    """The bytes of the results file of a Layout without deck, provenance and results."""
+    """Return the bytes of a results file of a Layout, without deck, provenance and results."""
     name = f"{_digest(layout)}.blank"
     kept = store.read(name)
     if kept is not None:
@@ -41,7 +41,7 @@ def empty_file(layout):
 
 
 def _digest(layout):
-    """What tells apart the files of different layouts, of different versions of HDF5 and of the modules that write."""
+    """Return a hash of the layout, the version of HDF5 and the modules that create the file."""
     chunks = [chunk_shape(1 + size) for size in (layout.size, len(layout.steps))]
     depends = f"{h5py.version.hdf5_version} {chunks} {_sources()} {layout.to_json()}"
     return hashlib.sha256(depends.encode()).hexdigest()[:32]
@@ -49,13 +49,13 @@ def _digest(layout):
 
 @cache
 def _sources():
-    """Hash of the modules that lay out results files."""
+    """Return a hash of the modules that create results files."""
     modules = sorted(Path(__file__).parent.glob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in modules)).hexdigest()
 
 
 class _Memory(io.BytesIO):
-    """A file that grows where it is told to, as those on a disk do."""
+    """A file in memory that ``truncate`` can extend, like a file on disk."""
 
     def truncate(self, size=None):
         size = self.tell() if size is None else size

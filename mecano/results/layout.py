@@ -1,6 +1,6 @@
-"""What a results file holds: declared series, their names, units and meanings, and the names of the groups.
+"""Layout of a results file: declared series, their names, units and descriptions, and the names of the groups.
 
-A series is a number, vector or matrix written at every saved time. Its path is its place in the file:
+A series is a number, vector or matrix written at every saved time. Its path is its name in the file:
 
     nodes/<name>/position, rotation, velocity, angular_velocity
     elements/<name>/<output>    joints/<name>/<output>    loads/<name>/<output>
@@ -20,7 +20,7 @@ from math import prod
 FORMAT = "mecano results"
 FORMAT_VERSION = 1
 RESERVED = set("time step_time storage run deck solver events extremes checkpoints VTKHDF xyz wxyz".split())
-"""Names at the top of the file that no series may take, besides index_3, index2_3 and the like."""
+"""Reserved names at the top of the file, besides index_3, index2_3 and the like."""
 
 AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 """Names of the components of vectors and of unit quaternions."""
@@ -28,7 +28,7 @@ AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 
 @dataclass(frozen=True)
 class Series:
-    """Something written at every saved time: path in the file, unit, meaning, shape of one value."""
+    """Declaration of a series: path in the file, unit, description, shape of one value."""
 
     path: str
     unit: str
@@ -46,7 +46,7 @@ class Series:
 
     @property
     def width(self):
-        """How many numbers one value has."""
+        """Number of components of one value."""
         return prod(self.shape)
 
     @property
@@ -78,7 +78,7 @@ EXTREMES = {
     "minimum": "smallest value",
     "minimum_time": "time of the smallest value",
 }
-"""What is kept of every number over all accepted steps."""
+"""Datasets of the extremes of every number over all accepted steps."""
 
 EVENT_TEXTS = {
     "element": "element, joint or load where it happened",
@@ -87,17 +87,17 @@ EVENT_TEXTS = {
     "after": "mode after",
     "impulse_unit": "unit of the impulse; empty for an event without shock",
 }
-"""What is kept of an event in words."""
+"""Texts of an event."""
 
 EVENT_NUMBERS = {
     "impulse": ("", "impulse of a shock, in impulse_unit, along the growing constraint"),
     "energy_lost": ("J", "energy lost in a shock"),
 }
-"""What is kept of an event in numbers besides its time: units and meanings."""
+"""Numbers of an event besides its time: units and descriptions."""
 
 
 TIME = Series("time", "s", "saved time")
-"""What the rows of a march are ordered by."""
+"""The axis of dynamic runs."""
 
 
 class Layout:
@@ -110,12 +110,12 @@ class Layout:
     steps : sequence of Series
         Columns of the solver history, all numbers, without the time.
     axis : Series
-        What stands for the time in the rows: its name in words, unit, meaning.
+        Independent variable of the rows, usually the time: name, unit, description.
 
     Raises
     ------
     ValueError
-        A path is taken twice, empty, reserved or inside another series; a step column is not a number.
+        A path is duplicate, empty, reserved or inside another series; a step column is not a scalar.
     """
 
     def __init__(self, series, steps=STEPS, axis=TIME):
@@ -150,13 +150,13 @@ class Layout:
         return max((len(part.encode()) for one in self.series for part in one.path.split("/")), default=0)
 
     def to_json(self):
-        """Declare the series as text, as stored in the file."""
+        """Return the declarations as JSON text, as stored in the file."""
         series, steps = ([one.plain for one in some] for some in (self.series, self.steps))
         return json.dumps({"series": series, "steps": steps, "axis": self.axis.plain})
 
     @classmethod
     def from_json(cls, text):
-        """Declare the series of a file again."""
+        """Return the Layout of a JSON text from a file."""
         stored = json.loads(text)
         series, steps = (
             [Series(**{**one, "shape": tuple(one["shape"])}) for one in stored[key]] for key in ("series", "steps")

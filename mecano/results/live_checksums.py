@@ -1,12 +1,12 @@
-"""Check sums of a file that is being written, kept in the file itself: a kill at any instant leaves all bytes checked.
+"""Checksums within a file that is being written, valid for all bytes after a kill at any instant.
 
-Of every block of BLOCK bytes a table holds the last two CRC-32. Before a block changes, the sum that it will have goes
-into the table; then the block is written. The system interrupts a write only between pages, so that whenever the
-process is killed each block is what one of its two sums says.
+A table holds the last two CRC-32 of every block of BLOCK bytes. Before a block is written, its new sum is put into the
+table. The operating system interrupts a write only between pages, so that each block matches one of its two sums
+whenever the process is killed.
 
-The table lies behind all that HDF5 uses, where HDF5 does not look: that of n blocks begins at byte BLOCK n, and an END
-follows it. Before the file grows into the table, a larger one is written further behind, its END last of all. The
-numbers of blocks form a fixed sequence (``sizes``), so that a reader finds the END of the last table.
+The table lies beyond the end of the HDF5 data, where HDF5 does not read: the table of n blocks begins at byte BLOCK n,
+and an END follows it. Before the data grow into the table, a larger one is written beyond it, its END last. The
+numbers of blocks form a fixed sequence (``sizes``), by which a reader finds the END of the last table.
 """
 
 import itertools
@@ -28,7 +28,7 @@ _ZEROS = zlib.crc32(bytes(BLOCK))
 
 
 def sizes():
-    """Yield the numbers of blocks that tables have, ascending without end."""
+    """Yield the possible numbers of blocks of a table, ascending, without end."""
     n = FIRST
     while True:
         yield n
@@ -36,12 +36,12 @@ def sizes():
 
 
 def end_of(n):
-    """Return the bytes of a file whose last table is of n blocks."""
+    """Return the size in bytes of a file whose last table has ``n`` blocks."""
     return (BLOCK + PAIR) * n + END.size
 
 
 class LiveChecksums:
-    """The table of an open file that this process alone writes; all methods raise OSError."""
+    """The table of checksums of an open file that only this process writes; all methods may raise OSError."""
 
     def __init__(self, descriptor):
         self._descriptor = descriptor
@@ -49,13 +49,13 @@ class LiveChecksums:
         self._certain = True
 
     def cover(self, size):
-        """Move the table behind the first ``size`` bytes, unless it lies there already."""
+        """Move the table beyond the first ``size`` bytes, unless it lies there already."""
         if size <= BLOCK * self._blocks:
             return
         before, blocks = self._blocks, next(n for n in sizes() if BLOCK * n >= size)
         table = np.full((blocks, 2), _ZEROS, "<u4")
         table[:before] = self._pairs(0, before)
-        for first in range(before, blocks, AT_ONCE):  # the old table, or all of a file that was written otherwise
+        for first in range(before, blocks, AT_ONCE):  # the old table, or all of a file written without one
             content = os.pread(self._descriptor, BLOCK * min(AT_ONCE, blocks - first), BLOCK * first)
             if not content:
                 break
@@ -64,13 +64,13 @@ class LiveChecksums:
         self._put(BLOCK * blocks, table.tobytes())
         self._put(BLOCK * blocks + table.nbytes, _end(blocks))
         self._blocks = blocks
-        if before:  # of two, the first is no longer true
+        if before:  # the old table is no longer valid
             place = end_of(before) - END.size
             self.announce(place, bytes(END.size))
             self._put(place, bytes(END.size))
 
     def announce(self, offset, data):
-        """Put the sums of the blocks that ``data`` at an ``offset`` will change into the table, before they do."""
+        """Put the new sums of the blocks into the table before ``data`` are written at an ``offset``."""
         first, end = offset // BLOCK, offset + len(data)
         last = -(-end // BLOCK)
         start, stop = BLOCK * first, BLOCK * last
@@ -92,11 +92,11 @@ class LiveChecksums:
         put(self._descriptor, place, pairs.tobytes())
 
     def doubt(self):
-        """From now on the first sum of a pair is not taken to be that of the block: a write has failed."""
+        """Recompute the present sums of blocks from now on instead of reading them, as a write has failed."""
         self._certain = False
 
     def sums(self, blocks):
-        """Return the sums (blocks,) of the first blocks, as they were written."""
+        """Return the sums (blocks,) last written of the first ``blocks`` blocks."""
         return self._pairs(0, blocks)[:, 0]
 
     def _pairs(self, first, last):
@@ -108,13 +108,14 @@ class LiveChecksums:
 
 
 class LastTable:
-    """The last table in an open file that was not closed, for readers.
+    """The last table of checksums in a file that was not closed, for readers.
 
     Parameters
     ----------
     descriptor : int
+        Descriptor of the open file.
     blocks : int
-        Blocks that it covers.
+        Number of blocks covered.
     """
 
     def __init__(self, descriptor, blocks):
@@ -122,16 +123,16 @@ class LastTable:
         self.block, self.covered = BLOCK, BLOCK * blocks
 
     def changed(self, data, first):
-        """Return which blocks (n,) of ``data``, whole blocks from number ``first`` on, are not what they were."""
+        """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""
         sums = block_sums(data)
         place = BLOCK * self._blocks + PAIR * first
         data = os.pread(self._descriptor, PAIR * len(sums), place)
-        pairs = np.frombuffer(data.ljust(PAIR * len(sums), b"\0"), "<u4").reshape(-1, 2)  # the table may just move
+        pairs = np.frombuffer(data.ljust(PAIR * len(sums), b"\0"), "<u4").reshape(-1, 2)  # the table may be moving
         return first + np.flatnonzero((sums != pairs[:, 0]) & (sums != pairs[:, 1]))
 
 
 def last_table(descriptor):
-    """Return the LastTable of an open file, or None where it has none. Raises OSError."""
+    """Return the LastTable of an open file, or None if it has none. Raises OSError."""
     size = os.fstat(descriptor).st_size
     possible = list(itertools.takewhile(lambda n: end_of(n) <= size, sizes()))
     for n in reversed(possible):
@@ -141,7 +142,7 @@ def last_table(descriptor):
 
 
 def put(descriptor, offset, data):
-    """Write all bytes at a place of an open file. Raises OSError."""
+    """Write all bytes of ``data`` at an ``offset`` of an open file. Raises OSError."""
     data = memoryview(data)
     while len(data):
         written = os.pwrite(descriptor, data, offset)

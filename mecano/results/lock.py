@@ -1,9 +1,9 @@
-"""Who is writing a results file: a record beside it, as long as the writer lives.
+"""Lock of a results file: a record of the writing process beside the file while it is written.
 
-``.NAME.lock`` is made by linking a complete file to that name, which fails where there is one, on NFS as well. A record
-whose process is gone (killed, or the machine was started anew) is stale, and the next run takes its place; that can be
-told on the same machine only. Of two that find a stale record at once, one holds the system's lock of it while it
-removes it, and the other finds the record of the first.
+``.NAME.lock`` is created by linking a complete file to that name, which fails if the name exists, also on NFS. A record
+is stale if its process has ended (killed, or the machine rebooted), and the next run replaces it; this can be decided
+on the same machine only. If two processes find a stale record at the same time, one removes it under a system lock, and
+the other finds the new record of the first.
 """
 
 import errno
@@ -32,12 +32,12 @@ _JOB = ("SLURM_JOB_ID", "SLURM_RESTART_COUNT")
 
 @contextmanager
 def locked(path):
-    """Hold a results file in this block: no other process, on whatever machine, writes or replaces it.
+    """Lock a results file within a block: no other process, on any machine, writes or replaces it.
 
     Raises
     ------
     ResultsError
-        Another process is writing it; or the disk takes no record.
+        Another process is writing it, or the record cannot be written.
     """
     path = Path(path)
     refuse_folder(path)
@@ -46,13 +46,13 @@ def locked(path):
     try:
         _take(path, record, content)
     except OSError as error:
-        if error.errno not in READ_ONLY:  # there nothing can be written
+        if error.errno not in READ_ONLY:  # on a read-only file system no process can write the file either
             raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
     try:
         yield
     finally:
         with suppress(OSError):
-            if record.read_bytes() == content:  # else someone has removed it by hand, and another run has its own
+            if record.read_bytes() == content:  # otherwise it was removed by hand, and another run has made its own
                 record.unlink()
 
 
@@ -63,7 +63,7 @@ def lock_of(path):
 
 
 def _take(path, record, content):
-    """Make the record; raises ResultsError where a living process has one, OSError."""
+    """Create the record. Raises ResultsError if a living process has one, OSError."""
     for _ in range(_ATTEMPTS):
         if _made(record, content):
             return
@@ -77,7 +77,7 @@ def _take(path, record, content):
 
 
 def _made(record, content):
-    """True when the record could be made: it is there as a whole or not at all."""
+    """Create the record completely or not at all, and return whether it was created. Raises OSError."""
     own = record.with_name(f"{record.name}.{platform.node()[:20]}.{secrets.token_hex(4)}")
     try:
         own.write_bytes(content)
@@ -86,7 +86,7 @@ def _made(record, content):
         except FileExistsError:
             return False
         except OSError:
-            if os.stat(own).st_nlink == 2:  # made, though the answer of the server was lost
+            if os.stat(own).st_nlink == 2:  # created, although the reply of the server was lost
                 return True
             return _made_without_links(record, content)
         return True
@@ -96,7 +96,7 @@ def _made(record, content):
 
 
 def _made_without_links(record, content):
-    """The same on a file system without hard links."""
+    """Do as ``_made`` on a file system without hard links."""
     try:
         descriptor = os.open(record, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     except FileExistsError:
@@ -109,7 +109,7 @@ def _made_without_links(record, content):
 
 
 def _remove_stale(record, there):
-    """Remove the record that is open as ``there``, unless another process has done so and made its own."""
+    """Remove the record open as ``there``, unless another process has replaced it."""
     if fcntl:
         with suppress(OSError):  # a file system without locks
             fcntl.flock(there, fcntl.LOCK_EX)
@@ -118,7 +118,7 @@ def _remove_stale(record, there):
 
 
 def _refuse_living(path, record, content):
-    """Raise ResultsError unless the process of a record is known to be gone."""
+    """Raise ResultsError unless the process of a record is known to have ended."""
     advice = f"if nothing writes it any more, remove {record} and try again"
     try:
         reported = json.loads(content)
@@ -135,7 +135,7 @@ def _refuse_living(path, record, content):
 
 
 def _state(reported):
-    """Whether the process of a record lives HERE, may live ELSEWHERE, or is GONE."""
+    """Decide whether the process of a record lives HERE, may live ELSEWHERE, or is GONE."""
     own = _own_record()
     if _restarted(reported["job"], own["job"]):
         return GONE
@@ -144,18 +144,18 @@ def _state(reported):
     if reported["boot"] != own["boot"]:
         return GONE
     if reported["space"] != own["space"]:
-        return ELSEWHERE  # in another container, whose numbers of processes are others
+        return ELSEWHERE  # in another container, which has process numbers of its own
     process = int(reported["process"])
     return HERE if lives(process) and start_ticks(process) == reported["ticks"] else GONE
 
 
 def _restarted(before, now):
-    """True when a job of Slurm was put into the queue again since it made a record: what it ran then has ended."""
+    """Return whether a job of Slurm was requeued after it made a record, so that the recorded process has ended."""
     return None not in (*before, *now) and before[0] == now[0] and int(now[1]) > int(before[1])
 
 
 def _own_record():
-    """This process, so that others can tell whether it lives."""
+    """Return the record of this process, by which others decide whether it lives."""
     process = os.getpid()
     job, restarts = (os.environ.get(name) for name in _JOB)
     return {

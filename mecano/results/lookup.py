@@ -1,4 +1,4 @@
-"""Finding series by the names people write: wheel.radial_force, joints.knee.angle, axle.position.z."""
+"""Lookup of series by name: wheel.radial_force, joints.knee.angle, axle.position.z."""
 
 import difflib
 import re
@@ -8,7 +8,7 @@ from mecano.errors import UnknownNameError
 
 
 class Lookup:
-    """Paths of a file, found by any ending of them, with dots or slashes, and a component after a vector.
+    """Series by any ending of their paths, with dots or slashes, followed by a component for vectors.
 
     Parameters
     ----------
@@ -23,17 +23,17 @@ class Lookup:
                 self._by_ending.setdefault(ending, []).append(one)
 
     def match(self, pattern):
-        """Return the paths that a pattern with * and ? fits, as a whole or at their end."""
+        """Return the paths that match a pattern with * and ?, as a whole or by an ending."""
         dotted = pattern.replace("/", ".")
         return [path for path in self._by_path if any(fnmatchcase(end, dotted) for end in _endings(path))]
 
     def find(self, name):
-        """Return the one series of that name, and the index of the component named after it, or None.
+        """Return the series of that name, and the index of the component if one is named, otherwise None.
 
         Raises
         ------
         UnknownNameError
-            No series or several have that name.
+            No series, or more than one, has that name.
         """
         dotted = name.replace("/", ".").replace("[", ".").replace("]", "")
         found = self._exactly(name, dotted)
@@ -75,7 +75,7 @@ class Lookup:
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
 
     def _pieces(self, dotted):
-        """Endings such as arm.1.moment, in the order of their numbers, for arm.moment."""
+        """Return the endings such as arm.1.moment, in the order of their numbers, for arm.moment."""
         owner, _, last = dotted.rpartition(".")
         piece = re.compile(rf"{re.escape(owner)}\.(\d+)\.{re.escape(last)}")
         found = {int(match[1]): ending for ending in self._by_ending if (match := piece.fullmatch(ending))}
@@ -83,7 +83,7 @@ class Lookup:
 
 
 def _endings(path):
-    """Endings of a path with dots, from the whole to the last two parts (the last alone if there are no more)."""
+    """Return the endings of a path with dots, from the whole to the last two parts (the last if it is the only one)."""
     parts = path.split("/")
     return [".".join(parts[i:]) for i in range(max(len(parts) - 1, 1))]
 

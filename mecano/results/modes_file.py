@@ -36,7 +36,7 @@ PLACES = {
 
 @dataclass(frozen=True)
 class ModesFile:
-    """What a file of modes holds; shapes complex (m, 3) by node."""
+    """Content of a file of modes; shapes are complex, (m, 3) for each node."""
 
     path: Path
     title: str
@@ -52,7 +52,7 @@ class ModesFile:
 
 
 def write_modes(path, contents, source, *, force=False):
-    """Write modes; the file appears when it is complete. Raises ResultsError."""
+    """Write a file of modes, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with hdf5_appearing(path) as file:
         _fill(file, contents, source)

@@ -1,4 +1,4 @@
-"""Where a result comes from: the deck as given and as understood, versions, machine, command line."""
+"""Provenance of results: deck as given and as resolved, versions, machine, command line."""
 
 import json
 import os
@@ -19,12 +19,12 @@ PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
 @dataclass(frozen=True)
 class Source:
-    """What the run was asked to do.
+    """The input of a run.
 
-    ``deck_text`` is the deck as its author wrote it; ``resolved`` the plain data it came to after overrides, includes
-    and defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path;
-    ``automatic`` what stood for values that the deck leaves automatic; ``model`` numbers that tell the model: mass,
-    unknowns, mobility...; ``warnings`` what the user was told at the start.
+    ``deck_text`` is the deck as written by its author; ``resolved`` the plain data after overrides, includes and
+    defaults; ``overrides`` the --set options; ``includes`` the SHA-256 of each file read, by path; ``automatic`` the
+    values chosen where the deck says "automatic"; ``model`` the properties of the model (mass, unknowns, mobility,
+    ...); ``warnings`` the warnings issued at the start.
     """
 
     deck_text: str
@@ -38,7 +38,7 @@ class Source:
     warnings: tuple = ()
 
     def texts(self):
-        """Return what the group ``deck`` holds: dataset name -> text."""
+        """Return the content of the group ``deck``: dataset name -> text."""
         return {
             "text": self.deck_text,
             "resolved": to_json(self.resolved),
@@ -67,7 +67,7 @@ def read_displays(file, resolved):
 
 
 def to_json(data):
-    """Write plain data, with arrays as lists, as JSON."""
+    """Return plain data as JSON text, with arrays as lists."""
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
@@ -79,7 +79,7 @@ def plugins():
 
 
 def provenance():
-    """Describe this process: name -> text or whole number, the attributes of the group ``run``."""
+    """Return a description of this process, the attributes of the group ``run``: name -> str or int."""
     return {
         "plugins": plugins(),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -99,7 +99,7 @@ def provenance():
 
 
 def lives(process):
-    """True when a process of that number runs on this machine; one that was killed, but is still listed, does not."""
+    """Return whether a process of that number runs on this machine; a zombie does not."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -110,7 +110,7 @@ def lives(process):
 
 
 def began(process):
-    """When the process of a number began [s since 1970], where the system tells it; else 0."""
+    """Return the start time of a process [s since 1970], or 0 if the system does not provide it."""
     try:
         ticks = start_ticks(process)
         return (
@@ -121,7 +121,7 @@ def began(process):
 
 
 def start_ticks(process):
-    """Return when the process of a number began, in ticks since the system did, where it tells that; else 0."""
+    """Return the start time of a process in clock ticks since boot, or 0 if the system does not provide it."""
     try:
         return int(_listed(process)[19])
     except (IndexError, ValueError):
@@ -129,7 +129,7 @@ def start_ticks(process):
 
 
 def _listed(process):
-    """State, parent... of a process as Linux lists them; nothing elsewhere."""
+    """Return state, parent, ... of a process from /proc on Linux; [] elsewhere."""
     try:
         with open(f"/proc/{process}/stat", encoding="utf-8") as file:
             return file.read().rpartition(")")[2].split()
@@ -138,13 +138,13 @@ def _listed(process):
 
 
 def threads():
-    """Threads of the linear algebra of NumPy and SciPy, on which the last digits depend."""
+    """Return the number of threads of NumPy's and SciPy's linear algebra, on which the last digits depend."""
     given = os.environ.get("OPENBLAS_NUM_THREADS", "")
     return int(given) if given.isdigit() else os.cpu_count()
 
 
 def _version(package):
-    """As the folder has it that an installer leaves beside the package: importlib.metadata takes 20 ms for the same."""
+    """Return the version of a package from the name of its .dist-info folder; importlib.metadata takes 20 ms."""
     for folder in sys.path:
         for found in glob(f"{package}-*.dist-info", root_dir=folder or "."):
             return found.removeprefix(f"{package}-").removesuffix(".dist-info")

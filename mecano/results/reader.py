@@ -1,4 +1,4 @@
-"""Reading a results file: finished, still being written, killed, or cut short."""
+"""Reading of results files: complete, still being written, killed, or truncated."""
 
 import json
 import os
@@ -34,7 +34,7 @@ class Trace:
     Attributes
     ----------
     path : str
-        In the file; with the component, if it is one.
+        Path in the file, with the name of the component if it is one.
     unit, doc : str
     components : tuple of str
         Names of the components; empty for numbers.
@@ -53,9 +53,9 @@ class Trace:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened at a time [s] to an element, joint or load, which mode it left and which it entered.
+    """An event of an element, joint or load at a time [s], with its phases before and after.
 
-    A shock has an impulse, with its unit, and the energy lost in it [J]; other events have 0, "" and 0.
+    A shock also has an impulse, with its unit, and the energy lost [J]; other events have 0, "" and 0.
     """
 
     time: float
@@ -85,13 +85,13 @@ def open_results(path):
     Raises
     ------
     ResultsError
-        There is no such file, or it is not a results file of mecano, or too little is left of it.
+        The file does not exist, is not a results file of mecano, or is too badly truncated.
     """
     return Results(path)
 
 
 class Results:
-    """What a results file holds, as far as it was acknowledged when the file was opened; a context manager."""
+    """Content of a results file, as acknowledged when the file was opened; a context manager."""
 
     def __init__(self, path):
         self.path = Path(path)
@@ -115,7 +115,7 @@ class Results:
 
     @contextmanager
     def _reading(self, what):
-        """Raise ResultsError for whatever cannot be read in the block."""
+        """Raise ResultsError for anything that cannot be read within the block."""
         try:
             yield
         except UNREADABLE as error:
@@ -137,11 +137,11 @@ class Results:
 
     @property
     def has_sums(self):
-        """True when the file has the sums that show changed bytes: only unchanged ones are read then."""
+        """Whether the file has checksums, so that changed bytes are never read."""
         return self._source.sums is not None
 
     def _clip(self):
-        """Never count more rows than there are."""
+        """Limit the numbers of rows to those present."""
         self._rows = self._present("storage/output", self._rows)
         self._step_rows = self._present("storage/solver", self._step_rows)
         self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file]  # older files have fewer
@@ -153,7 +153,7 @@ class Results:
         return rows_within(dataset, rows, self._source.size) if self._source.missing else rows
 
     def _read(self, name, selection):
-        """Read part of a dataset; again from the start when the writer changed the file under our hands."""
+        """Return part of a dataset; open the file again if the writer has changed it meanwhile. Raises ResultsError."""
         for attempt in range(_ATTEMPTS):
             try:
                 return self._file[name][selection]
@@ -165,7 +165,7 @@ class Results:
                 self._source, self._file = _open_patiently(self.path)
 
     def refresh(self):
-        """Open the file again, to see what a running writer added."""
+        """Open the file again, to read data added by a running writer."""
         self.close()
         self._open()
 
@@ -189,7 +189,7 @@ class Results:
 
     @property
     def axis(self):
-        """What ``time`` is: name in words, unit, meaning; of statics the load factor or the length of the path."""
+        """Name, unit and description of ``time``; for statics the load factor or the length of the path."""
         return self._layout.axis
 
     @cached_property
@@ -197,24 +197,24 @@ class Results:
         return Lookup(self._layout.series)
 
     def names(self, pattern="*"):
-        """Return the paths of all series, or of those that a pattern such as "joints/*" or "wheel.*" fits."""
+        """Return the paths of all series, or of those that match a pattern such as "joints/*" or "wheel.*"."""
         return self._lookup.match(pattern)
 
     @property
     def series(self):
-        """Declarations of all series: path -> Series with unit, meaning and shape."""
+        """Declarations of all series: path -> Series with unit, description and shape."""
         return {one.path: one for one in self._layout.series}
 
     def find(self, name, rows=slice(None)):
-        """Return the trace of a series by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
+        """Return the Trace of a series, named by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
-        ``solver.step_size`` is a column of the solver history, over the ends of the accepted steps; of all other series
-        ``rows``, a slice of the saved times, are read.
+        ``rows`` is a slice of the saved times. ``solver.step_size`` is a column of the solver history, over the ends
+        of all accepted steps.
 
         Raises
         ------
         ResultsError
-            None has that name, with the most similar names; or several have.
+            No series, or more than one, has that name; the message lists similar names.
         """
         head, _, column = name.replace("/", ".").partition(".")
         if head == "solver" and column in self.step_columns:
@@ -236,7 +236,7 @@ class Results:
 
     @cached_property
     def events(self):
-        """List of all events in the order of time."""
+        """List of all Events in order of time."""
         columns = [self._read(name, slice(self._event_rows)) for name in self._event_columns]
         return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
 
@@ -249,7 +249,7 @@ class Results:
 
     @property
     def step_columns(self):
-        """Unit and meaning of each column of the solver history: name -> (unit, doc)."""
+        """Unit and description of each column of the solver history: name -> (unit, doc)."""
         return {one.path: (one.unit, one.doc) for one in self._layout.steps}
 
     @cached_property
@@ -264,7 +264,7 @@ class Results:
 
     @cached_property
     def metadata(self):
-        """Where the results come from: versions, machine, command line, overrides, hashes of included files, ..."""
+        """Provenance: versions, machine, command line, overrides, hashes of included files, ..."""
         with self._reading("run"):
             stored = self._file["run"].attrs.items()
             metadata = {key: value.item() if isinstance(value, np.generic) else value for key, value in stored}
@@ -286,12 +286,12 @@ class Results:
 
     @property
     def deck_text(self):
-        """The deck as its author wrote it."""
+        """The deck as written by its author."""
         return self._text("deck/text")
 
     @cached_property
     def resolved(self):
-        """The deck as it was understood: plain data after overrides, includes and defaults."""
+        """The resolved deck: plain data after overrides, includes and defaults."""
         return self._json("deck/resolved")
 
     @cached_property
@@ -301,22 +301,22 @@ class Results:
 
     @cached_property
     def automatic(self):
-        """What stood for the values that the deck leaves automatic: name -> number."""
+        """Values chosen where the deck says "automatic": name -> number."""
         return self._json("deck/automatic")
 
     @cached_property
     def model(self):
-        """Numbers that tell the model: name -> number; older files have none."""
+        """Properties of the model: name -> number; empty for older files."""
         return self._json("deck/model") if "deck/model" in self._file else {}
 
     @cached_property
     def warnings(self):
-        """What the user was told of the model before the march: list of texts."""
+        """Warnings about the model issued before the run: list of str."""
         return self._json("deck/remarks")
 
     @cached_property
     def checkpoint(self):
-        """What was kept of the run to resume from, by the last checkpoint that is whole and whose rows are; or None."""
+        """State of the last valid checkpoint whose rows are present, or None."""
         with self._reading("checkpoints"):
             state = latest(self._file["checkpoints"])
             there = self._rows, self._step_rows, self._event_rows
@@ -324,11 +324,11 @@ class Results:
 
     @property
     def resumable(self):
-        """True when the run ended before its end and left a checkpoint, from which ``mecano run --resume`` goes on."""
+        """Whether the run ended early with a checkpoint, from which ``mecano run --resume`` continues."""
         return self.status in ("stopped", "killed", "failed", "truncated") and self.checkpoint is not None
 
     def rows(self, table, first, last):
-        """Rows ``first`` to ``last`` as they are stored, the time first: of "output" or "solver"."""
+        """Return rows ``first`` to ``last`` of the table "output" or "solver" as stored, with the time first."""
         return self._read(f"storage/{table}", (slice(first, last), slice(None)))
 
     @property
@@ -349,13 +349,13 @@ class Results:
 
     @property
     def written_here(self):
-        """True when this is the machine where the run went on."""
+        """Whether the file was written on this machine."""
         with self._reading("run"):
             return self._file["run"].attrs["host"] == platform.node() and os.name == "posix"
 
     @property
     def reason(self):
-        """Why the run ended; empty while it runs."""
+        """Reason of the end of the run; empty while it runs."""
         return self._text("run/reason")
 
     @property
@@ -363,11 +363,11 @@ class Results:
         with self._reading("run"):
             run = self._file["run"].attrs
             process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
-        return lives(process) and began(process) < started + _CLOCKS  # else it is another one of the same number
+        return lives(process) and began(process) < started + _CLOCKS  # otherwise the number was reused
 
 
 def _plain(value):
-    """A text or a number of an event as Python has it."""
+    """Return a text or number of an event as str or float."""
     return value.decode() if isinstance(value, bytes) else float(value)
 
 
@@ -376,7 +376,7 @@ def _as_text(value):
 
 
 def _open_patiently(path):
-    """(Checked, h5py.File) of a path, some times over if need be: its writer may be just changing what is read."""
+    """Return (Checked, h5py.File) of a path, with retries, as a writer may be active. Raises ResultsError."""
     for attempt in range(_ATTEMPTS):
         source = checked(path)
         try:

@@ -1,8 +1,8 @@
-"""Rows of a file that was cut short, by an interrupted copy for example: only those that lie in what is there count."""
+"""Recovery of rows from a truncated file, such as one left by an interrupted copy."""
 
 
 def rows_within(dataset, rows, size):
-    """Of the first ``rows`` rows of a chunked dataset, how many lie in the first ``size`` bytes of the file."""
+    """Return how many of the first ``rows`` rows of a chunked dataset lie in the first ``size`` bytes of the file."""
     height = dataset.chunks[0]
     for start in range(0, rows, height):
         if not _chunks_within(dataset, start, size):

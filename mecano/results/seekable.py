@@ -1,21 +1,21 @@
-"""A place in a file that HDF5 reads through Python."""
+"""Position in a file that HDF5 reads through Python."""
 
 import os
 
 
 class Seekable:
-    """What files for HDF5 share: the position, and reading from it by ``readinto``.
+    """Base of file-like objects for HDF5: the position, and ``read`` in terms of ``readinto``.
 
     Attributes
     ----------
     end : int
-        Bytes from which ``seek`` counts with SEEK_END.
+        Size in bytes, from which ``seek`` counts with SEEK_END.
     """
 
     _position = 0
 
     def seek(self, offset, whence=os.SEEK_SET):
-        """Move, and return the new position."""
+        """Set the position, and return it."""
         self._position = offset + (0, self._position, self.end)[whence]
         return self._position
 
@@ -24,6 +24,6 @@ class Seekable:
         return self._position
 
     def read(self, size):
-        """Read bytes."""
+        """Return up to ``size`` bytes."""
         buffer = bytearray(size)
         return bytes(buffer[: self.readinto(buffer)])

@@ -1,13 +1,13 @@
-"""Any state of a run as a group of named arrays and attributes, restored bit for bit.
+"""Storage of the state of a run as a group of arrays and attributes, restored bit for bit.
 
-A state is a dict whose keys are texts and whose values are
+A state is a dict with text keys, whose values are
 
-* NumPy arrays of numbers, truth values, texts or records of numbers: a dataset each;
+* NumPy arrays of numbers, booleans, texts or records of numbers: a dataset each;
 * int, float, bool, str, None and NumPy scalars: an attribute each;
 * dicts of the same: a group each.
 
-Whole numbers beyond 64 bits (states of random generators) are kept as texts. NumPy float64, int64 and bool scalars come
-back as Python's float, int and bool.
+Integers beyond 64 bits (states of random generators) are stored as texts. NumPy float64, int64 and bool scalars are
+loaded as Python's float, int and bool.
 """
 
 import h5py
@@ -22,9 +22,9 @@ def save_state(group, name, state):
     Raises
     ------
     TypeError
-        A value is none of the kinds above.
+        A value has none of the types above.
     ValueError
-        A key is not a text that HDF5 takes for a name, or the group exists.
+        A key is not a valid name in HDF5, or the group exists.
     """
     target = group.create_group(name)
     for key, value in state.items():
@@ -39,7 +39,7 @@ def save_state(group, name, state):
 
 
 def load_state(group):
-    """Read the dict that ``save_state`` wrote to this group."""
+    """Return the dict that ``save_state`` wrote to this group."""
     state = {key: _scalar(value) for key, value in group.attrs.items()}
     for key, item in group.items():
         state[key] = load_state(item) if isinstance(item, h5py.Group) else _load_array(item)

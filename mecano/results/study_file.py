@@ -1,4 +1,4 @@
-"""The table of a study by `mecano sweep`: HDF5, layout in docs/studies.md; and as CSV."""
+"""The table of a study by `mecano sweep`, as HDF5 (layout in docs/studies.md) and as CSV."""
 
 import csv
 from dataclasses import dataclass
@@ -30,12 +30,12 @@ class Column:
 
     @property
     def numeric(self):
-        """True when its values are numbers."""
+        """Whether the values are numbers."""
         return self.values.dtype.kind in "fi"
 
     @property
     def path(self):
-        """In the file."""
+        """Path in the file."""
         return f"{self.group}/{self.name.replace('/', '|')}"
 
 
@@ -49,16 +49,16 @@ class StudyTable:
     columns: tuple
 
     def group(self, name):
-        """The columns of a group."""
+        """Return the columns of a group."""
         return tuple(column for column in self.columns if column.group == name)
 
     def __getitem__(self, path):
-        """The values of a column, by its path such as "case/status"."""
+        """Return the values of a column, by its path such as "case/status"."""
         return next(column.values for column in self.columns if column.path == path)
 
 
 def column(group, name, unit, doc, values):
-    """A Column of Python values: of floats when all are numbers, else of texts; None is no number."""
+    """Return a Column of Python values: floats if all are numbers or None (nan), otherwise texts."""
     numbers = all(value is None or type(value) in (int, float) for value in values)
     array = np.array([np.nan if value is None else value for value in values], float) if numbers else np.array(
         ["" if value is None else str(value) for value in values], object
@@ -67,7 +67,7 @@ def column(group, name, unit, doc, values):
 
 
 def write_study(path, table):
-    """Write a StudyTable; the file appears when it is complete. Raises ResultsError."""
+    """Write a StudyTable to a file that appears only when complete. Raises ResultsError."""
     with hdf5_appearing(path) as file:
         for one in table.columns:
             kind = None if one.numeric else TEXT

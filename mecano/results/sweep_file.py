@@ -1,4 +1,4 @@
-"""The file of a sweep by `mecano modes --sweep`: HDF5, layout in docs/results-file.md; and its table as CSV."""
+"""The file of a sweep by `mecano modes --sweep`, as HDF5 (layout in docs/results-file.md) and as CSV."""
 
 import csv
 import json
@@ -41,7 +41,7 @@ CRITICAL = (
 
 @dataclass(frozen=True)
 class SweepFile:
-    """What a file of a sweep holds. Of a map ``modes`` is empty."""
+    """Content of a file of a sweep; ``modes`` is empty for a map of stability."""
 
     path: Path
     title: str
@@ -50,14 +50,14 @@ class SweepFile:
     parameter: np.ndarray  # (n,)
     other: np.ndarray  # (m,); one nan when there is one parameter
     modes: dict  # name -> (modes, n)
-    motions: list  # (modes,) what moves most
+    motions: list  # (modes,) str: largest motions
     families: list  # (modes,) lists (n,) of their families, "" where there is none; empty in older files
     map: dict  # name -> (m, n)
     critical: dict  # name -> (c,)
 
 
 def contents(sweep):
-    """The plain arrays of a Sweep by group and name."""
+    """Return the plain arrays of a Sweep by group and name."""
     axes, loci = sweep.axes, sweep.loci
     other = axes[1].values if len(axes) == 2 else np.array([np.nan])
     values = loci[0].values
@@ -88,7 +88,7 @@ def contents(sweep):
 
 
 def write_sweep(path, plain, source, *, force=False):
-    """Write ``contents`` of a sweep; the file appears when it is complete. Raises ResultsError."""
+    """Write the ``contents`` of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with hdf5_appearing(path) as file:
         _fill(file, plain, source)
@@ -126,12 +126,12 @@ def read_sweep(path):
 
 
 def _columns(group, columns):
-    """{name: values} of a group; a file that is older than a column does not have it."""
+    """Return {name: values} of a group, without columns that older files do not have."""
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
 def write_tables(path, plain):
-    """Write comma-separated values: a row for each state, and beside it ``..._critical.csv``. Raises ResultsError."""
+    """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``. Raises ResultsError."""
     path = Path(path)
     for target, rows in ((path, _rows(plain)), (path.with_name(f"{path.stem}_critical.csv"), _critical_rows(plain))):
         with appearing(target) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
@@ -139,7 +139,7 @@ def write_tables(path, plain):
 
 
 def _critical_rows(plain):
-    """A row for each critical value; of what has no value an empty field."""
+    """Yield a row for each critical value; missing values are empty fields."""
     names = dict(zip(("parameter", "other"), plain["names"], strict=False))
     kept = [(name, unit) for name, unit, _ in CRITICAL if name != "other" or "other" in names]
     yield [names.get(name, name) + (f" [{unit}]" if unit else "") for name, unit in kept]

@@ -1,7 +1,7 @@
-"""Growing tables in a results file: numbers in one dataset, of which each series is a view, and lists of texts.
+"""Growing tables in a results file: numbers in one dataset, of which each series is a view, and events.
 
-Hundreds of datasets that grow together cost milliseconds at every flush. So all numbers of a saved time are one row of
-one dataset of chunks (views.py).
+Hundreds of growing datasets would cost milliseconds at every flush. So all numbers of a saved time form one row of a
+single chunked dataset (views.py).
 """
 
 import zlib
@@ -22,19 +22,19 @@ _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
 def chunk_shape(width):
-    """Rows and columns of a chunk: a row of chunks near 1 MB, a chunk near 64 KB so that one series reads little."""
+    """Return rows and columns of a chunk: about 1 MB per row of chunks, 64 KB per chunk, to read one series fast."""
     rows = min(max(1 << max(BLOCK_NUMBERS // width, 1).bit_length() - 1, 16), 1024)
     return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
 
 
 def describe(item, **texts):
-    """Write text attributes, as item.attrs[key] = text does, in half its time."""
+    """Write text attributes, as ``item.attrs[key] = text``, in half the time."""
     for key, text in texts.items():
         put_text(item.id, key.encode(), text)
 
 
 def put_text(identifier, key, text):
-    """Write a text attribute of the group or dataset of an identifier of HDF5."""
+    """Write a text attribute of the group or dataset with an HDF5 ``identifier``."""
     h5a.create(identifier, key, _TEXT, _ONE).write(_stored(text))
 
 
@@ -44,15 +44,15 @@ def _stored(text):
 
 
 def name_axes(dataset, *scales):
-    """Say which dimension scales belong to the axes, as the HDF5 dimension scale specification stores it.
+    """Assign dimension scales to the axes of a dataset, as the HDF5 dimension scale specification stores them.
 
-    The scales do not list their datasets in return (H5DSattach_scale rewrites that whole list for every dataset).
+    The back references of the scales are left out (H5DSattach_scale rewrites their whole list for every dataset).
     """
     put_axes(dataset.id, references(scales))
 
 
 def references(scales):
-    """What ``put_axes`` writes of dimension scales."""
+    """Return the references to dimension scales that ``put_axes`` writes."""
     found = np.empty(len(scales), dtype=object)
     for i, scale in enumerate(scales):
         found[i] = np.array([scale.ref], dtype=h5py.ref_dtype)
@@ -60,14 +60,14 @@ def references(scales):
 
 
 def put_axes(identifier, scales):
-    """``name_axes`` for the dataset of an identifier of HDF5; ``scales`` as ``references`` has them."""
+    """Do as ``name_axes`` for an HDF5 identifier, with ``scales`` from ``references``."""
     h5a.create(identifier, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(scales.shape)).write(scales)
 
 
 class Axes:
-    """Scales for the components of values: /xyz, /wxyz, /index_9, /index2_9, ...
+    """Dimension scales for the components of values: /xyz, /wxyz, /index_9, /index2_9, ...
 
-    They are at the top of the file, as netCDF looks for them only upwards.
+    They are in the root group, as netCDF searches only a group and those above it.
     """
 
     def __init__(self, file):
@@ -75,11 +75,11 @@ class Axes:
         self._scales = {}
 
     def scale(self, length, axis=1):
-        """Return the scale of that length; xarray wants those of the axes of a matrix to differ."""
+        """Return the scale of that length; xarray requires different ones for the axes of a matrix."""
         return self._scale(f"index_{length}" if axis == 1 else f"index{axis}_{length}", np.arange(length))
 
     def of(self, shape):
-        """Scales of all axes of a value: letters for vectors and quaternions."""
+        """Return the scales of all axes of a value: letters for vectors and quaternions."""
         if len(shape) == 1 and shape[0] in AXES:
             letters = AXES[shape[0]]
             return [self._scale("".join(letters), np.array(letters, dtype="S1"))]
@@ -93,14 +93,14 @@ class Axes:
 
 
 def create_numbers(file, path, width):
-    """A dataset for a NumberTable with so many numbers in a row, the time included."""
+    """Create a dataset for a NumberTable with ``width`` numbers per row, time included."""
     return file.create_dataset(
         path, shape=(0, width), maxshape=(None, width), chunks=chunk_shape(width), dtype="<f8", fillvalue=np.nan
     )
 
 
 class NumberTable:
-    """Rows of float64, the time first, buffered and written in blocks to a dataset of ``create_numbers``."""
+    """Rows of float64 with the time first, buffered and written in blocks to a dataset of ``create_numbers``."""
 
     def __init__(self, dataset):
         self.dataset = dataset
@@ -110,7 +110,7 @@ class NumberTable:
         self.sum = 0  # CRC-32 of all rows written
 
     def add(self, time, values):
-        """Keep a row; true when the buffer is full and has to be written."""
+        """Buffer a row; return whether the buffer is full and must be written."""
         row = self.buffer[self.filled]
         row[0] = time
         row[1:] = values
@@ -118,13 +118,13 @@ class NumberTable:
         return self.filled == len(self.buffer)
 
     def write(self):
-        """Hand the kept rows to HDF5."""
+        """Write the buffered rows to HDF5."""
         if self.filled:
             self._put(self.buffer[: self.filled])
             self.filled = 0
 
     def extend(self, rows):
-        """Hand rows (n, width), the time first, to HDF5 behind the kept ones: what many ``add`` do, in less time."""
+        """Write rows (n, width), with the time first, to HDF5 after the buffered ones; faster than many ``add``."""
         self.write()
         self._put(rows)
 
@@ -139,7 +139,7 @@ class NumberTable:
 
 
 def create_events(file, text_length):
-    """The group ``events``: a dataset per field, with the time as their dimension scale, texts of so many bytes."""
+    """Create the group ``events``: a dataset per field, scaled by the time, with texts of ``text_length`` bytes."""
     group = file.create_group("events")
     kind = h5py.string_dtype("utf-8", text_length)
     times = group.create_dataset("event_time", shape=(0,), maxshape=(None,), chunks=(512,), dtype="<f8")
@@ -156,7 +156,7 @@ def create_events(file, text_length):
 
 
 class EventTable:
-    """The list of events in a group that ``create_events`` has made; longer texts are cut."""
+    """The events in a group made by ``create_events``; longer texts are truncated."""
 
     def __init__(self, group):
         self._datasets = [group[name] for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS)]
@@ -166,12 +166,12 @@ class EventTable:
         self.sum = 0  # CRC-32 of all events written
 
     def add(self, time, texts, numbers):
-        """Keep an event: its time, and what ``EVENT_TEXTS`` and ``EVENT_NUMBERS`` name."""
+        """Buffer an event: its time [s], ``texts`` as in ``EVENT_TEXTS``, ``numbers`` as in ``EVENT_NUMBERS``."""
         cut = [text.encode()[: self._length].decode(errors="ignore").encode() for text in texts]
         self._pending.append((float(time), *cut, *map(float, numbers)))
 
     def write(self):
-        """Hand the kept events to HDF5."""
+        """Write the buffered events to HDF5."""
         if not self._pending:
             return
         end = self.written + len(self._pending)
@@ -184,5 +184,5 @@ class EventTable:
 
 
 def event_sum(rows, before=0):
-    """CRC-32 of events: tuples of a time, texts as bytes and numbers; ``before``: that of the events before them."""
+    """Return the CRC-32 of events, tuples of time, texts as bytes, and numbers; ``before``: that of earlier events."""
     return zlib.crc32("".join(map(repr, rows)).encode(), before)

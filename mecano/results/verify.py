@@ -1,4 +1,4 @@
-"""Whether the bytes of a results file are those that were written, and if not, of which datasets they are."""
+"""Verification of a results file: whether bytes have changed, and to which datasets they belong."""
 
 import zlib
 from bisect import bisect_left, bisect_right
@@ -20,11 +20,11 @@ STRUCTURE = "what describes the datasets (names, shapes, attributes, texts of th
 
 
 def verify(path):
-    """What can be said for a results file in which nothing is wrong, as text.
+    """Check every byte of a results file, and return a summary if it is intact.
 
-    Every byte is checked, of a closed file as of one that is still being written, was killed or could not be written to
-    its end; files of modes, sweeps and studies as well. Where these sums are lost, those in the last checkpoint of a
-    run tell whether the rows before it have changed. Raises ResultsError where bytes or sums have changed or are gone.
+    The file may be closed, still being written, killed or incomplete, and also hold modes, a sweep or a study. If the
+    checksums are lost, those in the last checkpoint of a run show whether the rows before it have changed. Raises
+    ResultsError if bytes or checksums have changed or are missing.
     """
     source = checked(path)
     try:
@@ -38,7 +38,7 @@ def verify(path):
 
 
 def _changed(source):
-    """What the sums of a Checked say is wrong with its file; nothing where all is right, or where it has none."""
+    """Return a description of the damage shown by the checksums of a Checked; "" if there is none, or no checksums."""
     sums, path = source.sums, source.path
     if sums is None:
         return ""
@@ -56,7 +56,7 @@ def _changed(source):
 
 
 def _undamaged(path, source):
-    """What is to be said of a file in which no sum shows a change; ResultsError where sums or bytes are missing."""
+    """Return the summary of a file without changed bytes. Raises ResultsError if checksums or bytes are missing."""
     whole = "every byte is as it was written"
     if format_of(path) not in ("", FORMAT):
         if source.sums is None:
@@ -75,13 +75,13 @@ def _undamaged(path, source):
 
 
 def owners(path, blocks, size):
-    """Names of what has bytes in the ``blocks`` (n,) of ``size`` bytes of an HDF5 file, in its order."""
+    """Return the names of datasets with bytes in the ``blocks`` (n,) of ``size`` bytes, in the order of the file."""
     try:
         with open_checked(path) as file:
             extents = sorted(_extents(file))
     except ResultsError:
         return [STRUCTURE]
-    begins, ends = [a for a, _, _ in extents], [b for _, b, _ in extents]  # both ascend, for extents do not overlap
+    begins, ends = [a for a, _, _ in extents], [b for _, b, _ in extents]  # both ascend, as extents do not overlap
     found, between = [], False
     for block in blocks:
         first, last = size * int(block), size * (int(block) + 1)
@@ -93,7 +93,7 @@ def owners(path, blocks, size):
 
 
 def _extents(file):
-    """(first byte, byte after the last, name) of all numbers of all datasets."""
+    """Yield (first byte, byte after the last, name) of the storage of all datasets."""
     datasets = []
     file.visititems(lambda name, item: datasets.append((name, item)) if isinstance(item, h5py.Dataset) else None)
     for name, dataset in datasets:
@@ -111,7 +111,7 @@ def _extents(file):
 
 
 def _checked(results):
-    """What the sums of the last checkpoint say of the rows before it; raises ResultsError."""
+    """Return a text on the rows before the last checkpoint, checked by its sums. Raises ResultsError."""
     if results.checkpoint is None:
         return "of which there is none, nothing can be told"
     saved, steps, events = map(int, results.checkpoint["file"]["rows"])

@@ -1,7 +1,7 @@
-"""Named views of the numbers in a results file: a virtual dataset of each series, with its unit, meaning and axes.
+"""Named views of the numbers in a results file: a virtual dataset for each series, with unit, description and axes.
 
-HDF5 shows it under its own path, with its own shape, and it costs nothing while the run goes on. As there may be
-thousands, whatever is alike in several is made once, and HDF5 is called without what h5py puts around it.
+A view has its own path and shape, and costs nothing during the run. As there may be thousands, objects common to
+several are created once, and the low-level interface of h5py is used.
 """
 
 from dataclasses import replace
@@ -15,12 +15,12 @@ from mecano.results.layout import Series
 from mecano.results.table import name_axes, put_axes, put_text, references
 
 MOST_VIEWS = 3000
-"""Up to so many series have a named view (0.15 ms each to make); beyond, only the storage holds them."""
+"""Largest number of series for which views are made (0.15 ms each); with more, only the storage holds the series."""
 STEP_TIME = Series("step_time", "s", "end of the accepted step")
 
 
 class Views:
-    """The views of the dataset ``table`` of a NumberTable; that of its times is the dimension scale of all others.
+    """The views of the dataset ``table`` of a NumberTable; the view of its times is the dimension scale of all others.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Views:
     axes : Axes
     table : h5py.Dataset
     time : Series
-        What its first column is.
+        Declaration of the first column.
     """
 
     def __init__(self, file, axes, table, time):
@@ -45,13 +45,13 @@ class Views:
         self.times.make_scale(time.path)
 
     def add(self, series, column):
-        """Make the view of a Series whose numbers begin in a ``column`` of the table."""
+        """Create the view of a Series whose numbers begin in a ``column`` of the table."""
         if series.shape not in self._scales:
             self._scales[series.shape] = references([self.times, *self._axes.of(series.shape)])
         put_axes(self._make(series, column), self._scales[series.shape])
 
     def _make(self, series, column):
-        """The identifier of a new view, without the names of its axes."""
+        """Create a view without names of its axes, and return its identifier."""
         if series.shape not in self._spaces:
             self._spaces[series.shape] = _space(series.shape)
         space, width = self._spaces[series.shape], prod(series.shape)
@@ -65,7 +65,7 @@ class Views:
 
 
 def _space(shape):
-    """All values of a shape, however many there are, one after the other."""
+    """Return the dataspace of an unlimited number of values of a shape."""
     many, ones = h5s.UNLIMITED, (1,) * len(shape)
     space = h5s.create_simple((0, *shape), (many, *shape))
     space.select_hyperslab((0,) * (1 + len(shape)), (many, *ones), stride=(1, *shape), block=(1, *shape))
@@ -73,7 +73,7 @@ def _space(shape):
 
 
 def make_views(file, axes, layout, outputs, steps):
-    """Name the series of a Layout in an h5py file: a view of each in the datasets ``outputs`` and ``steps``."""
+    """Create a view of each series of a Layout in an h5py file, in the datasets ``outputs`` and ``steps``."""
     views = Views(file, axes, outputs, replace(layout.axis, path="time"))
     name_axes(outputs, views.times, axes.scale(1 + layout.size))
     for series in layout.series if len(layout.series) <= MOST_VIEWS else ():

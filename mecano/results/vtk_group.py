@@ -1,7 +1,7 @@
-"""The group /VTKHDF: a motion as points and cells over time, for ParaView and whatever else reads with VTK.
+"""The group /VTKHDF: a motion as points and cells over time, for ParaView and other programs based on VTK.
 
-Format VTKHDF 2.2, UnstructuredGrid with Steps: the values of one saved time after the other in each dataset. What
-joins the points never changes, so it is there once. Reference: docs.vtk.org, VTKHDF file format.
+Format VTKHDF 2.2, UnstructuredGrid with Steps: each dataset holds the values of all saved times in succession. The
+connectivity never changes and is stored once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe, name_axes
 
 GROUP = "VTKHDF"
-VERSION = (2, 2)  # the first that allows other groups beside it
+VERSION = (2, 2)  # the first version that allows other groups beside it
 VERTEX, LINE, POLY_LINE = 1, 3, 4
-TEXT = h5py.string_dtype("ascii")  # that of UTF-8, which the bytes may well be, crashes VTK 9.7
+TEXT = h5py.string_dtype("ascii")  # the type of UTF-8 crashes VTK 9.7; UTF-8 bytes in this one do not
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 CHUNK_NUMBERS = 2**15  # 256 KB
-LENGTHS = "length_"  # of the scales of all axes
+LENGTHS = "length_"  # prefix of the names of the scales of all axes
 
 
 @dataclass(frozen=True)
 class Field:
-    """Data at the points or cells: ``values`` (times, n) or (times, n, 3), nan where it is not known; unit, meaning."""
+    """Data at points or cells: ``values`` (times, n) or (times, n, 3), nan where unknown; unit, description."""
 
     unit: str
     doc: str
@@ -34,22 +34,22 @@ class Field:
 
 @dataclass(frozen=True)
 class Grid:
-    """Points that move, and cells between them, at some saved times.
+    """Moving points and the cells between them at some saved times.
 
     Attributes
     ----------
     times : (n,) array
-        Saved times [s], of statics what stands for them.
+        Saved times [s]; for statics the load factor or the length of the path.
     points : Field
         Positions (n, p, 3) [m], inertial.
     cells : tuple of (int, tuple of int)
-        Type of each of the c cells and numbers of its points.
+        Type and point numbers of each of the c cells.
     point_data, cell_data : dict
         Name -> Field of (n, p, ...) or (n, c, ...).
     cell_owner : (c,) array of int
-        Number of the owner of each cell among the ``owner`` names.
+        Index of the owner of each cell in the ``owner`` names.
     names : dict
-        Lists of names: of the first points, of the owners.
+        Lists of names: of the first points, and of the owners.
     """
 
     times: np.ndarray
@@ -62,9 +62,9 @@ class Grid:
 
 
 def write_grids(file, grids, times):
-    """Write Grids, of successive saved times, as the group VTKHDF of an open h5py file, which must not have one.
+    """Write Grids of successive saved times as the group VTKHDF of an open h5py file, which must not have one.
 
-    ``grids`` yields them, ``times`` (n,) [s] are those of all. No more than one Grid is held at a time.
+    ``grids`` is an iterator of Grids, so that only one is held at a time; ``times`` (n,) [s] are the times of all.
     """
     group, done = file.create_group(GROUP), 0
     for grid in grids:
@@ -78,7 +78,7 @@ def write_grids(file, grids, times):
 
 
 def _begin(group, grid, times):
-    """All that is there once, with room for the rest."""
+    """Write the constant data, and allocate the datasets that change with time."""
     group.attrs["Version"] = np.array(VERSION, dtype="i8")
     kind = b"UnstructuredGrid"
     group.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
@@ -92,7 +92,7 @@ def _begin(group, grid, times):
 
 
 def _fields(grid):
-    """(name in the group, Field) of all that changes."""
+    """Yield (name in the group, Field) of all data that change with time."""
     yield "Points", grid.points
     for part, fields in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
         for name, field in fields.items():
@@ -100,10 +100,10 @@ def _fields(grid):
 
 
 def add_grids(path, grids, times, *, force=False):
-    """Add Grids to the results file ``path``, which keeps all else; nothing happens to it if that fails.
+    """Add Grids to the results file ``path``, whose other data are kept; on failure the file is unchanged.
 
-    ``grids``, ``times``: as of ``write_grids``. Raises ResultsError: it has such a group and ``force`` is not given,
-    bytes of it have changed since it was closed, or the disk does not take it.
+    ``grids`` and ``times`` as for ``write_grids``. Raises ResultsError if the group exists and ``force`` is False, if
+    bytes have changed since the file was closed, or if it cannot be written.
     """
     _refuse_damaged(path)
     with hdf5_appearing(path, begun=path) as file:
@@ -115,7 +115,7 @@ def add_grids(path, grids, times, *, force=False):
 
 
 def _refuse_damaged(path):
-    """Raise ResultsError for a file of which bytes have changed: those that it gets would get good sums."""
+    """Raise ResultsError for a file with changed bytes, which would be given valid checksums when rewritten."""
     source = checked(path)
     try:
         if source.sums is not None and len(source.changed()):
@@ -137,7 +137,7 @@ def _write_cells(group, grid):
 
 
 def _write_steps(steps, group, grid, times):
-    """Where in each dataset a saved time begins."""
+    """Write the offsets of each saved time in the datasets."""
     count, n_points, n_cells = len(times), grid.points.values.shape[1], len(grid.cells)
     row = np.arange(count, dtype="i8")
     none, one = np.zeros(count, dtype="i8"), np.ones(count, dtype="i8")
@@ -157,7 +157,7 @@ def _write_steps(steps, group, grid, times):
 
 
 def _make_room(group, name, field, count):
-    """A dataset for a Field at so many saved times, those of one after the other."""
+    """Create a dataset for the values of a Field at ``count`` saved times in succession."""
     _, number, *inner = field.values.shape
     shape = (count * number, *inner)
     rows = max(1, min(shape[0], CHUNK_NUMBERS // int(np.prod(inner, dtype=int))))
@@ -166,14 +166,14 @@ def _make_room(group, name, field, count):
 
 
 def _put(group, name, values, top=None, **options):
-    """A dataset whose axes have scales in ``top``, for readers that ask for such (netCDF, xarray)."""
+    """Create a dataset whose axes have scales in ``top``, for readers that require them (netCDF, xarray)."""
     dataset = group.create_dataset(name, data=values, **options)
     name_axes(dataset, *(_scale(top or group, length, axis) for axis, length in enumerate(dataset.shape)))
     return dataset
 
 
 def _scale(group, length, axis):
-    """A scale without numbers, which takes no room; the axes of one dataset have different ones."""
+    """Return a scale without data, which takes no space; the axes of a dataset have different ones."""
     name = f"{LENGTHS}{axis}_{length}"
     if name not in group:
         group.create_dataset(name, shape=(length,), dtype="u1").make_scale(name)

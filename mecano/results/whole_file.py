@@ -1,4 +1,4 @@
-"""Files that are written at once, and appear only when they are complete; their hidden names; folders for them."""
+"""Atomic creation of files, which appear only when complete; their hidden names; folders."""
 
 import hashlib
 import os
@@ -7,14 +7,14 @@ from contextlib import contextmanager, suppress
 from mecano.errors import ResultsError
 from mecano.results.provenance import provenance
 
-LONGEST = 200  # bytes of a name that is part of a hidden one: systems take 255
+LONGEST = 200  # bytes of a name used in a hidden one: file systems allow 255
 
 LONGEST_ENDING = 20
 
 
 @contextmanager
 def appearing(path):
-    """Give the Path of a hidden file beside ``path`` that takes its place in the end; nothing is left if that fails.
+    """Give the Path of a hidden file that replaces ``path`` at the end of the block; on failure it is removed.
 
     Raises ResultsError.
     """
@@ -32,9 +32,9 @@ def appearing(path):
 
 
 def hidden_name(path):
-    """How the names begin of all hidden files that belong to the file of a Path: with a dot and its name.
+    """Return the prefix of the names of all hidden files that belong to a Path: a dot and its name.
 
-    A very long name is shortened to its SHA-256, as those of the hidden files are longer still.
+    A very long name is replaced by its SHA-256, as the names of hidden files are longer still.
     """
     name = path.name
     short = name if len(os.fsencode(name)) <= LONGEST else hashlib.sha256(os.fsencode(name)).hexdigest()
@@ -42,24 +42,24 @@ def hidden_name(path):
 
 
 def exists(path):
-    """True where a file or folder has that name. Raises ResultsError where the system cannot tell."""
+    """Return whether a file or folder has that name. Raises ResultsError if this cannot be determined."""
     try:
         os.stat(path)
     except (FileNotFoundError, NotADirectoryError):
         return False
-    except (OSError, ValueError) as error:  # too long a name, no right to look, a zero in it
+    except (OSError, ValueError) as error:  # too long a name, no permission, a null character
         raise ResultsError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from error
     return True
 
 
 def refuse_folder(path):
-    """Raise ResultsError when ``path`` names a folder, or nothing that a file could be."""
+    """Raise ResultsError if ``path`` is a folder or not a valid name of a file."""
     if exists(path) and os.path.isdir(path):
         raise ResultsError(f"cannot write {path}: it is a folder; give the name of a file")
 
 
 def make_folder(folder):
-    """Make a folder, and those above it, where there is none. Raises ResultsError."""
+    """Create a folder and its parents unless it exists. Raises ResultsError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -67,7 +67,7 @@ def make_folder(folder):
 
 
 def put_source(file, source, format_, version, **facts):
-    """Write the deck, where the numbers come from, the ``facts`` of the run and the format to an HDF5 ``file``."""
+    """Write the deck, the provenance, the ``facts`` of the run and the format to an HDF5 ``file``."""
     for name, text in source.texts().items():
         file[f"deck/{name}"] = text
     run = file.create_group("run")

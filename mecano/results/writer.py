@@ -1,8 +1,8 @@
-"""Writing the results file while the run goes on.
+"""Writing of the results file during the run.
 
-A saved time, step or event counts as acknowledged once ``flush`` has returned: it is then in the file whatever happens
-to the process. First the data are flushed, then the counters in ``run/acknowledged`` are written; readers take no more
-than these say. ``flush`` happens by itself whenever a buffer is full or ``flush_interval`` has passed.
+A saved time, step or event is acknowledged when ``flush`` returns: it then remains in the file whatever happens to the
+process. The data are flushed before the counters in ``run/acknowledged`` are written, and readers read no more rows
+than these state. ``flush`` is called automatically when a buffer is full or ``flush_interval`` has passed.
 """
 
 import atexit
@@ -31,7 +31,7 @@ WRITING = "writing failed"
 UNSAFE = 2**14
 """Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
 _CLOSING = 2e-9
-"""s for a byte of a file that is closed: for what the disk has not got yet, and a little for its sums."""
+"""Time to close a file per byte [s]: writing cached data to the disk, and the checksums."""
 
 
 class Writer:
@@ -43,12 +43,12 @@ class Writer:
     extremes : Extremes
         To be updated with the values of every accepted step.
     acknowledged : int
-        Saved times that are safe in the file.
+        Number of acknowledged saved times.
     """
 
     @classmethod
     def create(cls, path, layout, source, *, force=False, flush_interval=1.0, begin=lambda writer: None):
-        """Start a results file; it appears under its name only when it is complete up to the first row.
+        """Create a results file; it appears under its name only when it is ready for the first row.
 
         Parameters
         ----------
@@ -60,7 +60,7 @@ class Writer:
         flush_interval : float
             Longest time between flushes while rows arrive [s].
         begin : callable
-            Called with the writer before the file appears: what it appends is in the file from the first.
+            Called with the writer before the file appears, for instance to append rows.
 
         Raises
         ------
@@ -81,7 +81,7 @@ class Writer:
                 hidden.unlink(missing_ok=True)
                 raise
         except OSError as error:
-            if error.errno is None:  # from h5py: the disk never fails towards it
+            if error.errno is None:  # from h5py, which never sees a failing Disk
                 raise
             raise ResultsError(f"cannot write {path}: {error.strerror}") from error
         atexit.register(writer._at_exit)
@@ -109,7 +109,7 @@ class Writer:
             self._offsets = {name: file[name].id.get_offset() for name in changing}
 
     def _publish(self, hidden, force, begin):
-        """Give the finished file its name, never over another one unless told."""
+        """Give the file its name; an existing file is replaced only if ``force``."""
         try:
             begin(self)
             if self._disk.error is not None:
@@ -122,19 +122,19 @@ class Writer:
             raise
 
     def _write_source(self, source):
-        """Write where the results come from."""
+        """Write deck and provenance."""
         for name, text in source.texts().items():
             self._file[f"deck/{name}"] = text
         self._file["run"].attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance()})
 
     def append(self, time, values):
-        """Save the values (layout.size,) at a time [s]."""
+        """Append the values (layout.size,) at a saved time [s]."""
         self._last_time = time
         if self._outputs.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
     def append_step(self, time, values):
-        """Record an accepted step that ends at a time [s]: one number for each column of the solver history."""
+        """Append an accepted step that ends at a time [s]: one number for each column of the solver history."""
         if self._steps.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
@@ -150,19 +150,19 @@ class Writer:
             self.flush()
 
     def append_event(self, time, element, name, before="", after="", impulse=0.0, unit="", lost=0.0):
-        """Record an event: when [s], to which element, joint or load, which, and the modes before and after.
+        """Append an event: time [s], element, joint or load, name, phases before and after.
 
-        Of a shock also its impulse, with the unit of that, and the energy lost [J].
+        A shock also has an impulse, with its unit, and the energy lost [J].
         """
         self._events.add(time, (element, name, before, after, unit), (impulse, lost))
 
     def flush(self):
-        """Bring all that was appended into the file, and return the number of acknowledged saved times.
+        """Write all appended data to the file, and return the number of acknowledged saved times.
 
         Raises
         ------
         ResultsError
-            The disk does not take it; what was acknowledged before stays readable, and the file is closed.
+            Writing failed; data acknowledged before remain readable, and the file is closed.
         """
         if self._file is None:
             raise ResultsError(f"{self.path} is closed")
@@ -180,16 +180,16 @@ class Writer:
 
     @property
     def closing_time(self):
-        """How long it may take to close the file [s]: all of it is brought to the disk."""
+        """Upper estimate of the time to close the file and write it to the disk [s]."""
         return _CLOSING * self._disk.size
 
     def checkpoint(self, state):
-        """Acknowledge what was appended, and keep with it the ``state`` (results/state.py) to resume from.
+        """Acknowledge all appended data, and write a checkpoint with the ``state`` (results/state.py).
 
         Raises
         ------
         ResultsError
-            The disk does not take it; the checkpoint before stays, and the file is closed.
+            Writing failed; the previous checkpoint remains valid, and the file is closed.
         """
         self.flush()
         with undisturbed():
@@ -198,7 +198,7 @@ class Writer:
             self._give_up()
 
     def _position(self):
-        """How far the file is, with the sums of what is in it: ``resume_at`` takes it."""
+        """Return numbers of rows, checksums, clocks and extremes, for ``resume_at``."""
         tables, extremes = (self._outputs, self._steps, self._events), vars(self.extremes)
         return {
             "rows": np.array([table.written for table in tables]),
@@ -209,12 +209,12 @@ class Writer:
         }
 
     def resume_at(self, checkpoint):
-        """Let the file, to which all rows up to a checkpoint have been appended, be where the checkpoint is.
+        """Continue from a checkpoint, all rows before which have been appended.
 
         Raises
         ------
         ResultsError
-            The rows are not those that were there then, or the disk is full.
+            The rows differ from those at the checkpoint, or writing failed.
         """
         position = checkpoint["file"]
         self.flush()
@@ -245,14 +245,14 @@ class Writer:
         self._disk.patch(self._offsets["run/compile_time"], np.array(self._compiled + compile_time()))
 
     def _patch_extremes(self):
-        """Write to the row that the counters do not name, so that a kill leaves those that belong to the counters."""
+        """Write the extremes to the row not in use, so that after a kill those of the counters are intact."""
         now = self.extremes
         high, low = (np.where(np.isnan(t), np.nan, x) for x, t in ((now.high, now.high_time), (now.low, now.low_time)))
         for name, row in zip(EXTREMES, (high, now.high_time, low, now.low_time), strict=True):
             self._disk.patch(self._offsets[f"extremes/{name}"] + row.nbytes * self._slot, row)
 
     def _text(self, name, text):
-        """The place in the file of a text, and its bytes there."""
+        """Return the offset in the file of a text, and its padded bytes."""
         length = TEXT_LENGTHS[name]
         cut = text.encode()[:length].decode(errors="ignore").encode()
         return self._offsets[f"run/{name}"], cut.ljust(length, b"\0")
@@ -272,25 +272,25 @@ class Writer:
         ----------
         status : "complete", "stopped" or "failed"
         reason : str
-            Why the run ended; of a long text, the first 8000 bytes are kept.
+            Reason of the end, truncated to 8000 bytes.
 
         Raises
         ------
         ResultsError
-            The last data did not get to the disk.
+            The last data could not be written.
         """
         if status not in STATUSES[1:]:
             raise ValueError(f"'{status}' is not a status a run can end with")
         if self._file is None:
             return
         self.flush()
-        self._acknowledge()  # again, so that both rows of the extremes hold
+        self._acknowledge()  # again, so that both rows of the extremes are valid
         self._end(status, reason)
         if self._disk.error is not None:
             raise ResultsError(f"cannot write {self.path}: {self._disk.error.strerror}") from self._disk.error
 
     def _end(self, status, reason=""):
-        """Close, say how it ended, and put the sums of a closed file behind."""
+        """Close the HDF5 file, write status and reason, and append the checksums of a closed file."""
         with undisturbed():
             self._file.close()
             self._file = None
@@ -312,7 +312,7 @@ class Writer:
         return self
 
     def __exit__(self, kind, error, trace):
-        with undisturbed():  # by a signal that comes again, as that of a limit of processor time does every second
+        with undisturbed():  # signals may repeat: that of the limit of processor time comes every second
             if error is None:
                 self.close()
             elif self._file is not None:
@@ -322,7 +322,7 @@ class Writer:
 
 
 def refuse_existing(path, force):
-    """Raise ResultsError when ``path`` exists and may not be replaced: never anything but an HDF5 file."""
+    """Raise ResultsError if ``path`` exists, unless ``force`` is True and it is an HDF5 file."""
     refuse_folder(path)
     if not exists(path):
         return
@@ -338,14 +338,14 @@ def refuse_existing(path, force):
 
 
 def _opened(disk, layout):
-    """The file with room in memory for the chunks of a block, so that an incomplete one is never read back."""
+    """Open the file with a chunk cache for several rows of chunks, so that an incomplete chunk is never read back."""
     rows, width = chunk_shape(1 + layout.size)
     chunks = -(-(1 + layout.size) // width)
     return open_file(disk, max(3 * 8 * rows * width * chunks, 2**20), max(4 * chunks + 1, 521))
 
 
 def _clear(path):
-    """Remove what killed runs have left of the file before it had its name."""
+    """Remove hidden files left by runs that were killed before the file appeared."""
     for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
         process = hidden.name.split(".")[-2]
         if process.isdigit() and not lives(int(process)):
