@@ -1,4 +1,4 @@
-"""Elements and the parts they are made of, as one list, before anything is numbered."""
+"""Elements and their parts as one list, before the numbering."""
 
 from dataclasses import dataclass
 
@@ -7,20 +7,20 @@ import numpy as np
 
 @dataclass
 class Instance:
-    """One element or part of an element, before it is numbered."""
+    """An element or a part of an element, before the numbering."""
 
     owner: str
     path: str  # section and name of the owner
     kind: object
-    nodes: tuple  # indices
+    nodes: tuple  # node indices
     parameters: dict
-    n_parts: int = 0  # parts that follow it in the list
-    borrows: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
-    label: str = ""  # of its outputs
+    n_parts: int = 0  # number of its parts, which follow it in the list
+    borrows: tuple = ()  # list indices of the instances to whose multipliers it is coupled
+    label: str = ""  # suffix of its outputs
 
 
 def expand(model, context):
-    """Elements and their parts; shared unknowns (what, i, j, element name); used unknowns."""
+    """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use)."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared, used = [], [], set()
     for element in model.elements:
