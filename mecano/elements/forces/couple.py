@@ -1,10 +1,10 @@
-r"""Couple: a moment between two nodes as a function of time, about an axis that the first carries, as of a motor.
+r"""Couple: a moment between two nodes as a function of time, such as that of a motor, about an axis fixed in the first.
 
 With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
 
 .. math::  f_a = M s, \qquad f_b = -M P^T s
 
-so that node b is turned about +axis and node a about -axis; the surroundings (the motor) give the power
+so that node b is turned about +axis and node a about -axis; the surroundings (the motor) supply the power
 :math:`M\, \mu \cdot (\omega_b - \omega_a)`.
 """
 
@@ -21,7 +21,7 @@ RECORD = record(law="i", axis=3)
 
 @kernel
 def residual(p, at, f):
-    """Add opposite moments on both nodes."""
+    """Add opposite moments to both nodes."""
     size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
     add_vec(f, 0, size, s)
     add_vec(f, 3, -size, mat(at.R[1]).T @ (mat(at.R[0]) @ s))
@@ -29,7 +29,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Moment, relative rate about the axis, power."""
+    """Write moment, relative rate about the axis, power."""
     size, s = evaluate_curve(at.laws, p.law, at.t)[0], vec(p.axis, 0)
     y[0] = size
     y[1] = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
@@ -38,13 +38,13 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Record of one couple: the axis in the axes of the first node."""
+    """Return the record of one couple: the axis in the axes of the first node."""
     axis = np.asarray(d["axis"], float)
     return {"law": context.laws.add(d["value"]), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
 
 
 def sample(rng):
-    """A falling curve about a random axis."""
+    """Return a decreasing curve about a random axis."""
     value = (("exponential", {"start": 5.0, "limit": 2.0, "rate": 0.3, "origin": -9.0}),)
     return [({"axis": rng.normal(size=3), "value": value}, 2, "")]
 

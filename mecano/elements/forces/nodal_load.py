@@ -1,6 +1,6 @@
 r"""Loads at a node, as functions of time: forces and moments, dead (fixed direction) or following the node.
 
-With the unit direction d, inertial for dead loads and carried by the node for followers, a force F(t) gives
+With the unit direction d, inertial for dead loads and fixed in the node for followers, a force F(t) gives
 
 .. math::  f_x = -F d \quad\text{(dead)}, \qquad f_x = -F R d \quad\text{(follower)}
 
@@ -27,13 +27,13 @@ EQUATIONS = __doc__.partition("\n\n")[2]
 
 @kernel
 def _load(p, laws, t):
-    """Size and unit direction."""
+    """Return magnitude and unit direction."""
     return evaluate_curve(laws, p.law, t)[0], vec(p.direction, 0)
 
 
 @kernel
 def _report(size, inertial, direction, v, y, e):
-    """Load, inertial, and its power: ``direction`` in the axes of the velocity v."""
+    """Write load, inertial, and its power; ``direction`` is in the axes of the velocity v."""
     put(y, 0, size * inertial)
     y[3] = size * dot(direction, vec(v, 0))
     e[3] = y[3]
@@ -48,21 +48,21 @@ def force(p, at, f):
 
 @kernel
 def observe_force(p, at, F, y, e):
-    """Force and power."""
+    """Write force and power."""
     size, d = _load(p, at.laws, at.t)
     _report(size, d, d, at.v, y, e)
 
 
 @kernel
 def follower_force(p, at, f):
-    """Add the force carried by the node."""
+    """Add the follower force."""
     size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, mat(at.R[0]) @ d)
 
 
 @kernel
 def observe_follower_force(p, at, F, y, e):
-    """Force and power."""
+    """Write force and power."""
     size, d = _load(p, at.laws, at.t)
     inertial = mat(at.R[0]) @ d
     _report(size, inertial, inertial, at.v, y, e)
@@ -77,39 +77,39 @@ def moment(p, at, f):
 
 @kernel
 def observe_moment(p, at, F, y, e):
-    """Moment and power."""
+    """Write moment and power."""
     size, d = _load(p, at.laws, at.t)
     _report(size, d, mat(at.R[0]).T @ d, at.v, y, e)
 
 
 @kernel
 def follower_moment(p, at, f):
-    """Add the moment carried by the node."""
+    """Add the follower moment."""
     size, d = _load(p, at.laws, at.t)
     add_vec(f, 0, -size, d)
 
 
 @kernel
 def observe_follower_moment(p, at, F, y, e):
-    """Moment and power."""
+    """Write moment and power."""
     size, d = _load(p, at.laws, at.t)
     _report(size, mat(at.R[0]) @ d, d, at.v, y, e)
 
 
 def prepare(d, nodes, context):
-    """Record of a dead load."""
+    """Return the record of a dead load."""
     direction = np.asarray(d["direction"], float)
     return {"law": context.laws.add(d["value"]), "direction": direction / np.linalg.norm(direction)}
 
 
 def prepare_follower(d, nodes, context):
-    """Record of a follower: the direction in the axes of the node."""
+    """Return the record of a follower: the direction in the axes of the node."""
     values = prepare(d, nodes, context)
     return {**values, "direction": nodes[0][1].T @ values["direction"]}
 
 
 def sample(rng):
-    """A swelling sine and a smooth step, in random directions."""
+    """Return a growing sine and a smooth step, in random directions."""
     sine = (
         ("sine", {"amplitude": 2.0, "frequency": 0.3, "phase": 0.4, "offset": 0.0}),
         ("linear", {"slope": 0.5, "offset": rng.uniform(3, 4)}),
@@ -123,13 +123,13 @@ def sample(rng):
 
 @dataclass(frozen=True)
 class _Quantity:
-    """What distinguishes forces from moments in a deck."""
+    """A quantity, force or moment, that a load applies."""
 
     name: str
     unit: str
 
     def kind(self, name, layout, follows, residual, observe):
-        """A kind of load of this quantity."""
+        """Return a kind of load of this quantity."""
         carries = " and that carries its direction" if follows else ""
         given = "direction at the start, inertial" if follows else "direction, inertial"
         what = "that follows its node" if follows else "with a fixed direction"

@@ -1,6 +1,6 @@
 """Load in the patch of a wheel: radial force and lateral law.
 
-The friction F in the ground is left to the kind of wheel: it slips, or it is held.
+The friction F in the ground is left to the kind of wheel: its patch slips, or it is held.
 """
 
 from typing import NamedTuple
@@ -13,18 +13,18 @@ from mecano.maths.vector import add_vec, dot, mat, vec
 
 
 class Load(NamedTuple):
-    """Forces in the patch but its friction."""
+    """Forces in the patch except its friction."""
 
     radial: float  # F_r [N]
     N: float  # normal force [N]
-    damping: float  # its part by radial damping [N]
+    damping: float  # part of N due to radial damping [N]
     speed: float  # of the axle over the ground [m/s]
     law: Lateral
 
 
 @kernel
 def load_of(p, at, k):
-    """The Load of the Patch ``k``."""
+    """Return the Load of the Patch ``k``."""
     w = p.radius - k.g.r
     radial, speed = radial_force(p, at.laws, w, k.w1), speed_over_ground(k.g.n, vec(at.v, 0))
     N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q

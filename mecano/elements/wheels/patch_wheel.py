@@ -1,4 +1,4 @@
-"""What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
+"""Deck fields, outputs, energies, events, samples and warnings shared by wheels with a flexible patch."""
 
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
@@ -62,8 +62,8 @@ MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.
 def put_patch(p, at, k, load, force, coefficient, lost, y, e):
     """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
 
-    ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work; ``lost`` [W] what
-    friction dissipates.
+    ``force`` (3,) [N] is that of the ground on the wheel, tangential; ``coefficient`` the friction coefficient in use;
+    ``lost`` [W] the power dissipated by friction.
     """
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
     grip = Grip(load.radial, force, coefficient, k.v_C, lost, k.w1)
@@ -95,7 +95,7 @@ def event_values(p, at, g):
 
 
 def prepare(d, nodes, context):
-    """Record: that of a wheel with a tyre law, the lateral law, the start."""
+    """Return the record: that of a wheel with a tyre law, the lateral law, the initial values."""
     return {
         **prepare_wheel(d, nodes, context),
         **prepare_lateral(d["tire_law"]["lateral"], context),
@@ -104,23 +104,23 @@ def prepare(d, nodes, context):
 
 
 def start(p):
-    """y, psi and bow at the start."""
+    """Return the initial values of y, psi and bow."""
     return p["start"]
 
 
 def check(d, nodes):
-    """Texts of a wheel with a tyre law, and on its lateral law."""
+    """Return the errors of a wheel with a tyre law, and of its lateral law."""
     return check_wheel(d, nodes) + check_lateral(d["tire_law"]["lateral"])
 
 
 def limits(d):
-    """The range of the radial law, braking at which the patch gives way sideways on its own."""
+    """Return the range of the radial law, and the braking at which the patch becomes laterally unstable."""
     found, lateral = range_of_law(d), d["tire_law"]["lateral"]
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
 def remedies(d):
-    """Return what to try where a run fails in the equations of the patch: greater values of what holds or damps it."""
+    """Return what to try if the solution fails in the equations of the patch: larger stiffness or damping."""
     law, lateral = d["tire_law"], d["tire_law"]["lateral"]
     (form,) = (name for name in FORMS if lateral[name])
     units = {"torsional_stiffness": "N m/rad", "yaw_time": "s", "lateral_damping": "N s/m"}
@@ -130,7 +130,7 @@ def remedies(d):
 
 
 def _sample(rng, profile, eps, mode, form):
-    """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
+    """Return (values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
     lateral = {
@@ -143,7 +143,7 @@ def _sample(rng, profile, eps, mode, form):
 
 
 def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, air; with all forms of lateral law."""
+    """Return large wheels that touch the ground from near the origin: plane, profile, air; all forms of lateral law."""
     cases = (
         (False, 0.05, "contact", "matrices"), (True, 50.0, "contact", "matrices"), (True, 0.05, "air", "matrices"),
         (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
@@ -153,7 +153,7 @@ def sample(rng):
 
 
 def patch_wheel(name, doc, relaxing, residual, observe, events=EVENTS, **constraints):
-    """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
+    """Return the Kind of a wheel with a flexible patch; ``constraints``: multipliers and their derivatives."""
     return Kind(
         name=name,
         section="elements",
