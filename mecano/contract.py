@@ -182,7 +182,7 @@ class Kind:
     check: Callable = nothing
     """(deck values, nodes) -> [text]: errors in the combination of the values"""
     limits: Callable = nothing
-    """deck values -> [(output, value, text)]: warning with the text if the output exceeds the value during a run"""
+    """deck values -> [(output, value, text)]: a warning with the text when the output exceeds the value in a run"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
     ends: Callable = nothing

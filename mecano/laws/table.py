@@ -13,7 +13,7 @@ from mecano.compiled.kernel import kernel
 from mecano.laws import TERMS
 from mecano.maths.dual import chain, value
 
-# Curves first: one comparison then separates curves from forces.
+# Curves first: one comparison then tells a curve from a force.
 CODES = {name: code for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1)}
 
 

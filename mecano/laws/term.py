@@ -46,9 +46,8 @@ class Term:
     breakpoints: Callable = nothing
     """{field: value} -> [argument]: jumps and corners of a curve"""
     shape: Callable = nothing
-    """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve varies
-    little:
-    from ``low`` to ``high`` for an unbounded term (a sine), over the whole of a bounded one (a table, an edge)"""
+    """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
+    little: from ``low`` to ``high`` of what is endless (a sine), all of what is not (a table, an edge)"""
 
 
 def numbers_of(fields):

@@ -19,7 +19,7 @@ in straight rolling without slip, dy/dt = v_lat - V psi. Internal forces (51), w
 
     x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G - s N_d      psi: M - y (n x a).F_fr
 
-with N_d the part of N due to damping. Upright this is (51) of the paper plus the overturning moment y N about t, which
+with N_d the part of N by damping. Upright this is the paper's (51) and the overturning moment y N about t, which it
 leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The law stores the energy of
 the symmetric part of A0; the rest of its power counts as dissipated or, where negative (its unsymmetric part draws on
 the rolling), as given.

@@ -49,13 +49,13 @@ def relax(p, at, f):
 
 @kernel
 def lateral_energy(p, y, psi):
-    """Return the energy of the symmetric part of A0 for y and psi [J], taken as the energy that the law stores."""
+    """Energy of the symmetric part of A0 for y and psi [J]: what the law may be said to store."""
     A = p.A0
     return 0.5 * (A[0, 0] * y * y + (A[0, 1] + A[1, 0]) * y * psi + A[1, 1] * psi * psi)
 
 
 @kernel
 def lateral_energy_rate(p, y, psi, y1, psi1):
-    """Return the rate of ``lateral_energy`` [W]."""
+    """Rate of ``lateral_energy`` [W]."""
     mixed = 0.5 * (p.A0[0, 1] + p.A0[1, 0])
     return (p.A0[0, 0] * y + mixed * psi) * y1 + (mixed * y + p.A0[1, 1] * psi) * psi1

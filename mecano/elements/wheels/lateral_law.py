@@ -29,7 +29,7 @@ where g_0 and g_1 depend on u and are 1 in laws without a contact length; their 
 In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the time ``relaxation_in_air``, with A1 +
 T A0 in place of A1 (in laws with a contact length T A0).
 
-An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; equations (51) have none.
+An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may be added; the equations (51) have none.
 """
 
 import numpy as np

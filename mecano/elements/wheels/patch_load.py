@@ -17,7 +17,7 @@ class Load(NamedTuple):
 
     radial: float  # F_r [N]
     N: float  # normal force [N]
-    damping: float  # part of N due to radial damping [N]
+    damping: float  # its part by radial damping [N]
     speed: float  # of the axle over the ground [m/s]
     law: Lateral
 

@@ -62,8 +62,8 @@ MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.
 def put_patch(p, at, k, load, force, coefficient, lost, y, e):
     """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
 
-    ``force`` (3,) [N] is that of the ground on the wheel, tangential; ``coefficient`` the friction coefficient in use;
-    ``lost`` [W] the power dissipated by friction.
+    ``force`` (3,) [N] of the ground on the wheel in the ground; ``coefficient`` of friction at work; ``lost`` [W] what
+    friction dissipates.
     """
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
     grip = Grip(load.radial, force, coefficient, k.v_C, lost, k.w1)
@@ -109,7 +109,7 @@ def start(p):
 
 
 def check(d, nodes):
-    """Return the errors of a wheel with a tyre law, and of its lateral law."""
+    """Texts of a wheel with a tyre law, and on its lateral law."""
     return check_wheel(d, nodes) + check_lateral(d["tire_law"]["lateral"])
 
 

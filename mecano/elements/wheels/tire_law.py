@@ -48,7 +48,7 @@ TIRE_LAW_FIELDS = (
     Field("lateral", LATERAL_TYPE, "-", "how the patch gives way sideways: flexible wheels", None),
 )  # fmt: skip
 
-PROBES = 201  # number of deformations at which the radial force is checked
+PROBES = 201  # deformations at which the radial force is looked at
 TIRE_RECORD = {
     "radius": (), "radial": "i", "radial_damping": (), "friction": "i", "friction_by_speed": "i",
     "slip_regularization": (),

@@ -64,7 +64,7 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
 
 
 def prepare_wheel(d, nodes, context):
-    """Return the record: axis in the node's frame, ground, tyre law."""
+    """Record: axis in the node's frame, ground, tyre law."""
     return {
         "axis": carried_axis(d, nodes),
         **prepare_ground(d["ground"], context),
