@@ -1,6 +1,6 @@
-"""What a deck field is: name, type, unit, meaning, default, check. Knows nothing of YAML.
+"""Declaration of deck fields: name, type, unit, meaning, default, check. Independent of YAML.
 
-One declaration gives the deck check, `mecano explain`, the documentation and the JSON Schema.
+The deck check, `mecano explain`, the documentation and the JSON Schema are all derived from these declarations.
 """
 
 from collections.abc import Callable
@@ -16,8 +16,8 @@ class Type:
     name: str
     expects: str
     options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
-    moves: str = ""  # what the value is in inertial axes, "point", "direction" or "orientation", if it is one at all
-    schema: object = field(default=None, compare=False)  # JSON Schema, of a type of which deck/json_schema.py has none
+    moves: str = ""  # "point", "direction" or "orientation" in inertial axes; "" for any other value
+    schema: object = field(default=None, compare=False)  # JSON Schema, if deck/json_schema.py does not cover the type
 
 
 NUMBER = Type("number", "a number")
@@ -35,7 +35,7 @@ MATRIX_6 = Type("matrix_6", "6 numbers (a diagonal) or a 6x6 matrix")
 NODE = Type("node", "the name of a node")
 NODES = Type("nodes", "a list of node names")
 NUMBERS = Type("numbers", "a list of numbers")
-COEFFICIENT_LIST = Type("coefficients", "a list of numbers")  # of ascending powers, with units that go together
+COEFFICIENT_LIST = Type("coefficients", "a list of numbers")  # of ascending powers, with consistent units
 POINTS = Type("points", "a list of [x, y] pairs")
 COLUMNS = Type("columns", "a list of 2 headers, or numbers of columns, from 1")
 UNITS = Type("units", "a list of 2 units")
@@ -46,10 +46,10 @@ FORMULA = Type("formula", "a formula of signals, outputs of elements, motions of
 SIGNAL_ENTRY = Type("signal_entry", "a formula, or a mapping with the key 'type'", ("signals",))
 GROUND = Type("ground", "the name of a ground")
 TIRE_LAW = Type("tire_law", "the name of a tire law")
-WHEEL = Type("wheel", "the name of a wheel")  # of the elements; its checked values take the place of the name
+WHEEL = Type("wheel", "the name of a wheel")  # among the elements; replaced by its checked values
 
 SECTION = Type("section", "the name of a cross section")
-SECTION_OF = {  # name of a type -> the section of a deck whose names its values are
+SECTION_OF = {  # type -> section of the deck whose entries it refers to
     "node": "nodes", "nodes": "nodes", "law": "laws", "curve": "laws", "ground": "grounds", "tire_law": "tire_laws",
     "wheel": "elements", "section": "sections", "drive": "laws", "joint": "joints",
 }  # fmt: skip
@@ -58,7 +58,7 @@ ROWS = Type("rows", "a list of rows of numbers, or the name of a .mtx or .npy fi
 
 
 def pair_of(type_):
-    """A list of exactly two nodes, numbers...: here only of nodes."""
+    """Return the type of a list of exactly two names; used for nodes only."""
     return Type("nodes", f"a list of 2 {type_.name} names", (2,))
 
 
@@ -71,47 +71,47 @@ def joint_with(output):
 
 
 def choice(*names):
-    """One of the given words."""
+    """Return the type of one of the given words."""
     return Type("choice", "one of: " + ", ".join(names), names)
 
 
 def mapping(*fields):
-    """Keys and values, each declared by a ``Field``."""
+    """Return the type of a mapping whose keys are declared by ``Field``."""
     return Type("mapping", "a mapping", fields)
 
 
 def named(type_, check=None):
-    """A mapping of names the user gives to values of one type; ``check`` as in ``Field``, for each value."""
+    """Return the type of a mapping from user-defined names to values of one type; ``check`` as in ``Field``."""
     return Type("named", "a mapping of names", (type_, check))
 
 
 def list_of(type_, check=None):
-    """A list of values of one type; ``check`` as in ``Field``, for each value."""
+    """Return the type of a list of values of one type; ``check`` as in ``Field``, for each value."""
     return Type("list", "a list", (type_, check))
 
 
 def either(type_, *words):
-    """A value of the given type, or one of the given words."""
+    """Return the type of a value of the given type or one of the given words."""
     return Type("either", " or ".join([type_.expects, *(f"'{word}'" for word in words)]), (type_, words))
 
 
 def shorthand(type_, words):
-    """A mapping or list of the given type, or a word (or true) that stands for one: {word: value}."""
+    """Return the type of a mapping or list, or of a word (or true) that abbreviates one: {word: value}."""
     expects = " or ".join([type_.expects, *("true" if word is True else f"'{word}'" for word in words)])
     return Type("shorthand", expects, (type_, tuple(words.items())))
 
 
 def one_of_kinds(section):
-    """One element, joint or load: a mapping whose ``type`` names the kind, with the fields of that kind."""
+    """Return the type of an element, joint or load: a mapping with the fields of the kind that its ``type`` names."""
     return Type("kind", "a mapping with the key 'type'", (section,))
 
 
 @dataclass(frozen=True)
 class Field:
-    """One key of a deck: SI ``unit`` ("-" for none), one-line ``doc``, ``check`` -> error text or None.
+    """A key of a deck: SI ``unit`` ("-" if dimensionless), one-line ``doc``, ``check`` -> error text or None.
 
-    The text of a check completes "'mass' ..."; that of a check of a whole mapping is a sentence of its own, and
-    points at the key with which it begins in quotes.
+    The text of a check completes "'mass' ..."; for a check of a whole mapping it is a complete sentence, and the error
+    is located at the key that it quotes first.
     """
 
     name: str
@@ -123,25 +123,25 @@ class Field:
 
     @property
     def required(self):
-        """True when the deck must give the field."""
+        """True if the deck must give the field."""
         return self.default is REQUIRED
 
 
 def positive(value):
-    """Check: > 0."""
+    """Check that the value is > 0."""
     return None if value > 0 else "must be greater than zero"
 
 
 def not_negative(value):
-    """Check: >= 0."""
+    """Check that the value is >= 0."""
     return None if value >= 0 else "must not be negative"
 
 
 def not_zero(value):
-    """Check: not zero."""
+    """Check that the value is not zero."""
     return None if value else "must not be zero"
 
 
 def share(value):
-    """Check: from 0 to 1."""
+    """Check that the value is between 0 and 1."""
     return None if 0.0 <= value <= 1.0 else "must be from 0 to 1"

@@ -1,4 +1,4 @@
-"""The basic constraints of which joints are made; see of_coordinates.py for those of one coordinate."""
+"""Basic constraints from which joints are composed; see of_coordinates.py for those of a single coordinate."""
 
 from mecano.constraints.blade import BLADE
 from mecano.constraints.gear_mesh import GEAR_MESH

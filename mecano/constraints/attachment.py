@@ -1,7 +1,8 @@
 """Attachment: nodes that move with a first one as if welded to it.
 
-A node that starts with the rotation of the first shares it (Boolean identification). One with an orientation of its
-own, a marker, is held by three constraints between the axes of both. Positions are held by a rigid offset.
+A node with the initial rotation of the first one shares its rotation (Boolean identification). A node with an
+orientation of its own, a marker, is held by three constraints between the axes of both. Positions are held by a rigid
+offset.
 """
 
 from dataclasses import replace
@@ -17,12 +18,12 @@ TURNS = ("about_2", "about_1", "about_axis")
 
 
 def attached_rotations(d, nodes):
-    """Return the ``shares`` of nodes attached to the first: the rotation, of those that start with the same one."""
+    """Return the ``shares`` of nodes attached to the first: the rotations of those with the same initial rotation."""
     return [("R", 0, i) for i in range(1, len(nodes)) if not is_marker(nodes, i)]
 
 
 def attachment(nodes, i, context):
-    """Return the Parts that hold node i at the first one: an offset, and for a marker the three rotations."""
+    """Return the Parts that attach node i to the first one: an offset, and for a marker the three rotations."""
     x, R = nodes[0]
     parts = [Part(RIGID_OFFSET, (0, i), {"d": R.T @ np.subtract(nodes[i][0], x)})]
     if is_marker(nodes, i):
@@ -32,5 +33,5 @@ def attachment(nodes, i, context):
 
 
 def is_marker(nodes, i):
-    """Return whether node i starts with another rotation than the first one."""
+    """Return whether the initial rotation of node i differs from that of the first one."""
     return bool(not_parallel([nodes[0], nodes[i]]))

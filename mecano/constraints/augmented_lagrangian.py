@@ -1,4 +1,4 @@
-r"""What every scalar constraint does with its gradient: augmented Lagrangian, bordered.
+r"""Contribution of a scalar constraint to residual and tangent: augmented Lagrangian, bordered.
 
 With :math:`g = p\,\Phi - k\lambda` and B the gradient of Phi by blocks of three unknowns (theory.md section 1,
 equations (12)-(14) of Cardona, Geradin & Doan 1991):
@@ -31,9 +31,9 @@ def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
 
 @kernel
 def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
-    """Add to a constraint of ``add_constraint``, which returned g, its part by one more unknown, at the index ``at``.
+    """Add the terms of one more unknown, with index ``at``, to a constraint of ``add_constraint``, which returned g.
 
-    ``slope`` and ``curvature`` are its first and second derivative by that unknown.
+    ``slope`` and ``curvature`` are the first and second derivative of the constraint with respect to that unknown.
     """
     f[at] += g * slope
     K[at, at] += penalty * slope * slope + g * curvature
@@ -46,14 +46,14 @@ def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
 
 @kernel
 def deactivate(f, K, row, k, multiplier):
-    """One constraint that does not hold in the present mode: no reaction. Its levels are not written."""
+    """Deactivate a constraint in the current phase: its reaction is zero. Its derivatives are not written."""
     f[row] -= multiplier
     K[row, row] -= k
 
 
 @kernel
 def put_derivatives(g, row, Phi, rate, second_rate):
-    """Write the three levels of one constraint."""
+    """Write value, rate and second rate of one constraint."""
     g[row, 0] = Phi
     g[row, 1] = rate
     g[row, 2] = second_rate

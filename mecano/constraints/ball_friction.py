@@ -1,6 +1,6 @@
 r"""Friction of a ball in its socket: a moment against the relative angular velocity.
 
-With the force F that the joint transmits, the radius r, the relative angular velocity w (of b, seen from a) and
+With the force F that the joint transmits, the radius r, the relative angular velocity w (of b relative to a) and
 :math:`u = r |w|`:
 
 .. math::  M = r\, |F|\, \mu(u)\,\phi(u)\, w/|w|
@@ -21,7 +21,7 @@ BORROWED = 6
 
 @kernel
 def _sliding(p, at):
-    """Angular velocity w of b, seen from a; moment of the friction on b against it; both in axes of a; |F|."""
+    """Return the angular velocity w of b relative to a, the friction moment on b against it, both in axes of a; |F|."""
     w = relative_rotation(mat(at.R[0]), mat(at.R[1])) @ vec(at.v, 3) - vec(at.v, 0)
     N, r = norm(vec(at.q, BORROWED)), p.radius
     return w, N * r * r * friction(at.laws, p.coefficient, p.regularization, r * norm(w)) * w, N
@@ -29,7 +29,7 @@ def _sliding(p, at):
 
 @kernel
 def residual(p, at, f):
-    """Add opposite moments on both nodes."""
+    """Add opposite moments to both nodes."""
     _, moment, _ = _sliding(p, at)
     add_vec(f, 0, -1.0, moment)
     add_vec(f, 3, 1.0, relative_rotation(mat(at.R[0]), mat(at.R[1])).T @ moment)
@@ -37,7 +37,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Moment, normal force, power."""
+    """Write moment, normal force, power."""
     w, moment, y[1] = _sliding(p, at)
     y[0] = norm(moment)
     y[2] = dot(moment, w)
@@ -45,7 +45,7 @@ def observe(p, at, F, y, e):
 
 
 def ball_friction_record(friction, context):
-    """Record from the deck's friction."""
+    """Return the record from the deck's friction."""
     return {"radius": friction["radius"], **friction_record(friction, context)}
 
 

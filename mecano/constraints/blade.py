@@ -1,7 +1,7 @@
-r"""Blade: a point of a body that touches the ground does not move across a direction carried by the body.
+r"""Blade: a point of a body on the ground does not move across a direction fixed in the body.
 
-:math:`v \cdot l = 0` with l = (a - s n)/q, the axis a of the body laid into the plane of the ground. The point is the
-node. The multiplier is the force on the body along l.
+:math:`v \cdot l = 0` with l = (a - s n)/q, the axis a of the body projected onto the plane of the ground. The point is
+the node. The multiplier is the force on the body along l.
 """
 
 from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
@@ -15,18 +15,18 @@ AT_THE_NODE = Place(ZERO, (NO_MATRIX, NO_MATRIX))
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Force across the blade."""
+    """Add the force across the blade."""
     hold(at.k, at.penalty, AT_THE_NODE, on_a_plane(p, at.R)[1:], at.q, at.v, at.R, f, K, C)
 
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Velocity across the blade and its rate."""
+    """Write the velocity across the blade and its rate."""
     put_rates(AT_THE_NODE, on_a_plane(p, at.R)[1:], at.v, at.a, at.R, g)
 
 
 def sample(rng):
-    """A leaning blade."""
+    """Return a leaning blade."""
     return [(*leaning(rng), "")]
 
 

@@ -1,6 +1,6 @@
-r"""Vectors carried by nodes: their rates, the product of two of them.
+r"""Vectors fixed in nodes: their rates, and the scalar product of two of them.
 
-For m carried by node 0 and s by node 1 (material components), with :math:`A = R_0^T R_1`, the product
+For m fixed in node 0 and s in node 1 (material components), with :math:`A = R_0^T R_1`, the product
 :math:`(R_0 m) \cdot (R_1 s)` has, in material variations, the gradients
 
 .. math::  b_0 = m \times A s, \qquad b_1 = s \times A^T m,
@@ -17,27 +17,27 @@ from mecano.maths.vector import add_mat, cross, dot, skew
 
 @kernel
 def carried(R, omega, alpha, m):
-    """R m and its first and second rate, inertial; omega, alpha material angular velocity and acceleration."""
+    """Return R m and its first and second rate, inertial; omega, alpha: material angular velocity and acceleration."""
     spin = cross(omega, m)
     return R @ m, R @ spin, R @ (cross(alpha, m) + cross(omega, spin))
 
 
 @kernel
 def product_rates(u, w):
-    """u . w and its first two rates for two vectors given with theirs."""
+    """Return u . w and its first two rates, for two vectors given with their rates."""
     value, rate = dot(u[0], w[0]), dot(u[1], w[0]) + dot(u[0], w[1])
     return value, rate, dot(u[2], w[0]) + 2.0 * dot(u[1], w[1]) + dot(u[0], w[2])
 
 
 @kernel
 def product_gradient(A, m, s):
-    """Gradients (b_0, b_1) of (R_0 m) . (R_1 s) by the material variations of both nodes."""
+    """Return the gradients (b_0, b_1) of (R_0 m) . (R_1 s) by the material variations of both nodes."""
     return cross(m, A @ s), cross(s, A.T @ m)
 
 
 @kernel
 def product_curvature(A, m, s):
-    """((H_00, H_01), (H_10, H_11)): derivative of b_i by the material rotation of node j, not symmetric."""
+    """Return ((H_00, H_01), (H_10, H_11)): derivatives of b_i by the material rotation of node j, not symmetric."""
     hat_m, hat_s = skew(m), skew(s)
     H_00 = hat_m @ skew(A @ s)
     H_01 = -(hat_m @ (A @ hat_s))
@@ -47,25 +47,25 @@ def product_curvature(A, m, s):
 
 @kernel
 def turning_rate(gradient, omega_0, omega_1):
-    """Rate of a quantity of the relative rotation, from its gradients and the material angular velocities."""
+    """Return the rate of a function of the relative rotation from its gradients and material angular velocities."""
     return dot(gradient[0], omega_0) + dot(gradient[1], omega_1)
 
 
 @kernel
 def wrap(angle):
-    """The angle brought to (-pi, pi] by whole turns [rad]."""
+    """Return the angle [rad] reduced to (-pi, pi] by whole turns."""
     return angle - 2.0 * math.pi * math.ceil(value(angle) / (2.0 * math.pi) - 0.5)
 
 
 @kernel
 def follow(previous, angle):
-    """The angle plus the whole turns that bring it nearest to ``previous`` [rad]."""
+    """Return the angle [rad] plus the whole turns that bring it closest to ``previous``."""
     return previous + wrap(angle - previous)
 
 
 @kernel
 def relative_rotation(R_0, R_1):
-    """R_0^T R_1"""
+    """Return R_0^T R_1."""
     return R_0.T @ R_1
 
 

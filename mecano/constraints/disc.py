@@ -1,4 +1,4 @@
-"""What wheels have in common: deck fields, outputs; of rigid ones also the records of their constraints."""
+"""Deck fields and outputs shared by all wheels; records of the constraints of rigid wheels."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
-CARRIED = 0.1  # of the radius: no farther does the assembly bring a wheel onto the ground that it always touches
+CARRIED = 0.1  # of the radius: largest distance over which the assembly moves a wheel onto the ground
 PLACED = (
     Field("node", NODE, "-", "centre of the wheel; its rotation spins with the wheel"),
     Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
@@ -34,20 +34,21 @@ OUTPUTS = (
 
 
 def carried_axis(d, nodes):
-    """The unit axis of the deck in the axes of the first node."""
+    """Return the unit axis of the deck in the axes of the first node."""
     axis = np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float)
     return axis / np.linalg.norm(axis)
 
 
 def disc_record(d, nodes, context):
-    """Values of axis, radius and ground for the basic constraints."""
+    """Return the values of axis, radius and ground for the basic constraints."""
     return {"axis": carried_axis(d, nodes), "radius": d["radius"], **prepare_ground(d["ground"], context)}
 
 
 def check_touching(gap, along_normal, radius, otherwise=""):
-    """Texts on a wheel that always touches, when its rim is farther from the ground than an assembly should bring it.
+    """Return errors for a permanently touching wheel whose rim is farther from the ground than an assembly may move it.
 
-    ``gap`` [m] in its plane and ``along_normal`` [m], as told by ``rim_above``; ``otherwise`` is another way out.
+    ``gap`` [m] in its plane and ``along_normal`` [m] are those of ``rim_above``; ``otherwise`` is an alternative to
+    suggest.
     """
     if gap < -CARRIED * radius:
         return [too_low(-gap, -along_normal)]
@@ -63,8 +64,8 @@ def check_touching(gap, along_normal, radius, otherwise=""):
 def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
     """Write CONTACT_OUTPUTS.
 
-    ``push`` (3,) [N] of the ground along the ``frame`` (n, t, l), height and radius [m], arm of the contact (3,) [m],
-    spin rate [rad/s], lean [rad].
+    ``push`` (3,) [N] is the force of the ground along the ``frame`` (n, t, l); height and radius [m], arm of the
+    contact (3,) [m], spin rate [rad/s], lean [rad].
     """
     n, t, l = frame
     y[0] = height

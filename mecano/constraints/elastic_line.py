@@ -1,4 +1,4 @@
-r"""What bars and cables share: record, strain, inertia, outputs (elements/members/cable.py has the equations)."""
+r"""Record, strain, inertia and outputs shared by bars and cables (equations in elements/members/cable.py)."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ LINE_RECORD = {
 
 @kernel
 def strained(length, rate, L, L_rate):
-    """Strain and its rate of a line of natural length L."""
+    """Return the strain of a line of natural length L, and its rate."""
     L = max(L, SHORTEST)
     stretch = length / L
     return stretch - 1.0, (rate - stretch * L_rate) / L
@@ -22,7 +22,7 @@ def strained(length, rate, L, L_rate):
 
 @kernel
 def add_line_inertia(p, a, f, M):
-    """Forces of inertia and weight."""
+    """Add inertia forces and weight."""
     half_weight = 0.5 * p.mass * vec(p.gravity, 0)
     for i, j in ((0, 3), (3, 0)):
         add_vec(f, i, 1.0, p.own * vec(a, i) + p.cross * vec(a, j) - half_weight)
@@ -38,23 +38,23 @@ def put_line(p, y, length, L, strain, strain_rate, N):
 
 @kernel
 def put_no_push(y):
-    """Write tension and stress of a cable, which are not negative.
+    """Write tension and stress of a cable, clipped at zero.
 
-    An accepted step that ends where it goes slack is within rounding of no tension, on either side.
+    When an accepted step ends where the cable goes slack, its tension is zero within round-off, of either sign.
     """
     y[4], y[5] = max(y[4], 0.0), max(y[5], 0.0)
 
 
 @kernel
 def put_line_energy(p, q, v, e):
-    """Write the kinetic energy and the potential of the weight."""
+    """Write the kinetic energy and the potential energy of the weight."""
     v_0, v_1, g = vec(v, 0), vec(v, 3), vec(p.gravity, 0)
     e[0] = 0.5 * p.own * (dot(v_0, v_0) + dot(v_1, v_1)) + p.cross * dot(v_0, v_1)
     e[1] = -0.5 * p.mass * dot(g, vec(q, 0) + vec(q, 3))
 
 
 def line_record(d, nodes, context):
-    """Values of ``LINE_RECORD``; the natural length is the initial distance unless given."""
+    """Return the values of ``LINE_RECORD``; the natural length defaults to the initial distance."""
     natural = distance(nodes) if d["natural_length"] is None else d["natural_length"]
     mass, area = d["mass_per_length"] * curve_at(natural, 0.0)[0], d["area"]
     own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
@@ -68,5 +68,5 @@ def line_record(d, nodes, context):
 
 
 def distance(nodes):
-    """Of two nodes (x, R) at the start [m]."""
+    """Return the initial distance [m] of two nodes (x, R)."""
     return float(np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])))

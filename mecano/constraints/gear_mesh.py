@@ -1,14 +1,14 @@
-r"""Gear mesh: the pitch circles of two nodes roll on one another at a point that a third one, the carrier, shows.
+r"""Gear mesh: two pitch circles roll on one another at a pitch point defined by a third node, the carrier.
 
 With the angles :math:`\theta_1, \theta_2` of both gears relative to the carrier (twist.py), their
-travels :math:`h_1, h_2` in metres per radian and the unit vector :math:`\tau`, carried by the carrier, tangential to
+travels :math:`h_1, h_2` in metres per radian and the unit vector :math:`\tau`, fixed in the carrier, tangential to
 both circles:
 
 .. math::  \Phi = h_1\theta_1 + h_2\theta_2 + \tau \cdot (x_1 - x_2) - c = 0
 
-The last terms vanish where the carrier holds both centres; they let the multiplier be the force of the teeth on the
-first gear along :math:`\tau`, on the second against it, each at the pitch point, and leave no moment on the carrier.
-The angles are followed over whole turns by the memory of those of the last accepted step.
+The last terms vanish where the carrier holds both centres. They make the multiplier the tooth force on the first gear
+along :math:`\tau`, and on the second gear against it, each at the pitch point, without a moment on the carrier. The
+angles are continued over whole turns with the memory of their values at the last accepted step.
 """
 
 from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
@@ -26,7 +26,7 @@ MULTIPLIER = 15
 
 @kernel
 def gear_angles(p, m, R):
-    """Angles of both gears relative to the carrier over any turns [rad]."""
+    """Return the angles of both gears relative to the carrier, over any number of turns [rad]."""
     first = twist(relative_rotation(mat(R[0]), mat(R[1])), mat(p.mu_1), mat(p.xi_1))
     second = twist(relative_rotation(mat(R[0]), mat(R[2])), mat(p.mu_2), mat(p.xi_2))
     return follow(m[0], first), follow(m[1], second)
@@ -34,7 +34,7 @@ def gear_angles(p, m, R):
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Forces on both gears, moments on all three nodes."""
+    """Add forces to both gears, moments to all three nodes."""
     A, tau = mat(at.R[0]), vec(p.tangent, 0)
     Q_1, Q_2 = relative_rotation(A, mat(at.R[1])), relative_rotation(A, mat(at.R[2]))
     mu_1, xi_1, mu_2, xi_2 = vec(p.mu_1[2], 0), vec(p.xi_1[2], 0), vec(p.mu_2[2], 0), vec(p.xi_2[2], 0)
@@ -53,7 +53,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates."""
+    """Write value and rates."""
     carrier = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3))
     first, second = (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9)), (mat(at.R[2]), vec(at.v, 12), vec(at.a, 12))
     rate_1, second_1 = turning_rates(vec(p.mu_1[2], 0), vec(p.xi_1[2], 0), carrier, first)
@@ -67,12 +67,12 @@ def constraint_derivatives(p, at, g):
 
 @kernel
 def commit(p, at, m_out):
-    """Follow both angles over whole turns."""
+    """Continue both angles over whole turns."""
     m_out[0], m_out[1] = gear_angles(p, at.m, at.R)
 
 
 def sample(rng):
-    """Axes in general position."""
+    """Return axes in general position."""
     axes = {name: triad(rng.normal(size=3)) for name in ("mu_1", "xi_1", "mu_2", "xi_2")}
     return [({**axes, "travel": (0.6, -0.9), "tangent": triad(rng.normal(size=3))[0], "offset": rng.normal()}, 3, "")]
 
@@ -82,7 +82,7 @@ GEAR_MESH = Kind(
     section="",
     doc=__doc__,
     dtype=MESH_RECORD,
-    layout=("x2", "R0", "x1", "R1", "R2"),  # as slide.py has them: of x1 from x2, along an axis of node 0
+    layout=("x2", "R0", "x1", "R1", "R2"),  # order as in slide.py: x1 relative to x2, along an axis of node 0
     multipliers=(Row("force of the teeth", "N", "m"),),
     memory=("angle_1", "angle_2"),
     force=force,

@@ -1,13 +1,13 @@
-r"""Geared slide: the sliding of the second node along an axis of the first goes with its turning, as in a screw.
+r"""Geared slide: couples the sliding of the second node along an axis of the first to its rotation, as in a screw.
 
-With :math:`\sigma` carried by the first node, the angle :math:`\theta` of the second about :math:`\mu_3` (twist.py)
+With :math:`\sigma` fixed in the first node, the angle :math:`\theta` of the second about :math:`\mu_3` (twist.py)
 and the travel h in metres per radian:
 
 .. math::  \Phi = \sigma \cdot (x_1 - x_0) - c - h\,\theta = 0
 
-The difference of :math:`\theta` to the angle that belongs to the sliding is brought to :math:`(-\pi, \pi]`, so that any
-number of turns needs no memory. The multiplier is the force on the second node along :math:`\sigma`; with it comes the
-moment :math:`-h` times that force about :math:`\mu_3`.
+The difference between :math:`\theta` and the angle that corresponds to the sliding is reduced to :math:`(-\pi, \pi]`,
+so that any number of turns needs no memory. The multiplier is the force on the second node along :math:`\sigma`; it is
+accompanied by the moment :math:`-h` times that force about :math:`\mu_3`.
 """
 
 from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
@@ -25,7 +25,7 @@ MULTIPLIER = 12
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Forces and moments on both nodes."""
+    """Add forces and moments to both nodes."""
     A, sigma, mu, xi, h = mat(at.R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
     Q = relative_rotation(A, mat(at.R[1]))
     s = dot(sigma, A.T @ (vec(at.q, 6) - vec(at.q, 0))) - p.offset
@@ -40,7 +40,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates."""
+    """Write value and rates."""
     first, second = (mat(at.R[0]), vec(at.v, 3), vec(at.a, 3)), (mat(at.R[1]), vec(at.v, 9), vec(at.a, 9))
     angle = twist(relative_rotation(first[0], second[0]), mat(p.mu), mat(p.xi))
     rate, second_rate = turning_rates(vec(p.mu[2], 0), vec(p.xi[2], 0), first, second)
@@ -50,7 +50,7 @@ def constraint_derivatives(p, at, g):
 
 
 def sample(rng):
-    """A screw of either hand, and a rack."""
+    """Return a screw of either hand, and a rack."""
     mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
     d = {"mu": mu, "xi": xi, "offset": rng.normal()}
     return [({**d, "sigma": mu[2], "travel": -0.7}, 2, ""), ({**d, "sigma": mu[0], "travel": 0.9}, 2, "")]

@@ -1,4 +1,4 @@
-"""Grounds: a plane, on which a profile may stand; what every kind of wheel rolls on.
+"""Grounds: a plane, optionally with a profile, on which all kinds of wheels roll.
 
 A checked ground is {"plane": {"point", "normal"}, "profile": {"direction", "height"} or None}: points and vectors
 of 3 numbers [m], height a law [m] of the distance [m] from the point along the direction. The maths is in
@@ -20,17 +20,17 @@ from mecano.maths.vector import Vec3, dot, vec
 
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
-LEAST_Q = 0.1  # of |n x a|: a wheel with less lies flat; its contact runs round the rim
-STANDING = 1e-3  # of the radius: a rim that is no farther from the ground at the start stands on it
+LEAST_Q = 0.1  # of |n x a|: below it the wheel lies flat, and its contact runs around the rim
+STANDING = 1e-3  # of the radius: a rim no farther from the ground initially is taken as standing on it
 LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
 MOST_BENDS = 8
-JUMP = 1e-6  # m, -, 1/m: a smaller one is rounding
-_ITERATIONS = 50  # 3 to 5 are usual; more only far above a hollow that is narrower than the distance
+JUMP = 1e-6  # m, -, 1/m: smaller jumps are round-off
+_ITERATIONS = 50  # 3 to 5 are usual; more only far above a concave part whose radius is smaller than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 
 
 def prepare_ground(ground, context):
-    """Values of GROUND_RECORD; without a profile the direction is any and the law 0."""
+    """Return the values of GROUND_RECORD; without a profile the direction is zero and the law 0."""
     plane, profile = ground["plane"], ground.get("profile")
     normal = unit(plane["normal"])
     direction = in_plane(profile["direction"], normal) if profile else np.zeros(3)
@@ -43,7 +43,7 @@ def prepare_ground(ground, context):
 
 
 def check_ground(ground):
-    """Texts on what is wrong with a ground's values taken together."""
+    """Return errors in the combination of a ground's values."""
     profile = ground.get("profile")
     if not profile:
         return []
@@ -60,10 +60,10 @@ def check_ground(ground):
 
 
 def bends(ground):
-    """Where along the profile its curvature jumps, ascending, (MOST_BENDS,) [m], inf behind the last.
+    """Return the positions of curvature jumps along the profile, ascending, (MOST_BENDS,) [m], padded with inf.
 
-    There the acceleration of what rolls on it jumps: the ends of bumps and of smooth edges, not the knots of a cubic
-    table. Of a profile with more of them none is told.
+    There the acceleration of a rolling wheel jumps: at the ends of bumps and of smooth edges, but not at the knots of a
+    cubic table. If there are more than MOST_BENDS, none is returned.
     """
     profile, found = ground.get("profile"), np.full(MOST_BENDS, math.inf)
     places = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[2]] if profile else []
@@ -73,13 +73,13 @@ def bends(ground):
 
 
 def _jumps(law, s):
-    """Whether value [m], slope [-] and second derivative [1/m] of the curve jump at s."""
+    """Return whether value [m], slope [-] and second derivative [1/m] of the curve jump at s."""
     step = 1e-9 * (1.0 + abs(s))
     return np.abs(np.subtract(curve_at(law, s + step), curve_at(law, s - step))) > JUMP
 
 
 def check_axle(ground, x, axis):
-    """Texts on what is wrong with a wheel's start: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
+    """Return errors in a wheel's initial position: centre ``x`` (3,) [m], direction ``axis`` (3,)."""
     normal = unit(ground["plane"]["normal"])
     if np.linalg.norm(np.cross(normal, unit(axis))) < LEAST_Q:
         return ["the wheel lies flat: its axis is along the normal of the ground"]
@@ -95,9 +95,10 @@ def check_axle(ground, x, axis):
 
 
 def rim_above(ground, radius, x, axis):
-    """How far [m] the rim of a wheel is above the ground, less than zero below it: in its own plane, along the normal.
+    """Return the initial height [m] of a wheel's rim above the ground, in the wheel's plane and along the normal.
 
-    ``check_axle`` has nothing against the ``ground``, the centre ``x`` (3,) [m] and the direction ``axis`` (3,).
+    It is negative below the ground. ``ground``, centre ``x`` (3,) [m] and ``axis`` (3,) must have passed
+    ``check_axle``.
     """
     laws = LawTable()
     p = SimpleNamespace(radius=radius, **prepare_ground(ground, Context(laws, np.zeros(3))))
@@ -106,7 +107,7 @@ def rim_above(ground, radius, x, axis):
 
 
 def too_low(depth, lift, because=""):
-    """Text on a rim that starts ``depth`` [m] below the ground, and stands on it with its node ``lift`` [m] higher."""
+    """Return an error for a rim ``depth`` [m] below the ground initially; raising the node by ``lift`` [m] cures it."""
     return (
         f"the rim is {depth:.4g} m below the ground at the start{because}; it just touches with its node "
         f"{lift:.4g} m higher along the normal of the ground"
@@ -114,45 +115,46 @@ def too_low(depth, lift, because=""):
 
 
 def ends(d):
-    """A run ends where the wheel comes to lie flat: its contact is undefined there."""
+    """Return the end condition of a wheel that comes to lie flat, where its contact is undefined."""
     return [("lean", math.acos(LEAST_Q), "lies flat: its axis has come along the normal of the ground")]
 
 
 def unit(a):
-    """The direction (3,) of a vector."""
+    """Return the unit vector (3,) along a vector."""
     a = np.array(a, float)
     return a / np.linalg.norm(a)
 
 
 def in_plane(direction, normal):
-    """The part (3,) of a direction that lies in the plane with this unit normal; not of unit length."""
+    """Return the projection (3,) of a direction onto the plane with this unit normal; not of unit length."""
     direction = unit(direction)
     return direction - (direction @ normal) * normal
 
 
 @kernel
 def lean_of(g):
-    """LEAN [rad] of a disc in the Contact ``g``."""
+    """Return LEAN [rad] of a disc at the Contact ``g``."""
     return math.asin(max(-1.0, min(1.0, g.s)))
 
 
 @kernel
 def along_profile(p, x):
-    """Distance [m] of the point x (3,) along the profile of the ground of record ``p``."""
+    """Return the distance [m] of the point x (3,) along the profile of the ground with record ``p``."""
     return dot(vec(p.direction, 0), x - vec(p.point, 0))
 
 
 @kernel
 def touch(p, laws, x, a):
-    """Contact (see surface.py) of the ground of record ``p`` and a disc of centre ``x`` and unit axis ``a``.
+    """Return the Contact (see surface.py) of the ground with record ``p`` and a disc of centre ``x`` and unit axis
+    ``a``.
 
-    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed one, which bounds the iteration's steps.
+    ``p`` has GROUND_RECORD and ``radius`` [m], the undeformed radius, which bounds the steps of the iteration.
     """
     n0, d = vec(p.normal, 0), vec(p.direction, 0)
     X = x - vec(p.point, 0)
     z, centre = dot(n0, X), dot(d, X)
     delta = _foot(p, laws, n0, d, value(a), value(z), value(centre))
-    # the root again, as a function of z, a and the centre
+    # evaluate the root again as a function of z, a and the centre
     H, H1, H2 = _profile(laws, p.height, centre + delta)
     residual, slope = foot_residual(n0, d, a, z, delta, H, H1, value(H2))
     delta = implicit(delta, residual, value(slope))
@@ -163,21 +165,21 @@ def touch(p, laws, x, a):
 
 @kernel
 def _profile(laws, height, sigma):
-    """Height [m], slope [-] and second derivative [1/m] of the profile; the last without its own slope."""
+    """Return height [m], slope [-] and second derivative [1/m] of the profile; the last without its slope."""
     H, H1, H2 = evaluate_curve(laws, height, value(sigma))
     return chain(sigma, H, H1), chain(sigma, H1, H2), H2
 
 
 @kernel
 def _foot(p, laws, n0, d, a, z, centre):
-    """How far [m] along the profile the contact is from the centre, which stands at ``centre``, ``z`` high."""
+    """Return the distance [m] along the profile from the centre, at ``centre`` with height ``z``, to the contact."""
     delta, step = 0.0, p.radius
     for i in range(_ITERATIONS + 1):
         H, H1, H2 = evaluate_curve(laws, p.height, centre + delta)
         if p.height == 0 or abs(step) < _STEP_END * p.radius or i == _ITERATIONS:
             break
         residual, slope = foot_residual(n0, d, a, z, delta, H, H1, H2)
-        # far from the ground the slope may vanish or change its sign: then a short step along the residual
+        # far from the ground the slope may vanish or change sign: then take a short step along the residual
         step = residual / max(-slope, 0.05)
         step = max(-0.5 * p.radius, min(0.5 * p.radius, step))
         delta += step
@@ -185,7 +187,7 @@ def _foot(p, laws, n0, d, a, z, centre):
 
 
 def normal_and_level(rng):
-    """For samples: a random unit normal of a ground and a random unit direction across it."""
+    """Return, for samples, a random unit normal of a ground and a random unit direction perpendicular to it."""
     normal = rng.normal(size=3)
     normal /= np.linalg.norm(normal)
     level = np.cross(normal, rng.normal(size=3))
@@ -193,9 +195,9 @@ def normal_and_level(rng):
 
 
 def slope_below(rng, height=None):
-    """For samples: a checked ground 8 m below the origin, its unit normal, a unit direction across that.
+    """Return, for samples, a checked ground 8 m below the origin, its unit normal, and a perpendicular unit direction.
 
-    ``height`` is the law of its profile, if it has one.
+    ``height`` is the law of its profile, if any.
     """
     normal, level = normal_and_level(rng)
     profile = None if height is None else {"direction": rng.normal(size=3), "height": height}
@@ -203,5 +205,5 @@ def slope_below(rng, height=None):
 
 
 def on_the_slope(rng, normal):
-    """For samples: the node of a wheel some 8 m large that nearly stands on the ground of ``slope_below``."""
+    """Return, for samples, the node of a wheel of about 8 m that nearly stands on the ground of ``slope_below``."""
     return [(np.cross(normal, rng.normal(size=3)) + 0.2 * normal, np.eye(3))]

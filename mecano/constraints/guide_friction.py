@@ -1,4 +1,4 @@
-r"""Friction of a guide: force along the axis from the reactions of a prismatic or cylindrical joint.
+r"""Friction of a guide: force along the axis caused by the reactions of a prismatic or cylindrical joint.
 
 With the normal force N of the two ends of the guide and the drag
 :math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`, a prismatic joint, whose key at the radius :math:`r_k` carries the
@@ -6,8 +6,8 @@ moment :math:`M_3` about the axis, has
 
 .. math::  P = (N + |M_3|/r_k)\, c(\dot s)
 
-In a cylindrical joint of radius r the surfaces slide at :math:`(\dot s, r\dot\theta)`: friction acts against that
-vector of length u, so that a turning shaft slides easily:
+In a cylindrical joint of radius r the surfaces slide at :math:`(\dot s, r\dot\theta)`: friction acts against this
+vector of length u, so that a rotating shaft slides easily:
 
 .. math::  P = N\,\mu(u)\,\phi(u)\,\dot s/u, \qquad M = r\,N\,\mu(u)\,\phi(u)\,r\dot\theta/u
 """
@@ -43,7 +43,7 @@ ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
 
 @kernel
 def _keyed_load(p, at, rate):
-    """P [N] at this rate of sliding, N + |M_3|/r_k [N]."""
+    """Return P [N] at this sliding velocity, and N + |M_3|/r_k [N]."""
     N = pads(at.q[12], at.q[13], at.q[9], at.q[10], p.inverse_length) + p.inverse_key * abs(at.q[11])
     return N * drag(p, at.laws, rate), N
 
@@ -56,7 +56,7 @@ def _turn_along(p, at):
 
 @kernel
 def _round_friction(p, at, rate, turn):
-    """P [N] and M [N m] at these rates of sliding and turning, N [N]."""
+    """Return P [N] and M [N m] at these rates of sliding and turning, and N [N]."""
     N, rim = pads(at.q[14], at.q[15], at.q[12], at.q[13], p.inverse_length), p.radius * turn
     b = friction(at.laws, p.coefficient, p.regularization, sqrt(rate * rate + rim * rim))
     return N * b * rate, p.radius * N * b * rim, N
@@ -64,7 +64,7 @@ def _round_friction(p, at, rate, turn):
 
 @kernel
 def round_residual(p, at, f):
-    """Add opposite forces and moments on both nodes."""
+    """Add opposite forces and moments to both nodes."""
     along, about = slide_along(p, at), _turn_along(p, at)
     P, M, _ = _round_friction(p, at, rate_of(along, at.v), rate_of(about, at.v))
     add_along(f, P, along)
@@ -73,7 +73,7 @@ def round_residual(p, at, f):
 
 @kernel
 def round_observe(p, at, F, y, e):
-    """Force, moment, normal force, power."""
+    """Write force, moment, normal force, power."""
     rate, turn = rate_of(slide_along(p, at), at.v), rate_of(_turn_along(p, at), at.v)
     y[0], y[1], y[2] = _round_friction(p, at, rate, turn)
     y[3] = y[0] * rate + y[1] * turn

@@ -1,4 +1,4 @@
-r"""Friction of a bearing that turns: moment about the axis from the radial, axial and tilting reactions of a hinge.
+r"""Friction of a rotating bearing: moment about the axis caused by radial, axial and tilting reactions of a hinge.
 
 With the normal force N of the two ends of the bearing, the axial force :math:`F_3` at a collar of radius
 :math:`r_c`, and the drag :math:`c(v) = \mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v`:
@@ -20,12 +20,12 @@ from mecano.constraints.along_coordinate.friction import (
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.jit.kernel import kernel
 
-COUPLE, FORCE, AXIAL = 6, 8, 10  # borrowed multipliers
+COUPLE, FORCE, AXIAL = 6, 8, 10  # local indices of the coupled multipliers
 
 
 @kernel
 def _load(p, at, rate):
-    """M [N m] at this rate of the angle, N [N]."""
+    """Return M [N m] at this rate of the angle, and N [N]."""
     N = pads(at.q[FORCE], at.q[FORCE + 1], at.q[COUPLE], at.q[COUPLE + 1], p.inverse_length)
     collar = p.collar_radius * abs(at.q[AXIAL]) * drag(p, at.laws, p.collar_radius * rate)
     return p.radius * N * drag(p, at.laws, p.radius * rate) + collar, N

@@ -1,33 +1,33 @@
-"""Nodes, axes and checks that joints share: the triad of a joint axis, coinciding nodes. Python, once per joint."""
+"""Nodes, axes and checks shared by joints: the triad of a joint axis, coincident nodes. Python, once per joint."""
 
 import numpy as np
 
 from mecano.schema import NODE_PAIR, Field
 
-PLACE = 1e-6  # nodes that share a position may be this far apart in the deck [m]
-ANGLE = 1e-6  # nodes that share a rotation may be this far turned in the deck [rad]
+PLACE = 1e-6  # tolerance for nodes that share a position in the deck [m]
+ANGLE = 1e-6  # tolerance for nodes that share a rotation in the deck [rad]
 NODES = Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground")
 
 
 def one_position(d, nodes):
-    """The ``shares`` of a joint of two nodes at one place."""
+    """Return the ``shares`` of a joint whose two nodes have the same position."""
     return [("x", 0, 1)]
 
 
 def one_rotation(d, nodes):
-    """The ``shares`` of a joint of two nodes that turn as one."""
+    """Return the ``shares`` of a joint whose two nodes have the same rotation."""
     return [("R", 0, 1)]
 
 
 def triad(axis, first=None):
-    """Right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 along ``first`` made perpendicular to it.
+    """Return right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 the component of ``first`` normal to it.
 
-    Without ``first`` (None), mu_1 comes from the inertial axis that is most perpendicular to ``axis`` (x before y
-    before z).
+    Without ``first`` (None), mu_1 is derived from the inertial axis most perpendicular to ``axis`` (x before y before
+    z).
     """
     mu_3 = np.asarray(axis, float) / np.linalg.norm(axis)
     if first is None:
-        # rounding must not decide between axes that are equally perpendicular
+        # round-off must not decide between axes that are equally perpendicular
         first = np.eye(3)[np.argmin(np.round(np.abs(mu_3), 6))]
     mu_1 = np.asarray(first, float) - (first @ mu_3) * mu_3
     mu_1 /= np.linalg.norm(mu_1)
@@ -35,27 +35,27 @@ def triad(axis, first=None):
 
 
 def cross(a, b):
-    """The vector product of two arrays (3,); numpy.cross, which is for any shape, takes ten times as long."""
+    """Return the cross product of two arrays (3,); numpy.cross, for any shape, takes ten times as long."""
     (a_1, a_2, a_3), (b_1, b_2, b_3) = a.tolist(), b.tolist()
     return np.array([a_2 * b_3 - a_3 * b_2, a_3 * b_1 - a_1 * b_3, a_1 * b_2 - a_2 * b_1])
 
 
 def not_flipped(p, q, R):
-    """Text when the axis xi_3 of the second node points against mu_3 of the first: the ``admissible`` of a joint."""
+    """Return an error if the axis xi_3 of the second node opposes mu_3 of the first: the ``admissible`` of a joint."""
     if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi"][2]) < 0.0:
         return "the axis carried by its second node points against that of the first (flipped by half a turn)"
     return ""
 
 
 def not_across(d, nodes):
-    """Texts when the direction ``axis_1`` of a joint, if given, is along its axis and so gives no axis across it."""
+    """Return errors if ``axis_1`` of a joint, if given, is parallel to its axis."""
     if d["axis_1"] is None or np.linalg.norm(np.cross(triad(d["axis_1"])[2], triad(d["axis"])[2])) > PLACE:
         return []
     return ["'axis_1' must not be parallel to the axis"]
 
 
 def turned_onto(a, b):
-    """The smallest rotation (3, 3) that turns the direction of ``a`` into that of ``b``."""
+    """Return the smallest rotation (3, 3) from the direction of ``a`` to that of ``b``."""
     a, b = triad(a)[2], triad(b)[2]
     if a @ b < -1.0 + 1e-12:
         mu = triad(a)
@@ -66,7 +66,7 @@ def turned_onto(a, b):
 
 
 def not_at_one_place(nodes):
-    """Texts when two nodes that share a position do not start at one place; nodes as in element_interface.py."""
+    """Return errors if two nodes that share a position do not coincide initially; nodes as in element_interface.py."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap <= PLACE:
         return []
@@ -75,7 +75,7 @@ def not_at_one_place(nodes):
 
 
 def not_parallel(nodes):
-    """Texts when two nodes that share a rotation do not start with the same one."""
+    """Return errors if two nodes that share a rotation have different initial rotations."""
     turn = np.linalg.norm(np.subtract(nodes[1][1], nodes[0][1])) / np.sqrt(2.0)
     if turn <= ANGLE:
         return []
@@ -85,6 +85,6 @@ def not_parallel(nodes):
 
 
 def at_one_place(nodes):
-    """Texts when two nodes whose distance must not vanish start at one place."""
+    """Return errors if two nodes whose distance must not vanish coincide initially."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     return ["its nodes must not be at the same place"] if gap <= PLACE else []

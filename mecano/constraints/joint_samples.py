@@ -1,4 +1,4 @@
-"""Values that the samples of joints for the generic tests share."""
+"""Values shared by the samples of joints for the generic tests."""
 
 import numpy as np
 
@@ -11,16 +11,16 @@ ORIENTATIONS = np.eye(3), np.diag([-1.0, 1.0, -1.0])
 
 
 def two_places(rng):
-    """Two nodes (x (3,), R (3, 3)), apart and turned."""
+    """Return two nodes (x (3,), R (3, 3)) at different positions, rotated relative to each other."""
     return [(rng.normal(size=3), R) for R in ORIENTATIONS]
 
 
 def two_parallel(rng):
-    """Two nodes apart, with one rotation."""
+    """Return two nodes at different positions, with the same rotation."""
     return [(rng.normal(size=3), ORIENTATIONS[1]) for _ in range(2)]
 
 
 def one_place(rng):
-    """Two nodes at one place, turned."""
+    """Return two nodes at the same position, rotated relative to each other."""
     x = rng.normal(size=3)
     return [(x, R) for R in ORIENTATIONS]

@@ -16,7 +16,7 @@ SHORTEST = 1e-12  # [m]: below it the line has no direction
 
 @kernel
 def line(q, v):
-    """Length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
+    """Return length, rate, (1/length, u, relative velocity) of the line from the node at q[0:3] to that at q[3:6]."""
     d, velocity = vec(q, 3) - vec(q, 0), vec(v, 3) - vec(v, 0)
     length = norm(d)
     inverse = 1.0 / at_least(length, SHORTEST)
@@ -26,7 +26,7 @@ def line(q, v):
 
 @kernel
 def add_line_force(f, K, C, rate, geometry, N, N_length, N_rate):
-    """Add the force N [N] along the line, whose derivatives by length and rate are given; the rest from ``line``."""
+    """Add the force N [N] along the line, given with its derivatives by length and rate; the rest is from ``line``."""
     inverse, u, velocity = geometry
     add_vec(f, 0, -N, u)
     add_vec(f, 3, N, u)

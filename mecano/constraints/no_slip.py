@@ -1,9 +1,9 @@
-r"""What all constraints on the velocity of a point of contact have in common.
+r"""Constraints on the velocity of a contact point.
 
-The point stands at ``arm`` from the node and moves, as one of the body, with u = v + omega x arm. Each constraint is
-:math:`\Phi = e \cdot u = 0` for a unit vector e; both arm and e depend on position and rotation. The gradient by the
-velocities is (e, arm x e): the multiplier is the force on the body along e at the contact ((22), (24) of Cardona,
-Geradin & Doan 1991).
+The point is at ``arm`` from the node and moves, as a point of the body, with u = v + omega x arm. Each constraint is
+:math:`\Phi = e \cdot u = 0` for a unit vector e; both arm and e depend on position and rotation. The gradient with
+respect to the velocities is (e, arm x e): the multiplier is the force on the body along e at the contact ((22), (24) of
+Cardona, Geradin & Doan 1991).
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ MULTIPLIERS = 6
 
 
 class Place(NamedTuple):
-    """A point of contact, inertial: its arm, and the derivatives (by dx, by inertial dtheta), 3x3, of that."""
+    """A contact point, inertial: its arm, and the derivatives of the arm (by dx, by inertial dtheta), 3x3."""
 
     arm: tuple
     d_arm: tuple
@@ -38,7 +38,7 @@ class Direction(NamedTuple):
 
 @kernel
 def on_a_plane(p, R):
-    """Directions t and l (surface.py) of the axis of a body on a plane: they depend on its rotation only."""
+    """Return the Directions t and l (surface.py) for a body axis on a plane; they depend only on its rotation."""
     axis, n = mat(R[0]) @ vec(p.axis, 0), vec(p.normal, 0)
     g = disc_contact(n, ZERO, 0.0, axis)
     t, l = directions(axis, g)
@@ -48,7 +48,7 @@ def on_a_plane(p, R):
 
 
 def leaning(rng):
-    """For samples: the record of ``on_a_plane`` and the node of a body that leans."""
+    """Return, for samples, the record of ``on_a_plane`` and the node of a leaning body."""
     normal, level = normal_and_level(rng)
     axis = level + 0.3 * normal
     return {"axis": axis / np.linalg.norm(axis), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
@@ -56,7 +56,7 @@ def leaning(rng):
 
 @kernel
 def velocity(place, Rn, v):
-    """u [m/s], its derivatives (by dx, by inertial dtheta), 3x3, and the inertial angular velocity."""
+    """Return u [m/s], its derivatives (by dx, by inertial dtheta), 3x3, and the inertial angular velocity."""
     omega = Rn @ vec(v, 3)
     w = skew(omega)
     u = vec(v, 0) + cross(omega, place.arm)
@@ -66,7 +66,7 @@ def velocity(place, Rn, v):
 
 @kernel
 def hold(k, penalty, place, directions, q, v, R, f, K, C):
-    """Add the constraints along the Directions ``directions``: a part's ``force`` while in contact."""
+    """Add the constraints along the Directions ``directions``: the ``force`` of a part while in contact."""
     Rn = mat(R[0])
     u, du, _ = velocity(place, Rn, v)
     pull, pull_x, pull_t, by_u = ZERO, NO_MATRIX, NO_MATRIX, NO_MATRIX
@@ -93,14 +93,14 @@ def hold(k, penalty, place, directions, q, v, R, f, K, C):
 
 @kernel
 def deactivate(n, k, q, f, K):
-    """No reactions: a part's ``force`` in the air, ``n`` constraints."""
+    """Deactivate ``n`` constraints: the ``force`` of a part in the air."""
     for row in range(MULTIPLIERS, MULTIPLIERS + n):
         release(f, K, row, k, q[row])
 
 
 @kernel
 def put_rates(place, directions, v, a, R, g):
-    """Write the levels of the constraints: nothing, the velocity, its rate."""
+    """Write the derivatives of the constraints: zero, the velocity, its rate."""
     Rn = mat(R[0])
     u, _, omega = velocity(place, Rn, v)
     x_rate = vec(v, 0)

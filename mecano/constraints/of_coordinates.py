@@ -1,4 +1,4 @@
-"""Constraints and laws of single coordinates, of which joints are made: each is a use of a coordinate."""
+"""Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
 from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind
 from mecano.constraints.along_coordinate.law import law_kind, law_values
@@ -50,7 +50,7 @@ ANGLE_END_FIELDS, SLIDE_END_FIELDS = end_fields(TWIST), end_fields(SLIDE)
 
 
 def turning_parts(d, place, context):
-    """Return [Part] of the fields ``TURNING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    """Return [Part] for the fields ``TURNING_FIELDS`` of a joint at ``place`` (pair.py)."""
     if d["turning_law"] is None:
         return []
     axes = {"mu": place["mu"], "xi": place["xi"]}
@@ -58,7 +58,7 @@ def turning_parts(d, place, context):
 
 
 def sliding_parts(d, place, context):
-    """Return [Part] of the fields ``SLIDING_FIELDS`` of a joint at ``place`` (pair.py)."""
+    """Return [Part] for the fields ``SLIDING_FIELDS`` of a joint at ``place`` (pair.py)."""
     if d["sliding_law"] is None:
         return []
     natural = place["start"][2] + d["natural_displacement"]
@@ -66,10 +66,10 @@ def sliding_parts(d, place, context):
 
 
 def angle_end_parts(d, place):
-    """Return [Part] of the fields ``ANGLE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
+    """Return [Part] for the fields ``ANGLE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
     return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCH, ANGLE_STOP)
 
 
 def slide_end_parts(d, place):
-    """Return [Part] of the fields ``SLIDE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
+    """Return [Part] for the fields ``SLIDE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
     return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCH, SLIDE_STOP)

@@ -1,9 +1,9 @@
-r"""A pair of nodes held along some of six axes: rigidly, by a multiplier each, or by a law each.
+r"""A pair of nodes held along some of six axes: rigidly, by one multiplier each, or elastically, by one law each.
 
 In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, with :math:`d = R_a^T (x_b - x_a)`: sliding ``along_1``,
 ``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i`; tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2``
 is :math:`\mu_1 \cdot \xi_3` (the sines of the angles); ``about_axis`` is the twist. A joint is the list of axes that it
-holds; where its deck gives a law for one of them (``compliance``), the law takes the place of the constraint.
+holds; where its deck gives a law for one of them (``compliance``), the law replaces the constraint.
 """
 
 import numpy as np
@@ -23,11 +23,11 @@ from mecano.schema import DIRECTION, LAW, Field, mapping
 
 AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
 AXES_FIELDS = {"mu": (3, 3), "xi": (3, 3), "start": 3}
-"""Of a record: axes mu and xi, constants c. What more it has stands before them: numba takes a record that begins as
-another one for the same."""
+"""Fields of a record: axes mu and xi, constants c. Additional fields precede them: numba does not distinguish a record
+from another one with the same leading fields."""
 AXES_RECORD = record(**AXES_FIELDS)
 PAIR_RECORD = record(row=6, law=6, **AXES_FIELDS)
-"""For each of ``AXES`` the place of its multiplier in q or -1, and the start of its law in the table or 0; the axes."""
+"""For each of ``AXES`` the index of its multiplier in q or -1, and the start of its law in the table or 0; the axes."""
 FIRST_ROW = 12
 AXIS_1 = Field(
     "axis_1", DIRECTION, "-",
@@ -37,19 +37,19 @@ AXIS_1 = Field(
 
 
 def law_fields(axes):
-    """A law for each of ``axes``, or none."""
+    """Return an optional law field for each of ``axes``."""
     units = {"along": "force [N] from displacement [m]", "about": "moment [N m] from angle [rad]"}
     return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in _ordered(axes)]
 
 
 def compliance_field(axes):
-    """The mapping ``compliance`` of a joint that holds ``axes``."""
+    """Return the field ``compliance`` of a joint that holds ``axes``."""
     doc = "laws that take the place of rigid constraints: elasticity, damping, free play; 1, 2: of mu_1, mu_2"
     return Field("compliance", mapping(*law_fields(axes)), "-", doc, None)
 
 
 def pair_record(place, axes, compliance, context):
-    """Record of the owner: ``place`` {mu, xi, start}, ``axes`` that it holds, the deck's ``compliance`` or None."""
+    """Return the owner's record for ``place`` {mu, xi, start}, ``axes`` held, and the deck's ``compliance`` or None."""
     row, law, next_row = np.full(6, -1), np.zeros(6), FIRST_ROW
     for i, axis in enumerate(AXES):
         if given := _law(compliance, axis):
@@ -60,7 +60,7 @@ def pair_record(place, axes, compliance, context):
 
 
 def pair_parts(place, axes, compliance, context):
-    """[Part], one for each of the ``axes``, in the order of ``AXES``."""
+    """Return one Part for each of the ``axes``, in the order of ``AXES``."""
     return [
         _elastic(axis, place, law, context) if (law := _law(compliance, axis)) else _rigid(axis, place)
         for axis in AXES
@@ -69,7 +69,7 @@ def pair_parts(place, axes, compliance, context):
 
 
 def law_outputs(field, axes):
-    """What ``Kind.optional`` says of the laws of the mapping ``field``."""
+    """Return ``Kind.optional`` for the laws of the mapping ``field``."""
     kinds = {axis: TILT_LAW if axis in ("about_1", "about_2") else SLIDE_LAW for axis in axes}
     if "about_axis" in axes:
         kinds["about_axis"] = TWIST_LAW
@@ -77,12 +77,12 @@ def law_outputs(field, axes):
 
 
 def _ordered(axes):
-    """First sliding, then turning."""
+    """Return the axes in order: sliding, then turning."""
     return sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
 
 
 def law_parts(place, axes, laws, context):
-    """[Part] of the laws given for some of the ``axes``; ``laws`` may be None."""
+    """Return [Part] for the laws given for some of the ``axes``; ``laws`` may be None."""
     return [_elastic(axis, place, law, context) for axis in axes if (law := _law(laws, axis))]
 
 
@@ -91,7 +91,7 @@ def _law(compliance, axis):
 
 
 def coordinate_of(axis, place):
-    """Return the axes, as fields of a record, and the value at the start of the coordinate along one of ``AXES``."""
+    """Return the record's axes and the initial value of the coordinate along one of ``AXES``."""
     mu, xi, start = place["mu"], place["xi"], place["start"]
     if axis == "about_axis":
         return {"mu": mu, "xi": xi}, 0.0
@@ -117,7 +117,7 @@ def _elastic(axis, place, law, context):
 
 @kernel
 def held(p, laws, q, i, coordinate, rate):
-    """Reaction on b along the axis number i of ``AXES``, from its multiplier or its law; 0 if it is free."""
+    """Return the reaction on b along the axis with index i in ``AXES``, from its multiplier or law; 0 if it is free."""
     if p.row[i] >= 0.0:
         return q[int(p.row[i])]
     return -evaluate_force(laws, int(p.law[i]), coordinate, rate)[0]
@@ -125,7 +125,7 @@ def held(p, laws, q, i, coordinate, rate):
 
 @kernel
 def pair_force(p, laws, q, v, R):
-    """Force of a on b [N] along mu_1, mu_2, mu_3, in a pair with the local unknowns x0, R0, x1, R1."""
+    """Return the force of a on b [N] along mu_1, mu_2, mu_3, for a pair with the local unknowns x0, R0, x1, R1."""
     A, mu = mat(R[0]), mat(p.mu)
     s_1, v_1 = slide(q, v, A, mu[0])
     s_2, v_2 = slide(q, v, A, mu[1])
@@ -136,11 +136,11 @@ def pair_force(p, laws, q, v, R):
 
 @kernel
 def pair_moment(p, laws, q, v, R):
-    """Moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
+    """Return the moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
     mu, xi, omega_0, omega_1 = mat(p.mu), mat(p.xi), vec(v, 3), vec(v, 9)
     A = relative_rotation(mat(R[0]), mat(R[1]))
     tilt_2, rate_2 = tilted(mu[0], xi[2], A, omega_0, omega_1)
-    # the constraint about_1 is mu_2 . xi_3 = 0, its law is one of the angle -mu_2 . xi_3 about mu_1
+    # the constraint about_1 is mu_2 . xi_3 = 0; its law acts on the angle -mu_2 . xi_3 about mu_1
     tilt_1, rate_1 = tilted(-mu[1], xi[2], A, omega_0, omega_1)
     angle, rate = turned(mat(R[0]), omega_0, mu, mat(R[1]), omega_1, xi)
     M_1 = held(p, laws, q, 1, tilt_1, rate_1)
@@ -150,17 +150,17 @@ def pair_moment(p, laws, q, v, R):
 
 @kernel
 def put_reactions(p, laws, q, v, R, y, i):
-    """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, from y[i] on."""
+    """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, starting at y[i]."""
     put(y, i, pair_force(p, laws, q, v, R))
     put(y, i + 3, pair_moment(p, laws, q, v, R))
 
 
 def axis_place(d, nodes, context):
-    """{mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``: its ``prepare``."""
+    """Return {mu, xi, start} of a joint whose deck has ``axis`` and ``axis_1``: its ``prepare``."""
     return triads_together(nodes, triad(d["axis"], d["axis_1"]))
 
 
 def triads_together(nodes, mu, xi=None):
-    """{mu, xi, start} of a pair from inertial unit axes (3, 3), rows; those of b are the same if absent."""
+    """Return {mu, xi, start} of a pair from inertial unit axes (3, 3), rows; those of b default to the same."""
     start = mu @ np.subtract(nodes[1][0], nodes[0][0])
     return {"mu": mu @ nodes[0][1], "xi": (mu if xi is None else xi) @ nodes[1][1], "start": start}

@@ -1,9 +1,9 @@
-r"""Friction of one pin of a universal joint, from the force and the couple that the cross transmits.
+r"""Friction of one pin of a universal joint, caused by the force and the couple that the cross transmits.
 
-The pin :math:`\mu_3` is carried by the first node, the other one, :math:`\xi`, by the second. With the force F of the
+The pin :math:`\mu_3` is fixed in the first node, the other one, :math:`\xi`, in the second. With the force F of the
 joint (inertial multipliers), the multiplier m of :math:`\mu_3 \cdot \xi = 0` and the components along
 :math:`\mu_1, \mu_2` of both :math:`y = \mu R_0^T F` and the other pin, (u, w), the two ends of the pin, a length
-:math:`\ell` apart, carry :math:`y/2 \pm (m/\ell) (u, w)`. N is the sum of the sizes of both, and
+:math:`\ell` apart, carry :math:`y/2 \pm (m/\ell) (u, w)`. N is the sum of the magnitudes of both, and
 
 .. math::  M = r\,N\,\mu(|v|)\,\phi(|v|)\,\mathrm{sign}\,v, \qquad v = r\dot\theta
 
@@ -24,7 +24,7 @@ from mecano.element_interface import Row
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, vec
 
-COUPLE, FORCE = 6, 7  # borrowed multipliers
+COUPLE, FORCE = 6, 7  # local indices of the coupled multipliers
 ROWS = (
     Row("moment that keeps the pins perpendicular", "N m", "rad"),
     *(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
@@ -33,7 +33,7 @@ ROWS = (
 
 @kernel
 def _load(p, at, rate):
-    """M [N m] at this rate of the angle, N [N]."""
+    """Return M [N m] at this rate of the angle, and N [N]."""
     R_0, mu = mat(at.R[0]), mat(p.mu)
     pin, F = relative_rotation(R_0, mat(at.R[1])) @ vec(p.xi, 0), R_0.T @ vec(at.q, FORCE)
     couple = at.q[COUPLE]

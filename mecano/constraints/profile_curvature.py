@@ -1,4 +1,4 @@
-r"""Hollows of a ground that are narrower than a wheel, which would touch them on both sides at once.
+r"""Profile curvature: concave parts of a ground that are too narrow for a wheel, which would touch at two points.
 
 In the plane of an upright wheel that rolls at an angle :math:`\chi` to the profile's direction, the height H(s) of the
 profile has the curvature
@@ -7,7 +7,7 @@ profile has the curvature
 
 A disc of radius r that touches the profile at one point touches it nowhere else, and is nowhere below it, if
 :math:`\kappa r < 1` everywhere: the profile then turns upwards more slowly than the rim. Where :math:`\kappa r > 1` the
-disc cannot touch without reaching below the profile beside it, and the point nearest to its centre leaps across.
+disc cannot touch without penetrating the profile nearby, and the point nearest to its centre jumps across.
 """
 
 from typing import NamedTuple
@@ -17,25 +17,25 @@ import numpy as np
 from mecano.constraints.ground import in_plane, unit
 from mecano.laws.probe import shape_of_curve
 
-ROUNDING = 1e-6  # of 1: a wheel that just fits fits
+ROUNDING = 1e-6  # of 1: a wheel of exactly the radius of curvature is accepted
 
 
 class ConcaveStretch(NamedTuple):
-    """The narrowest hollow of those that a wheel does not fit into."""
+    """The sharpest of the concave parts that are too narrow for a wheel."""
 
     place: float  # [m] along the profile
     radius: float  # [m] of its curvature in the plane of the wheel
-    count: int  # how many there are
-    low: float  # [m] from where
-    high: float  # [m] to where the profile was looked at
+    count: int  # number of such parts
+    low: float  # [m] start and
+    high: float  # [m] end of the part of the profile that was examined
 
 
 def tightest_concave_stretch(ground, x, axis, radius, way):
-    """The Hollow that a wheel does not fit into, or None.
+    """Return the Hollow that is too narrow for a wheel, or None.
 
-    ``ground`` with a profile, checked; at the start the wheel of that radius [m] has its centre at ``x`` (3,) [m] and
-    the direction ``axis`` (3,), from where it goes the ``way`` (3,) [m]: of what is endless in the profile only that is
-    looked at.
+    ``ground`` is checked and has a profile; the wheel of that radius [m] has initially its centre at ``x`` (3,) [m] and
+    the direction ``axis`` (3,), and travels the ``way`` (3,) [m]: unbounded terms of the profile are examined only
+    there.
     """
     plane, profile = ground["plane"], ground["profile"]
     normal = unit(plane["normal"])

@@ -1,4 +1,4 @@
-r"""Rigid offset: :math:`x_1 - x_0 - R_0 d = 0`, for d carried by the first node.
+r"""Rigid offset: :math:`x_1 - x_0 - R_0 d = 0`, for d fixed in the first node.
 
 Three rows in inertial axes; the multipliers are the force on the second node.
 """
@@ -15,7 +15,7 @@ MULTIPLIERS = 9
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Forces on both nodes and the moment on the first."""
+    """Add forces to both nodes and the moment to the first."""
     d, A = vec(p.d, 0), mat(at.R[0])
     Phi = vec(at.q, 6) - vec(at.q, 0) - A @ d
     g = at.penalty * Phi - vec(at.q, MULTIPLIERS)
@@ -30,7 +30,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def _add_gradient(K, k, penalty, A, hat_d):
-    """The blocks -k B^T, -k B and penalty B^T B but that of the rotation; B = (-I, A hat(d), I)."""
+    """Add -k B^T, -k B and penalty B^T B, except its rotation block; B = (-I, A hat(d), I)."""
     turn, arm = A @ hat_d, hat_d @ A.T
     for i, s in ((0, -1.0), (6, 1.0)):
         add_mat(K, i, MULTIPLIERS, -k * s, EYE)
@@ -45,7 +45,7 @@ def _add_gradient(K, k, penalty, A, hat_d):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates, inertial."""
+    """Write value and rates, inertial."""
     d = carried(mat(at.R[0]), vec(at.v, 3), vec(at.a, 3), vec(p.d, 0))
     Phi = vec(at.q, 6) - vec(at.q, 0) - d[0]
     rate = vec(at.v, 6) - vec(at.v, 0) - d[1]
@@ -55,7 +55,7 @@ def constraint_derivatives(p, at, g):
 
 
 def sample(rng):
-    """A random offset."""
+    """Return a random offset."""
     return [({"d": rng.normal(size=3)}, 2, "")]
 
 

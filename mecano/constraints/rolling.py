@@ -1,8 +1,8 @@
-r"""Rolling: the point of a disc that is nearest to the ground does not slip.
+r"""Rolling: the point of a disc nearest to the ground does not slip.
 
 :math:`u \cdot t = 0` and :math:`u \cdot l = 0` with u = v + omega x r c, the driving direction t = a x n/q and the
 lateral direction l = n x t, all at the contact C of surface.py, at any inclination. The multipliers are the driving and
-the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. In mode "air" the disc is let go.
+the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. They are inactive in the phase "air".
 """
 
 from mecano.constraints.ground import GROUND_RECORD, touch
@@ -19,7 +19,7 @@ ROWS = (Row("driving force of the ground", "N", "m/s"), Row("lateral force of th
 
 @kernel
 def _geometry(p, laws, q, R):
-    """Place of the contact, (t, l)."""
+    """Return the Place of the contact, and the Directions (t, l)."""
     axis = mat(R[0]) @ vec(p.axis, 0)
     g = touch(p, laws, vec(q, 0), axis)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)
@@ -31,7 +31,7 @@ def _geometry(p, laws, q, R):
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Tangential forces at C and their moment."""
+    """Add tangential forces at C and their moment."""
     if at.phase == AIR:
         deactivate(2, at.k, at.q, f, K)
         return
@@ -41,7 +41,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Velocity of the contact and its rate."""
+    """Write the velocity of the contact and its rate."""
     if at.phase == AIR:
         g[:] = 0.0
         return

@@ -2,7 +2,7 @@ r"""Rolling radius: a disc of given radius touches the ground, :math:`r - radius
 
 With axis a, contact C = x + r c and q = |n - (n.a) a| of surface.py. On a plane this is (18) of Cardona, Geradin & Doan
 1991 divided by q, (x - P).n - radius q = 0. The gradient is n/q at C, so the multiplier is the force in the plane of
-the disc and the normal force N = k lambda/q. In mode "air" the disc is let go.
+the disc and the normal force N = k lambda/q. The constraint is inactive in the phase "air".
 """
 
 import numpy as np
@@ -22,13 +22,13 @@ MULTIPLIER = 6
 
 @kernel
 def _press(g, by):
-    """d(n/q), 3x3, by the variables of the Block ``by``."""
+    """Return d(n/q), 3x3, by the variables of the Block ``by``."""
     return by.n / g.q + outer(g.s / g.q**3 * g.n, by.s)
 
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Force n/q at C, and its moment."""
+    """Add the force n/q at C, and its moment."""
     if at.phase == AIR:
         deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
@@ -51,7 +51,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates, with the curvature of the ground."""
+    """Write value and rates, including the curvature of the ground."""
     if at.phase == AIR:
         put_derivatives(g, 0, 0.0, 0.0, 0.0)
         return
@@ -67,13 +67,13 @@ def constraint_derivatives(p, at, g):
 
 
 def ground_below(rng, wave=True):
-    """Values of GROUND_RECORD of a ground some 8 m from the origin, and a direction in its plane."""
+    """Return the values of GROUND_RECORD for a ground about 8 m from the origin, and a direction in its plane."""
     normal, level = normal_and_level(rng)
     return {"point": -8.0 * normal, "normal": normal, "direction": level if wave else 0.0 * level, "height": 0}, level
 
 
 def leaning_discs(rng):
-    """Samples: leaning discs above a plane, touching and let go."""
+    """Return samples: leaning discs above a plane, in contact and in the air."""
     found = []
     for phase in ("contact", "air"):
         ground, level = ground_below(rng)

@@ -1,14 +1,14 @@
-"""Modes and events that the springs share: on which side of its stops the extension of a force law is.
+"""Phases and events shared by springs: on which side of its stops the extension of a force law is.
 
-The law itself knows its stops, so the force does not depend on the mode; the events make the steps of time end
-where the force has a corner.
+The law itself contains the stops, so the force does not depend on the phase; the events make time steps end where the
+force has a corner.
 """
 
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
 from mecano.laws.table import kinks
 
-FAR = 1e30  # [m or rad]: a stop that is never met, in event values that must be finite
+FAR = 1e30  # [m or rad]: a stop that is never reached, for event values that must be finite
 PHASES = ("below", "between", "above")
 EVENTS = (
     Event("lower stop closes", "between", "below", "the extension falls to the lower stop"),
@@ -20,7 +20,7 @@ EVENTS = (
 
 @kernel
 def put_stop_events(g, low, high, extension):
-    """g (4,) = values of ``EVENTS`` [m or rad]."""
+    """Write the values of ``EVENTS`` [m or rad] to g (4,)."""
     g[0] = low - extension
     g[1] = extension - low
     g[2] = extension - high
@@ -28,6 +28,6 @@ def put_stop_events(g, low, high, extension):
 
 
 def law_record(law, context):
-    """Values of the fields law (start in the table), low and high (stops) of a record."""
+    """Return the values of the fields law (start in the table), low and high (stops) of a record."""
     low, high = kinks(law)
     return {"law": context.laws.add(law), "low": max(low, -FAR), "high": min(high, FAR)}

@@ -1,4 +1,4 @@
-r"""The patch of a tyre that is displaced sideways by y and turned by psi against the wheel: kinematics and forces.
+r"""The contact patch of a tyre, displaced sideways by y and rotated by psi relative to the wheel: kinematics, forces.
 
 Section 3.4 of Cardona, Geradin & Doan 1991, equations (48)-(51), here for leaning wheels and uneven ground. With the
 axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r c - y a, and Q = 1 + psi hat(n):
@@ -7,16 +7,17 @@ axis a, the contact C = x' + r c of a disc at x' = x - y a (surface.py), rho = r
     v_C = (1 - n n^T)[v + Q (\omega \times \rho) - Q a \dot y] - \dot\psi\, y\, (n \times a), \qquad
     \dot w_0 = -n \cdot (v + \omega \times \rho)/q
 
-Radial damping acts on :math:`\dot w_0`, the rate of deformation with the patch held in the wheel; so do the laws that
+Radial damping acts on :math:`\dot w_0`, the rate of deformation with the patch fixed in the wheel; so do the laws that
 depend on v_0, which is v_C without the rates of y and psi (docs/tyres.md).
 
-A force of the patch on the ground, F in the ground and -N n along its normal, N_d of N by damping, G = Q^T F - N n:
+A force of the patch on the ground, with F in the ground plane and -N n along its normal, where damping contributes N_d
+to N, and G = Q^T F - N n, adds:
 
 .. math::
     x: F - N n, \quad \Theta: R^T (\rho \times G), \quad y: -a \cdot G - s N_d, \quad
     \psi: -y\, (n \times a) \cdot F
 
-The terms of v_C and of psi with :math:`\dot\psi\, y` and y are left out (``twist`` = 0) where psi is no twist.
+The terms of v_C and of psi with :math:`\dot\psi\, y` and y are omitted (``twist`` = 0) where psi is not a twist.
 """
 
 from typing import NamedTuple
@@ -31,7 +32,7 @@ Y, PSI, BOW = 6, 7, 8  # local unknowns
 
 
 class Patch(NamedTuple):
-    """The patch in motion; 3-vectors in the inertial frame."""
+    """The moving patch; 3-vectors in the inertial frame."""
 
     g: Contact
     a: tuple  # axis
@@ -41,15 +42,15 @@ class Patch(NamedTuple):
     y: float
     psi: float
     v_C: tuple  # [m/s]
-    v_0: tuple  # v_C with the patch held in the wheel [m/s]
-    w1: float  # dw/dt with the patch held in the wheel [m/s]
-    rolled: float  # dy/dt of a patch that does not slip sideways [m/s]
-    twist: float  # 1 where the twist moves a displaced patch along, 0 where psi is but the slip angle
+    v_0: tuple  # v_C with the patch fixed in the wheel [m/s]
+    w1: float  # dw/dt with the patch fixed in the wheel [m/s]
+    rolled: float  # dy/dt of a patch without lateral slip [m/s]
+    twist: float  # 1 if the twist moves a displaced patch along, 0 if psi is only the slip angle
 
 
 @kernel
 def patch(p, at):
-    """The Patch of a wheel whose record has GROUND_RECORD, axis, radius and twist."""
+    """Return the Patch of a wheel whose record has GROUND_RECORD, axis, radius and twist."""
     R, v, y, psi, psi1 = mat(at.R[0]), at.v, number(at.q[Y]), number(at.q[PSI]), number(at.v[PSI])
     a, omega = R @ vec(p.axis, 0), R @ vec(v, 3)
     g = touch(p, at.laws, vec(at.q, 0) - y * a, a)
@@ -66,7 +67,7 @@ def patch(p, at):
 
 @kernel
 def add_patch_force(f, R, k, F, N, damping):
-    """Add the force of the patch: F in the ground, N against it [N], of which ``damping`` is not on y."""
+    """Add the force of the patch: F in the ground plane, N normal to it [N]; its part ``damping`` does not act on y."""
     G = F - k.psi * cross(k.g.n, F) - N * k.g.n
     add_vec(f, 0, 1.0, F - N * k.g.n)
     add_vec(f, 3, 1.0, R.T @ cross(k.rho, G))

@@ -1,4 +1,4 @@
-r"""Upright rolling: the point below the centre of a disc does not slip, however the disc leans.
+r"""Upright rolling: the point vertically below the centre of a disc does not slip, however the disc leans.
 
 As rolling.py, but with the contact always at x - radius n: the small-inclination equations (22) and (25) of Cardona,
 Geradin & Doan 1991 taken literally. On a plane only.
@@ -20,18 +20,18 @@ def _below_the_centre(p):
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Tangential forces below the centre and their moment."""
+    """Add tangential forces below the centre and their moment."""
     hold(at.k, at.penalty, _below_the_centre(p), on_a_plane(p, at.R), at.q, at.v, at.R, f, K, C)
 
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Velocity of the point below the centre and its rate."""
+    """Write the velocity of the point below the centre and its rate."""
     put_rates(_below_the_centre(p), on_a_plane(p, at.R), at.v, at.a, at.R, g)
 
 
 def sample(rng):
-    """A leaning disc."""
+    """Return a leaning disc."""
     values, nodes = leaning(rng)
     return [({**values, "radius": 0.7}, nodes, "")]
 

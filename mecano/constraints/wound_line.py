@@ -1,17 +1,18 @@
-r"""Wound line: a cable that a winder pays out, or that is caught with a shock at its full length, or both.
+r"""Wound line: a cable that is paid out by a winder, that is stopped with a shock at its full length, or both.
 
 Its natural length L is the length paid out, at most the full one, :math:`L_f(t)`. It is
 
 - slack: shorter than L;
 - taut: elastic, :math:`N = EA (\varepsilon + \tau \dot\varepsilon) > 0`;
-- paying out, when the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
+- paying out, once the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
   :math:`L = \ell/(1 + T(0)/EA)`, until the nodes stop moving apart or :math:`L = L_f`;
-- held: inextensible, :math:`\Phi = L_f - \ell + c = 0`, until its tension, the multiplier, falls to zero. c is what
-  it was longer or shorter than :math:`L_f` at the end of the step in which it was caught. The energy of that strain,
-  :math:`V = \tfrac12 EA\, c^2/L_f`, stays in it, and it goes slack with it; it is caught again where it was held.
+- held: inextensible, :math:`\Phi = L_f - \ell + c = 0`, until its tension, the multiplier, falls to zero. c is the
+  excess (or deficit) of its length over :math:`L_f` at the end of the step in which it reached it. The energy of this
+  strain, :math:`V = \tfrac12 EA\, c^2/L_f`, remains stored, also when the line goes slack; it is held again at the
+  same length.
 
-At the full length it goes over to an elastic line without a shock (``stretch``), or exchanges momentum as if it were
-held and is elastic (``shock``) or held (``hold``) from then on. The winder dissipates :math:`T \dot\ell - \dot V`.
+At the full length it becomes an elastic line without a shock (``stretch``), or exchanges momentum as if it were
+held and is then elastic (``shock``) or held (``hold``). The winder dissipates :math:`T \dot\ell - \dot V`.
 """
 
 from mecano.constraints.augmented_lagrangian import deactivate, put_derivatives
@@ -49,22 +50,22 @@ EVENTS = (
     Event("is pulled straight", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
 )  # fmt: skip
-# [m] natural length; distance less full length, of the last step that did not hold; the same when it was last held
+# [m] natural length; distance minus full length at the last step in which it was not held, and when last held
 MEMORY = ("paid_out", "excess", "held")
-NEARLY = 1.0 - 1e-8  # of the full length: what is left does not count
-MORE = 1.0 + 1e-6  # than the tension of the winder draws line out: where it has just stopped, rounding does not
+NEARLY = 1.0 - 1e-8  # of the full length: a smaller remainder is neglected
+MORE = 1.0 + 1e-6  # on the tension of the winder: round-off does not draw out line after a stop
 MULTIPLIER = 6
 
 
 @kernel
 def _full(p, laws, t):
-    """Full length and its two rates."""
+    """Return the full length and its two rates."""
     return evaluate_curve(laws, p.law, t)
 
 
 @kernel
 def _paid_out(p, m, laws, t):
-    """Natural length and its rate, and whether it is the full one; not while paying out."""
+    """Return the natural length, its rate, and whether it is the full one; not valid while paying out."""
     full, rate, _ = _full(p, laws, t)
     if p.wound == 0.0 or m[0] >= NEARLY * full:
         return full, rate, True
@@ -73,14 +74,14 @@ def _paid_out(p, m, laws, t):
 
 @kernel
 def _tension(p, laws, rate):
-    """Tension of the winder, its derivative, and the strain of the line that it leaves behind."""
+    """Return the tension of the winder, its derivative, and the strain of the line that leaves it."""
     T, T_rate, _ = evaluate_curve(laws, p.payout, rate)
     return T, T_rate, evaluate_curve(laws, p.payout, 0.0)[0] / p.EA
 
 
 @kernel
 def elastic_force(p, at, f, K, C, M):
-    """Tension but that of a held line, inertia and weight."""
+    """Add the tension, except of a held line, inertia and weight."""
     add_line_inertia(p, at.a, f, M)
     length, rate, geometry = line(at.q, at.v)
     if at.phase == PAYING:
@@ -96,7 +97,7 @@ def elastic_force(p, at, f, K, C, M):
 
 @kernel
 def catch_force(p, at, f, K, C, M):
-    """The constraint Phi = L_f + c - length, whose gradient by the second node is against the line."""
+    """Add the constraint Phi = L_f + c - length; its gradient by the second node opposes the line."""
     if at.phase != HELD:
         deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
         return
@@ -112,7 +113,7 @@ def catch_force(p, at, f, K, C, M):
 
 @kernel
 def catch_derivatives(p, at, g):
-    """Value and rates, those of the full length included."""
+    """Write value and rates, including those of the full length."""
     g[:] = 0.0
     if at.phase == HELD:
         length, rate, geometry = line(at.q, at.v)
@@ -124,7 +125,7 @@ def catch_derivatives(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Length, natural length, strain, tension, stress, state; energies."""
+    """Write length, natural length, strain, tension, stress, state; energies."""
     length, rate, _ = line(at.q, at.v)
     put_line_energy(p, at.q, at.v, e)
     L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
@@ -154,7 +155,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def event_values(p, at, g):
-    """Strains, tensions over EA, rates and lengths, each where it counts."""
+    """Write strains, tensions over EA, rates and lengths, each in the phase that monitors it."""
     g[:] = -FAR
     length, rate, _ = line(at.q, at.v)
     L, L_rate, full = _paid_out(p, at.m, at.laws, at.t)
@@ -178,7 +179,7 @@ def event_values(p, at, g):
 
 @kernel
 def commit(p, at, m_out):
-    """The length paid out, and what the line is longer than its full length, and was when it was held."""
+    """Write the length paid out, the excess over the full length, and the excess when last held."""
     length = line(at.q, at.v)[0]
     full = _full(p, at.laws, at.t)[0]
     paid = max(at.m[0], p.start)
@@ -188,12 +189,12 @@ def commit(p, at, m_out):
 
 
 def wound_parts(values):
-    """[Part] of a wound line with these values of ``RECORD``: the elastic line, and what holds it."""
+    """Return the Parts of a wound line: elastic line and constraint at full length; ``values`` of ``RECORD``."""
     return [Part(ELASTIC, (0, 1), values), Part(CATCH, (0, 1), values)]
 
 
 def sample(rng):
-    """The constraint held, and let go."""
+    """Return the constraint in all phases."""
     values = {"EA": 80.0, "start": 1.5, "catch": HOLD, "wound": 1.0}
     return [(values, 2, phase) for phase in PHASES]
 

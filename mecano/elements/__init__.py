@@ -1,4 +1,4 @@
-"""The registry: one line for each kind of element, joint and load, nothing else."""
+"""The registry of kinds: one line for each element, joint and load."""
 
 from mecano.elements.bodies.point_mass import POINT_MASS
 from mecano.elements.bodies.rigid_body import RIGID_BODY

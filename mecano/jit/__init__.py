@@ -1,1 +1,1 @@
-"""Compiled code: what is compiled (kernel, entry), how (compiler), where it is kept (store)."""
+"""Compiled code: kernels and entries (kernel, entry), the compiler (compiler), the cache on disk (store)."""

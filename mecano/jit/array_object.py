@@ -1,8 +1,8 @@
-"""numpy's arrays seen from compiled code: the head of PyArrayObject and PyArray_Descr in the documented C API.
+"""Access to NumPy arrays from compiled code: heads of PyArrayObject and PyArray_Descr in the documented C API.
 
-After the head of every object stand: data, number of dimensions, dimensions, strides, base, descriptor, flags; in the
-descriptor: the type object, then the letters for the kind, the type and the order of bytes (all of a little-endian
-machine).
+After the head of every Python object, an array has: data, number of dimensions, dimensions, strides, base, descriptor,
+flags; a descriptor has: the type object, then the characters of kind, type and byte order (little-endian machines
+only).
 """
 
 from mecano.jit.kernel import kernel
@@ -15,15 +15,15 @@ HAS_RECORDS = ord("V")
 
 @kernel
 def word(address):
-    """The 8 bytes at an address, as an integer."""
+    """Return the 8 bytes at an address as an integer."""
     return integers(address, 1)[0]
 
 
 @kernel
 def fits(array, ndarray, dimensions, flags, letters, size):
-    """True for an ``ndarray`` of so many dimensions with these flags, whose items have this type and size.
+    """Return True for an ``ndarray`` of this number of dimensions, with these flags, item type and item size.
 
-    ``letters`` are those of the type and of the order of bytes; the size is looked at where they do not tell it.
+    ``letters`` are the characters of type and byte order; the size is compared only for records.
     """
     if word(array + HEAD - 8) != ndarray or word(array + HEAD + 8) & 0xFFFFFFFF != dimensions:
         return False
@@ -34,25 +34,25 @@ def fits(array, ndarray, dimensions, flags, letters, size):
 
 @kernel
 def data(array):
-    """The address of the first item."""
+    """Return the address of the first item."""
     return word(array + HEAD)
 
 
 @kernel
 def shape_1(array):
-    """The number of items."""
+    """Return the number of items."""
     return word(word(array + HEAD + 16))
 
 
 @kernel
 def shape_2(array):
-    """Rows and columns."""
+    """Return the numbers of rows and columns."""
     at = word(array + HEAD + 16)
     return word(at), word(at + 8)
 
 
 @kernel
 def shape_3(array):
-    """The three dimensions."""
+    """Return the three dimensions."""
     at = word(array + HEAD + 16)
     return word(at), word(at + 8), word(at + 16)

@@ -15,17 +15,17 @@ import numpy as np
 from mecano.jit.kernel import Kernel
 from mecano.jit.methods import Generic, methods_in
 
-OURS = "mecano"  # modules of this package are followed, those of others are known by name
+OURS = "mecano"  # modules of this package are followed, all others are identified by name
 LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
-PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # whose repr is exact
+PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # types with an exact repr
 
-_digests = {}  # of functions; what a function calls does not change while the process lives
+_digests = {}  # by function; the functions that it calls do not change during the life of the process
 
 
 def digest(function):
-    """Return the digest (32 hexadecimal digits) of a Python function and all that it uses.
+    """Return the digest (32 hexadecimal digits) of a Python function and everything it uses.
 
-    Raises TypeError where it uses a global value whose influence on the machine code is not known.
+    Raises TypeError if it uses a global whose influence on the machine code is unknown.
     """
     known = _digests.get(function)
     if known is None:
@@ -54,7 +54,7 @@ def _describe_function(function):
 
 
 def _names(code):
-    """Names of globals that a code object and those nested in it load; attributes are other names."""
+    """Return the names of the globals that a code object and its nested ones load; attributes are separate names."""
     operations, arguments = code.co_code[::2], code.co_code[1::2]
     found, i = set(), operations.find(LOAD_GLOBAL)
     while i >= 0:
@@ -76,7 +76,7 @@ def _describe_code(code, doc=None):
 
 
 def _describe(value, names):
-    """Text that differs where machine code that uses the ``value`` may differ; ``names`` are those used of a module."""
+    """Return a text that differs if machine code using ``value`` may differ; ``names`` are those used of a module."""
     if isinstance(value, Kernel):
         return f"{type(value).__name__ == 'Inlined'} {digest(value.__wrapped__)}"
     if isinstance(value, Generic) or (isinstance(value, type) and hasattr(value, "has_methods")):
@@ -111,9 +111,9 @@ def _describe_module(module, names):
 
 @cache
 def _describe_methods(module):
-    """Digest of all methods that a module gives to operators and functions, and of the functions that they call.
+    """Return the digest of all methods that a module defines, and of the functions that they call.
 
-    Methods of one type use those of others: they are taken together, each once, whatever is asked for first.
+    Methods of one type use those of others, so all are included, each once, independent of the order of requests.
     """
     found, waiting = [], methods_in(module)
     seen = {code for _, code in waiting}

@@ -1,14 +1,14 @@
-"""How functions are compiled: numba makes optimized LLVM code of them, LLVM a piece of machine code for the store.
+"""Compilation of functions: numba generates optimized LLVM code, LLVM turns it into machine code for the store.
 
-Only this module imports numba. Division by zero gives infinities and nan, as in C; an iteration that meets them is not
-finite, and says so.
+Only this module imports numba. Division by zero gives infinity or nan, as in C; iterations that meet such values
+report non-finite results.
 """
 
 import operator
 import os
 from functools import cache
 
-os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # its functions are not in the C library, where code is loaded
+os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # loaded code can call only the C library, without SVML
 
 import llvmlite.binding as llvm
 import numpy as np
@@ -27,13 +27,13 @@ from mecano.jit.null_matrix import NullMatrix, wanted
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
 
-# What machine code may call: the mathematics of the C library, its memory, and what refuses the arguments of a call.
+# Functions that machine code may call: C mathematics, C memory, and the rejection of the arguments of a call.
 KNOWN = frozenset(
     "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax "
     "fmin fmod frexp hypot ldexp log log10 log1p log2 memcpy memmove memset pow remainder rint round sin sincos sinh "
     "sqrt tan tanh trunc calloc free PyErr_BadArgument Py_FatalError".split()
 )
-# What numba calls to tell Python of an error.
+# Functions that numba calls to report an error to Python.
 ERRORS = frozenset(
     "numba_gil_ensure numba_gil_release numba_unpickle numba_do_raise numba_runtime_build_excinfo_struct NRT_Free "
     "NRT_MemInfo_call_dtor PyErr_Clear PyErr_SetString PyErr_SetNone PyErr_WriteUnraisable PyUnicode_FromString "
@@ -70,14 +70,15 @@ def compiled(function):
 
 
 def loop_code(function):
-    """(symbol, machine code) of a C function of two addresses that returns nothing."""
+    """Return (symbol, machine code) of a C function of two addresses that returns nothing."""
     return _machine_code(LOOP, function)
 
 
 def entry_code(entry):
-    """(symbol, machine code) of a C function of the addresses of the words and the results of a call (entry.py).
+    """Return (symbol, machine code) of a C function of the addresses of the argument words and of the results
+    (entry.py).
 
-    It sets Python's TypeError when an array is not of its type, dimension and order.
+    It sets Python's TypeError if an array has the wrong type, number of dimensions or order.
     """
     source, names = _unpacking(entry)
     exec(compile(source, f"<entry {entry.__qualname__}>", "exec"), names)
@@ -86,12 +87,12 @@ def entry_code(entry):
 
 
 def _unpacking(entry):
-    """Source of the function that calls an entry with what stands in the words, and the names it uses."""
+    """Return the source of the function that unpacks the words and calls an entry, and the names it uses."""
     names = {"function": entry, "memory": memory, "data": data, "fits": fits, "refuse": _refuse}
     names |= {"shape_1": shape_1, "shape_2": shape_2, "shape_3": shape_3}
     lines, given = [], []
     refused = "return" if entry.several or not entry.returns else "return 0"
-    for i, kind in enumerate(entry.signature, start=1):  # before the arguments stands the type of arrays
+    for i, kind in enumerate(entry.signature, start=1):  # the type of arrays precedes the arguments
         if isinstance(kind, Array):
             flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if entry.is_written(i - 1) else 0)
             letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
@@ -111,7 +112,7 @@ def _unpacking(entry):
 
 
 def _array_at(kind: Array, word, names):
-    """Source of the array whose object stands in a word."""
+    """Return the source of an array expression for the array object in a word."""
     place, shape = f"data(words[{word}])", f"shape_{kind.dimensions}(words[{word}])"
     if kind.dtype == np.float64:
         return f"memory.floats({place}, {shape})"
@@ -122,9 +123,10 @@ def _array_at(kind: Array, word, names):
 
 
 def _machine_code(signature, function):
-    """(symbol, machine code) of a function of Python as a C function of that signature of numba.
+    """Return (symbol, machine code) of a Python function as a C function with this numba signature.
 
-    Raises SystemError if it needs what is not there. A signal need not wait for the compiler, which takes seconds.
+    Raises SystemError if it needs functions that are not available. A signal interrupts the compiler, which takes
+    seconds.
     """
     return abandonable(_code_of, signature, function)
 
@@ -139,13 +141,13 @@ def _code_of(signature, function):
         raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
     variables = [variable.name for variable in module.global_variables if variable.is_declaration]
     module.link_in(llvm.parse_assembly(str(_ending(sorted(missing), variables))))
-    for name in variables:  # no table of addresses is needed then, which a loader may put too far away
+    for name in variables:  # avoids a table of addresses, which a loader may place too far away
         module.get_global_variable(name).visibility = "hidden"
     return function.native_name, _target().emit_object(module)
 
 
 def _ending(functions, variables):
-    """What stands in for numba's telling Python of an error: the end of the program. No kernel raises any."""
+    """Return stubs for numba's error reporting, which end the program. Kernels raise no errors."""
     module, pointer = ir.Module(), ir.IntType(8).as_pointer()
     content = ir.Constant(ir.ArrayType(ir.IntType(8), len(FATAL)), bytearray(FATAL))
     text = ir.GlobalVariable(module, content.type, "mecano_fatal")
@@ -184,7 +186,7 @@ def _call(typing_context, function, first, second):
 
 @intrinsic
 def _pointer(typing_context, address):
-    """The address as a pointer, for carray."""
+    """Convert the address to a pointer, for carray."""
 
     def generate(context, builder, signature, arguments):
         return builder.inttoptr(arguments[0], cgutils.voidptr_t)
@@ -264,7 +266,7 @@ def _wanted(A):
 
 
 def _kind(argument):
-    """The type by which a method is chosen, of an argument of this type of numba."""
+    """Return the type by which a method is dispatched, for an argument of this numba type."""
     if isinstance(argument, types.BaseNamedTuple):
         return argument.instance_class
     if isinstance(argument, types.Record):
@@ -274,7 +276,7 @@ def _kind(argument):
 
 @overload(operator.setitem)
 def _store(array, index, value):
-    """Store a Dual, or a number as a Dual that does not vary, in an array of records."""
+    """Store a Dual, or a number as a constant Dual, in an array of records."""
     if not (isinstance(array, types.Array) and isinstance(array.dtype, types.Record)):
         return None
     if isinstance(value, types.Number):
@@ -296,12 +298,12 @@ def _store_dual(array, index, value):
 
 IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
 OPERANDS = (types.BaseNamedTuple, types.Record, types.Float, types.Integer)
-_known = set()  # functions with methods that numba knows
+_known = set()  # functions with methods that have been registered with numba
 methods.Generic.primitive = staticmethod(symbols.primitive)
 
 
 def _learn_methods():
-    """Tell numba of functions with methods, and of attributes, that it does not know yet."""
+    """Register functions with methods, and attributes, that numba does not know yet."""
     for function in [f for f in methods.functions() if f not in _known]:
         for named in {function, IN_PLACE.get(function, function)}:
             _learn(function, named)
@@ -312,7 +314,7 @@ def _learn_methods():
 
 
 def _learn(function, named):
-    """Tell numba the types of a function, called under the name ``named``, and how to write its instructions."""
+    """Register a function, called under the name ``named``, with numba: its types and its code generation."""
 
     class Template(AbstractTemplate):
         key = named
@@ -354,7 +356,7 @@ def _learn_attribute(name):
 
 @cache
 def _result(function, arguments):
-    """Type of the value of a function for arguments of these types, or None where it has no code for them."""
+    """Return the result type of a function for arguments of these types, or None if it has no method for them."""
     kinds = set(map(_kind, arguments))
     if None in kinds or (kinds == {float} and not isinstance(function, methods.Generic)):
         return None
@@ -365,7 +367,7 @@ def _result(function, arguments):
 
 
 def _stand_in(of):
-    """A value of a type of numba that has no instructions yet."""
+    """Return a placeholder value of a numba type, without instructions."""
     kind = _kind(of)
     if kind is float:
         return Condition(None) if isinstance(of, types.Boolean) else Symbol(None)
@@ -385,7 +387,7 @@ def _type_of(value):
 
 
 def _symbolic(context, builder, of, value):
-    """A value of compiled code as Symbols."""
+    """Return a value of compiled code as Symbols."""
     kind = _kind(of)
     if isinstance(of, types.Boolean):
         return Condition(builder, context.cast(builder, value, of, types.boolean))
@@ -401,7 +403,7 @@ def _symbolic(context, builder, of, value):
 
 
 def _instructions(context, builder, of, value):
-    """The value that numba knows from one of Symbols."""
+    """Return numba's value for a value made of Symbols."""
     if isinstance(value, Condition | bool):
         return value.value if isinstance(value, Condition) else context.get_constant(types.boolean, value)
     if is_number(value):

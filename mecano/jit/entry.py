@@ -1,9 +1,9 @@
-"""Compiled functions that Python calls.
+"""Compiled functions that are called from Python.
 
-The annotations of an entry are its signature: ``float``, ``int``, ``bool``, or a contiguous array of the types below;
-it returns nothing, a number, or several. Every call packs the addresses of its arrays, and its numbers, into words of 8
-bytes, which the compiled side takes apart (compiler.py): a microsecond for a dozen arguments. Those that stay the same
-are packed once (``Entry.bind``).
+The annotations of an entry are its signature: ``float``, ``int``, ``bool``, or a contiguous array of one of the types
+below; it returns nothing, a number, or several numbers. Each call packs array addresses and numbers into words of 8
+bytes, which the compiled side unpacks (compiler.py); this takes a microsecond for a dozen arguments. Arguments that
+stay the same are packed once (``Entry.bind``).
 """
 
 import ctypes
@@ -31,7 +31,7 @@ Short = Array(np.dtype(np.uint32), 1)  # indices of large tables
 
 
 def Records(dtype):
-    """An array (n,) of records."""
+    """Return the type of an array (n,) of records."""
     return Array(dtype, 1)
 
 
@@ -48,7 +48,7 @@ class PackedCall(NamedTuple):
 
 
 class Entry(Kernel):
-    """A compiled function for Python; other compiled functions may call it as a kernel."""
+    """A compiled function for Python; other compiled functions can call it as a kernel."""
 
     def __init__(self, function):
         super().__init__(function)
@@ -59,7 +59,7 @@ class Entry(Kernel):
         self.pack = struct.Struct(_layout(self.signature, "q")).pack
 
     def bind(self, *first):
-        """A function of the arguments behind the ``first``, as functools.partial makes it, which packs these once."""
+        """Return a function of the remaining arguments, like functools.partial, that packs the ``first`` ones once."""
         n = len(first)
         words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, first, strict=False)]
         head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
@@ -73,7 +73,7 @@ class Entry(Kernel):
 
     @property
     def several(self):
-        """True when a call gives a tuple."""
+        """True if a call returns a tuple."""
         return len(self.returns) > 1
 
     @cached_property
@@ -89,11 +89,11 @@ class Entry(Kernel):
         return address(name, depends, lambda compiler: compiler.entry_code(self))
 
     def is_written(self, place):
-        """True for an argument that by its name is an array that the function writes."""
+        """Return True if the function writes this argument, which is an array whose name ends in "_out"."""
         return self.names[place].endswith("_out")
 
     def refusal(self, error, *arguments):
-        """A TypeError that names the arguments which are not what they must be; the ``error`` itself if all are."""
+        """Return a TypeError that names the invalid arguments, or the ``error`` itself if all are valid."""
         wrong = [
             f"{name} must be {_wanted(kind, self.is_written(i))}"
             for i, (name, kind, value) in enumerate(zip(self.names, self.signature, arguments, strict=True))
@@ -103,7 +103,7 @@ class Entry(Kernel):
 
 
 def _layout(kinds, before=""):
-    """The format of the words of arguments, behind others."""
+    """Return the struct format of the words of the arguments, preceded by ``before``."""
     return "=" + before + "".join(WORD.get(kind, "q") for kind in kinds)
 
 
@@ -142,21 +142,21 @@ def bind(_entry, function, _head, _pack, _first):
 
 
 def entry(function):
-    """An Entry whose call is written out for its signature: what it does for each argument would take longer."""
+    """Return an Entry with a call generated for its signature; a loop over the arguments would be slower."""
     call = _written_out(CALL, function.__qualname__, function.__annotations__, "self.pack(NDARRAY, {words})")
     return type("Entry", (Entry,), {"__call__": call})(function)
 
 
 @cache
 def _binding(entry, n):
-    """The function that makes the calls of an Entry of which the first ``n`` arguments are packed."""
+    """Return the function that generates the calls of an Entry whose first ``n`` arguments are packed."""
     names = dict([*zip(entry.names, entry.signature, strict=True)][n:])
     annotations = names | {"return": entry.returns if entry.several else (*entry.returns, None)[0]}
     return _written_out(BIND, entry.__qualname__, annotations, "_head + _pack({words})")
 
 
 def _written_out(template, name, annotations, packed):
-    """The function of a template above for arguments and results with these ``annotations``."""
+    """Return the function generated from a template above for arguments and results with these ``annotations``."""
     names = [name for name in annotations if name != "return"]
     words = [f"id({name})" if isinstance(annotations[name], Array) else name for name in names]
     returns, packed = annotations.get("return"), packed.format(words=", ".join(words))

@@ -1,14 +1,14 @@
 """Functions for compiled code.
 
-A kernel is compiled into the loops and entries that call it; called from Python it is the Python function that it is.
-numba is imported when something must be compiled, not before: most processes find all they need in the store.
+A kernel is compiled into the loops and entries that call it; called from Python, it runs as a Python function. numba is
+imported only when something must be compiled: most processes find all they need in the store.
 """
 
 from functools import cached_property, update_wrapper
 
 
 class Kernel:
-    """A function that compiled functions may call."""
+    """A function that compiled functions can call."""
 
     def __init__(self, function):
         update_wrapper(self, function)
@@ -18,7 +18,7 @@ class Kernel:
 
     @property
     def py_func(self):
-        """The Python function, under the name by which numba asks for it."""
+        """The Python function, under the name that numba expects."""
         return self.__wrapped__
 
     @cached_property
@@ -34,9 +34,9 @@ class Kernel:
 
 
 class Inlined(Kernel):
-    """A kernel that becomes part of its callers before they are optimized."""
+    """A kernel that is inlined into its callers before they are optimized."""
 
-    targetoptions = {"inline": "always"}  # as numba asks for it
+    targetoptions = {"inline": "always"}  # attribute read by numba
 
 
 kernel, inlined = Kernel, Inlined

@@ -1,7 +1,7 @@
-"""Functions whose code depends on the types of their arguments: operators of vectors, mathematics of dual numbers.
+"""Functions dispatched on the types of their arguments: operators of vectors, mathematics of dual numbers.
 
-The methods of a function are chosen by the types of its arguments, when it is compiled or when Python calls it.
-``float`` stands for a number of any type. The code of a method runs once wherever it is compiled (symbols.py).
+The method is chosen by the argument types when the function is compiled, or when Python calls it. ``float`` stands for
+a number of any type. The code of a method runs once at each place where it is compiled (symbols.py).
 """
 
 import operator
@@ -21,18 +21,18 @@ OPERATORS = {
     operator.ge: ("__ge__",),
 }
 
-_methods = {}  # function -> {types of the arguments: code}
+_methods = {}  # function -> {argument types: code}
 _attributes = {}  # (type, name) -> function of the value
-_records = {}  # names of fields -> type that records with these fields stand for
+_records = {}  # names of fields -> type that records with these fields represent
 
 
 class Generic:
-    """A function with methods; its own code is that for all other arguments.
+    """A function with methods; its own code applies to all other arguments.
 
-    Compiled code has the code itself in the place of a call, so the code has no branches but ``select``.
+    Compiled code contains the code itself instead of a call, so the code must not branch except with ``select``.
     """
 
-    primitive = None  # of the compiler: (function, arguments) -> value of a function of symbols.py
+    primitive = None  # set by the compiler: (function, arguments) -> value of a function of symbols.py
 
     def __init__(self, function):
         self.__wrapped__, self.__name__, self.__doc__ = function, function.__name__, function.__doc__
@@ -47,7 +47,7 @@ class Generic:
 
 
 def method(function, *kinds):
-    """Decorate the code of a function for arguments of these types, or of each of several types given as a tuple."""
+    """Register the decorated code as a method for arguments of these types; a tuple stands for each of its types."""
 
     def add(code):
         for key in product(*(kind if isinstance(kind, tuple) else (kind,) for kind in kinds)):
@@ -58,7 +58,7 @@ def method(function, *kinds):
 
 
 def attribute(kind, name):
-    """Decorate a function of a value: it is an attribute of the values of a type."""
+    """Register the decorated function as an attribute of the values of a type."""
 
     def add(function):
         _attributes[kind, name] = function
@@ -69,7 +69,7 @@ def attribute(kind, name):
 
 
 def attribute_of(kind, name):
-    """Return the function that is this attribute of a type, or None."""
+    """Return the function that implements this attribute of a type, or None."""
     return _attributes.get((kind, name))
 
 
@@ -85,7 +85,7 @@ def code_for(function, kinds):
 
 
 def kind_of_record(names):
-    """Return the type for which a record with these fields stands in compiled code, or None."""
+    """Return the type that a record with these fields represents in compiled code, or None."""
     return _records.get(tuple(names))
 
 
@@ -95,7 +95,7 @@ def functions():
 
 
 def methods_in(module):
-    """Return [(name, code)] of all methods and attributes whose code stands in this module, in a fixed order."""
+    """Return [(name, code)] of all methods and attributes defined in this module, in a fixed order."""
     found = [
         (f"{function.__name__} {[kind.__name__ for kind in kinds]}", code)
         for function, codes in _methods.items()
@@ -107,13 +107,13 @@ def methods_in(module):
 
 
 def algebraic(kind):
-    """Decorate a NamedTuple: in Python too, operators with it are those of its methods."""
+    """Give a NamedTuple the operators defined by its methods, also in Python."""
     for function, names in OPERATORS.items():
         for reflected, name in enumerate(names):
             setattr(kind, name, _operator(function, reflected))
     kind.has_methods = True
     _records[kind._fields] = kind
-    kind.__array_ufunc__ = None  # numbers of numpy leave the operation to it
+    kind.__array_ufunc__ = None  # lets NumPy numbers defer to the operators of this type
     return kind
 
 

@@ -1,7 +1,7 @@
-"""A matrix that forgets whatever is written to it.
+"""A matrix that discards writes.
 
-Kernels that are called with NULL_MATRIX in place of their tangents are compiled without them: what is computed for
-nothing is dropped (compiler.py). Only elements A[i, j] are read (as zero) and written.
+Kernels called with NULL_MATRIX in place of their tangents are compiled without them: the compiler drops unused
+computations (compiler.py). Only elements A[i, j] may be read (as zero) and written.
 """
 
 from typing import NamedTuple
@@ -23,5 +23,5 @@ NULL_MATRIX = NullMatrix(0.0)
 
 
 def wanted(A):
-    """False for NULL_MATRIX, true for an array: known to the compiler, which then leaves out what is under it."""
+    """Return False for NULL_MATRIX, True for an array; known at compile time, which removes the dead branches."""
     return not isinstance(A, NullMatrix)

@@ -1,8 +1,8 @@
-"""Machine code on the disk, and its functions in memory.
+"""Machine code on disk, and its functions in memory.
 
-One file for each function, named by the function and by a digest of all that its code depends on (closure.py), in a
-folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A process that finds
-there what it needs imports neither numba nor LLVM's compiler.
+There is one file per function, named by the function and by a digest of everything that its code depends on
+(closure.py), in a folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A
+process that finds all its functions there imports neither numba nor LLVM's compiler.
 """
 
 import atexit
@@ -24,22 +24,22 @@ import llvmlite.binding as llvm
 from mecano.jit import trust
 
 COMPILER = ("array_object", "compiler", "entry", "kernel", "memory", "methods", "null_matrix", "symbols")
-"""Modules that make code of functions."""
+"""Modules that generate code."""
 DAY = 86400.0  # s
-UNUSED = 90 * DAY  # after which what nobody has used is removed, when something is added
-FOLDER = "MECANO_CACHE_DIR"  # environment variable: where the folders of compiled code are
-SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder of `mecano warmup --share`, which is only read
+UNUSED = 90 * DAY  # files that have not been used for this long are removed when one is added
+FOLDER = "MECANO_CACHE_DIR"  # environment variable: parent of the folders of compiled code
+SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder written by `mecano warmup --share`, read-only here
 
-_kept = []  # what LLVM has loaded, which lives as long as this
-_times = []  # s by the clock that each function took that this process has compiled
-_listeners = []  # called before the first function is compiled
+_kept = []  # keeps alive the code that LLVM has loaded
+_times = []  # wall-clock time of each compilation of this process [s]
+_listeners = []  # called before the first compilation
 
 
 @cache
 def folder():
-    """Return the folder of the store; one for this process only where the usual one cannot be made.
+    """Return the folder of the store, or a temporary one for this process if it cannot be created.
 
-    Raises ResultsError where the usual one belongs to another user or can be written by others.
+    Raises ResultsError if it belongs to another user or is writable by others.
     """
     base = os.environ.get(FOLDER) or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     found = Path(base).absolute() / f"mecano-{_key()}"
@@ -62,9 +62,9 @@ def folder():
 
 @cache
 def shared_folder():
-    """Return the shared folder for this compiler and processor, or None where there is none.
+    """Return the shared folder for this compiler and processor, or None if there is none.
 
-    Raises ResultsError where untrusted users could have written it.
+    Raises ResultsError if untrusted users could have written it.
     """
     base = os.environ.get(SHARED)
     found = Path(base).absolute() / f"mecano-{_key()}" if base else None
@@ -81,7 +81,7 @@ def _secret():
 
 @cache
 def _key():
-    """What tells apart the folders of compilers, processors and Pythons."""
+    """Return a key that identifies compiler, processor and Python."""
     here = Path(__file__).parent
     files = [here / f"{name}.py" for name in COMPILER]
     files.append(Path(find_spec("numba").origin).with_name("_version.py"))
@@ -91,7 +91,7 @@ def _key():
 
 
 def _remove_old(paths):
-    """Remove what nobody has used for long."""
+    """Remove files and folders that have not been used for long."""
     for path in paths:
         with suppress(OSError):  # another process may be faster
             if time.time() - path.stat().st_mtime > UNUSED:
@@ -99,9 +99,9 @@ def _remove_old(paths):
 
 
 def address(name, depends, code):
-    """Return the address of the C function of this name, whose code depends on what has the digest ``depends``.
+    """Return the address of a C function; ``depends`` is the digest of everything that its code depends on.
 
-    ``code(compiler) -> (symbol, machine code)`` compiles it where no store has it.
+    ``code(compiler) -> (symbol, machine code)`` compiles the function if no store contains it.
     """
     file = f"{name}-{depends}.o"
     found = read(file)
@@ -125,17 +125,17 @@ def before_compiling(listener):
 
 
 def compile_time():
-    """Time by the clock [s] that this process has spent on compiling."""
+    """Return the wall-clock time [s] that this process has spent compiling."""
     return sum(_times)
 
 
 def size():
-    """Bytes on the disk."""
+    """Return the size of the store on disk in bytes."""
     return sum(path.stat().st_size for path in folder().iterdir() if path.is_file())
 
 
 def put(path, data):
-    """Make a file that is there as a whole or not at all, whoever else writes it; without one if there is no room."""
+    """Write a file atomically, even with concurrent writers; leaves no file if the disk is full."""
     own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
     try:
         own.write_bytes(data)
@@ -146,7 +146,7 @@ def put(path, data):
 
 
 def read(file):
-    """Return the contents of a file of the shared or the own store, or None: there is none, or it is not as signed."""
+    """Return the contents of a file of the shared or own store, or None if it is missing or has no valid signature."""
     shared = shared_folder()
     found = _read(shared / file, b"", trust.is_trusted) if shared else None
     return _read(folder() / file, _secret(), lambda _: True) if found is None else found
@@ -168,13 +168,13 @@ def _read(path, key, is_trusted):
 
 
 def write(file, data):
-    """Keep ``data`` in the own store, signed."""
+    """Write ``data`` to the own store, signed."""
     _remove_unused()
     _write(folder() / file, _secret(), data)
 
 
 def keep_newest(pattern, most):
-    """Remove all but the ``most`` files of the own store that match the pattern and were used last."""
+    """Remove all files of the own store that match the pattern, except the ``most`` most recently used."""
     with suppress(OSError):
         kept = sorted(folder().glob(pattern), key=lambda path: path.stat().st_mtime)
         for path in kept[:-most]:
@@ -183,7 +183,7 @@ def keep_newest(pattern, most):
 
 @cache
 def _remove_unused():
-    """Remove the files of the store that nobody has used for long, once in a process."""
+    """Remove files of the store that have not been used for long; once per process."""
     _remove_old(list(folder().glob("*")))
 
 
@@ -192,9 +192,9 @@ def _write(path, key, data):
 
 
 def share(base):
-    """Copy the objects of the own store into a shared one below the folder ``base``; return its folder and size.
+    """Copy the objects of the own store to a shared one below the folder ``base``; return its folder and size [bytes].
 
-    Raises OSError where it cannot be written.
+    Raises OSError if it cannot be written.
     """
     target = Path(base).absolute() / f"mecano-{_key()}"
     target.mkdir(parents=True, exist_ok=True, mode=0o755)
@@ -215,7 +215,7 @@ def _linker():
 
 
 def _load(name, symbol, code):
-    """Each function is a library of its own, for compilers in different processes give functions the same symbols."""
+    """Load a function as a library of its own: compilers in different processes reuse the same symbols."""
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
     loaded = library.link(_linker(), f"{name} {len(_kept)}")
     _kept.append(loaded)

@@ -1,18 +1,18 @@
-"""Numbers of compiled code: what is computed with them writes instructions.
+"""Symbolic numbers of compiled code: operations on them emit instructions.
 
-The code of a method runs once for each place where it is compiled, with Symbols for its numbers. It has no function of
-its own then, which would take the compiler longer than the few instructions that it is.
+The code of a method runs once for each place where it is compiled, with Symbols for its numbers. It gets no function of
+its own, because compiling a function takes longer than emitting these few instructions.
 """
 
 from llvmlite import ir
 
 NUMBER, CONDITION = ir.DoubleType(), ir.IntType(1)
 MATHEMATICS = ("sqrt", "sin", "cos", "tan", "exp", "atan2")  # functions of the C library, by name
-INTRINSIC = ("sin", "cos", "exp")  # of them those by which numba calls LLVM's
+INTRINSIC = ("sin", "cos", "exp")  # those of them for which numba calls an LLVM intrinsic
 
 
 class Symbol:
-    """A number; without a builder it only stands for one."""
+    """A number; without a builder it is only a placeholder."""
 
     def __init__(self, builder, value=None):
         self.builder, self.value = builder, value
@@ -71,7 +71,7 @@ class Symbol:
 
 
 class Condition:
-    """A truth value, for ``select`` only: methods have no branches."""
+    """A truth value, for ``select`` only: methods must not branch."""
 
     def __init__(self, builder, value=None):
         self.builder, self.value = builder, value
@@ -81,7 +81,7 @@ class Condition:
 
 
 def is_number(value):
-    """Return True for a number, known or not."""
+    """Return True for a number, symbolic or constant."""
     return isinstance(value, Symbol | float | int)
 
 
@@ -91,7 +91,7 @@ def value_of(number):
 
 
 def primitive(function, arguments):
-    """Return the value of a Generic of numbers that are Symbols: of the C library, ``select``, or its own code."""
+    """Return a Generic applied to Symbols: a C function, ``select``, or its own code."""
     if function.__name__ == "select":
         return _select(*arguments)
     return _call(function.__name__, arguments) if function.__name__ in MATHEMATICS else function.__wrapped__(*arguments)

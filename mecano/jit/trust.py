@@ -1,9 +1,9 @@
-"""Who may put machine code where this process loads it.
+"""Protection against machine code from other users.
 
-Loading an object runs it. The store of a user therefore holds only what the user has signed: every object carries a
+Loading an object runs it. The store of a user therefore contains only objects that the user has signed: each carries a
 keyed hash (BLAKE2b, RFC 7693) of its name and contents, and the key is a secret file that only the user can read. A
-store shared by many users cannot be signed like this; it is trusted when nobody could have written it but the user,
-root, or the owner of mecano's own sources, whose code the process runs anyway.
+store shared by many users cannot be signed in this way; it is trusted if nobody could have written to it except the
+user, root, or the owner of mecano's own sources, whose code the process runs anyway.
 """
 
 import hashlib
@@ -22,17 +22,17 @@ READABLE_BY_OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
 def sign(key, name, data):
-    """Return the signature (64 hexadecimal digits) of ``data`` under a ``name``; without secret for the key b""."""
+    """Return the signature (64 hexadecimal digits) of ``data`` and its ``name``; unkeyed for the key b""."""
     return hashlib.blake2b(name.encode() + b"\0" + data, key=key, digest_size=LENGTH).hexdigest()
 
 
 def is_signed(key, name, data, signature):
-    """Return whether ``sign`` gave this signature."""
+    """Return whether the signature is valid."""
     return hmac.compare_digest(sign(key, name, data), signature)
 
 
 def refuse_foreign(folder):
-    """Raise ResultsError where a folder of machine code is not the user's own, or others can write in it."""
+    """Raise ResultsError if a folder of machine code is not the user's own or is writable by others."""
     problem = _problem(folder, {os.getuid()}) if hasattr(os, "getuid") else ""
     if problem:
         raise ResultsError(
@@ -42,7 +42,7 @@ def refuse_foreign(folder):
 
 
 def refuse_untrusted(folder):
-    """Raise ResultsError where a shared folder of machine code could have been written by an untrusted user."""
+    """Raise ResultsError if an untrusted user could have written to a shared folder of machine code."""
     problem = _problem(folder, _installers()) if hasattr(os, "getuid") else ""
     if problem:
         raise ResultsError(
@@ -52,7 +52,7 @@ def refuse_untrusted(folder):
 
 
 def is_trusted(file):
-    """Return whether an open file of a shared store could have been written by trusted users only."""
+    """Return whether only trusted users could have written an open file of a shared store."""
     return not hasattr(os, "getuid") or not _problem_of(os.fstat(file.fileno()), _installers())
 
 
@@ -73,7 +73,7 @@ def _problem_of(status, owners):
 
 
 def secret():
-    """Return the user's secret (32 bytes), made at its first use; one for this process only where none can be kept."""
+    """Return the user's secret (32 bytes), created at first use; valid for this process only if it cannot be saved."""
     path = _secret_path()
     with suppress(OSError):
         return _read(path) or _made(path)
@@ -86,7 +86,7 @@ def _secret_path():
 
 
 def _read(path):
-    """The secret in a file, or None: there is none, or others may know it or have put it there."""
+    """Return the secret in a file, or None if it is missing or if others may know it or have written it."""
     with suppress(FileNotFoundError), open(path, "rb") as file:
         status = os.fstat(file.fileno())
         own = not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & READABLE_BY_OTHERS)
@@ -96,7 +96,7 @@ def _read(path):
 
 
 def _made(path):
-    """A new secret; of two processes that make one at the same time, both get the one that is kept."""
+    """Create a secret; if two processes do so at the same time, both get the one that was stored."""
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     if path.exists():  # not usable
         path.unlink()

@@ -1,7 +1,7 @@
-"""Laws: scalar functions with exact derivatives, shared by every element that needs one.
+"""Laws: scalar functions with exact derivatives, shared by all elements that need one.
 
-A checked law is a tuple of (term name, {field: value}), whose terms are summed. This is the registry of the
-terms, one line each; see mecano.laws.table for their evaluation.
+A checked law is a tuple of (term name, {field: value}), whose terms are summed. The terms are registered here, one
+line each; see mecano.laws.table for their evaluation.
 """
 
 from mecano.laws.dampers import DAMPER_POLYNOMIAL, DAMPER_TABLE, METERING_PIN, OIL_DAMPER

@@ -1,6 +1,6 @@
 r"""Nonlinear damper terms: polynomial and table of the rate, oil through orifices.
 
-Oil of density :math:`\rho` that a piston of area A presses through an orifice of area :math:`A_o` meets the
+Oil of density :math:`\rho` forced by a piston of area A through an orifice of area :math:`A_o` causes the
 pressure :math:`p = \frac{\rho}{2} (A v / (C_d A_o))^2` (Bernoulli; Currey, Aircraft Landing Gear Design, 1988,
 chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A metering pin makes
 :math:`A_o` a function of the stroke.
@@ -25,28 +25,28 @@ from mecano.schema import NUMBER, Field, not_negative, positive
 
 @kernel
 def damper_polynomial(a, i, s, v):
-    """The polynomial, of the rate."""
+    """Evaluate the polynomial of the rate."""
     y, d, _ = polynomial(a, i, v)
     return y, 0.0, d
 
 
 @kernel
 def damper_table(a, i, s, v):
-    """The table, of the rate."""
+    """Evaluate the table of the rate."""
     y, d, _ = table(a, i, v)
     return y, 0.0, d
 
 
 @kernel
 def oil_damper(a, i, s, v):
-    """Numbers: compression, rebound."""
+    """Evaluate the term; numbers: compression, rebound."""
     c = a[i] if v < 0.0 else a[i + 1]
     return c * v * abs(v), 0.0, 2.0 * c * abs(v)
 
 
 @kernel
 def metering_pin(a, i, s, v):
-    """Numbers: rho A^3/(2 Cd^2), then the table of the orifice area over the stroke -s."""
+    """Evaluate the term; numbers: rho A^3/(2 Cd^2), then the table of the orifice area over the stroke -s."""
     area, slope, _ = table(a, i + 1, -s)
     c = a[i] / (area * area)
     F = c * v * abs(v)
@@ -54,20 +54,20 @@ def metering_pin(a, i, s, v):
 
 
 def pack_metering_pin(values):
-    """The numbers of the term."""
+    """Return the numbers of the term."""
     c = values["density"] * values["piston_area"] ** 3 / (2 * values["discharge_coefficient"] ** 2)
     return [c, *pack_points(values["points"], values["interpolation"], "hold")]
 
 
 def no_force_at_rest(values):
-    """Check: a damper polynomial starts with 0."""
+    """Check that a damper polynomial starts with 0."""
     if values["coefficients"][0] == 0:
         return []
     return ["'coefficients' must begin with 0: a damper gives no force at rest (see 'preload')"]
 
 
 def opposes_motion(values):
-    """Check: a damper table goes through [0, 0] and takes energy at every other point."""
+    """Check that a damper table passes through [0, 0] and dissipates energy at all other points."""
     problems = some_points(values)
     if problems:
         return problems
@@ -78,7 +78,7 @@ def opposes_motion(values):
 
 
 def open_orifice(values):
-    """Check: the orifice never closes."""
+    """Check that the orifice never closes."""
     problems = some_points(values)
     if problems or all(y > 0 for _, y in values["points"]):
         return problems

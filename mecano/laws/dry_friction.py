@@ -12,7 +12,7 @@ from mecano.schema import NUMBER, Field, not_negative, positive
 
 @kernel
 def dry_friction(a, i, s, v):
-    """Numbers: force, regularization."""
+    """Evaluate the term; numbers: force, regularization."""
     if v >= a[i + 1]:
         return a[i], 0.0, 0.0
     if v <= -a[i + 1]:

@@ -1,6 +1,6 @@
-r"""Coulomb friction that is smooth at rest (Oden & Martins 1985).
+r"""Coulomb friction, smooth at rest (Oden & Martins 1985).
 
-A normal force N and a sliding velocity of size u give the friction :math:`\mu(u)\,\phi(u)\,N` against the sliding, with
+A normal force N and a sliding speed u give the friction :math:`\mu(u)\,\phi(u)\,N` against the sliding, with
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for :math:`u < \epsilon`, 1 beyond: C1 in the velocity vector.
 """
 
@@ -11,11 +11,11 @@ from mecano.maths.dual import at_least, select
 
 @kernel
 def sticking(eps, u):
-    """Return phi/u [s/m] of the sliding speed u >= 0 [m/s]; finite at u = 0."""
+    """Return phi/u [s/m] for the sliding speed u >= 0 [m/s]; finite at u = 0."""
     return select(u < eps, (2.0 - u / eps) / eps, 1.0 / at_least(u, eps))
 
 
 @kernel
 def friction(laws, law, eps, u):
-    """Return mu phi/u [s/m] of the sliding speed u >= 0 [m/s]: the friction is this times N times the velocity."""
+    """Return mu phi/u [s/m] for the sliding speed u >= 0 [m/s], the friction per normal force and velocity."""
     return at_least(curve(laws, law, u), 0.0) * sticking(eps, u)

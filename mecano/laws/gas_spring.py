@@ -1,9 +1,9 @@
 r"""Gas spring: polytropic compression of a gas column of length L.
 
 :math:`F = -F_0 (L/(L + s))^n`, a push for every extension s > -L, with the potential
-:math:`U = -F_0 \int_0^s (L/(L + s))^n ds`. A real gas column is never used up: when less than ``LEAST`` of it is
-left, the force goes on along its tangent, so that trial states of Newton's iteration beyond it are finite and
-smooth (C1).
+:math:`U = -F_0 \int_0^s (L/(L + s))^n ds`. A real gas column is never fully compressed: below the fraction ``LEAST``
+of its length, the force continues along its tangent, so that trial states of Newton's iteration beyond it give finite
+and smooth (C1) forces.
 """
 
 import math
@@ -12,12 +12,12 @@ from mecano.jit.kernel import kernel
 from mecano.laws.term import Term, numbers_of
 from mecano.schema import NUMBER, Field, positive
 
-LEAST = 0.01  # fraction of the gas column below which the force is continued along its tangent
+LEAST = 0.01  # fraction of the gas column below which the force continues along its tangent
 
 
 @kernel
 def gas_force(F0, L, n, s):
-    """Force and its derivative."""
+    """Return the force and its derivative."""
     column = max(1.0 + s / L, LEAST)
     F = -F0 * column ** (-n)
     slope = -n * F / (L * column)
@@ -26,14 +26,14 @@ def gas_force(F0, L, n, s):
 
 @kernel
 def gas_spring(a, i, s, v):
-    """Numbers: force F0, length L, exponent n."""
+    """Evaluate the term; numbers: force F0, length L, exponent n."""
     F, slope = gas_force(a[i], a[i + 1], a[i + 2], s)
     return F, slope, 0.0
 
 
 @kernel
 def gas_energy(a, i, s):
-    """Potential, zero at s = 0; the form with expm1 holds for n = 1 and near it."""
+    """Return the potential, zero at s = 0; the form with expm1 is accurate for n near and equal to 1."""
     F0, L, n = a[i], a[i + 1], a[i + 2]
     column = max(1.0 + s / L, LEAST)
     x = (1.0 - n) * math.log(column)

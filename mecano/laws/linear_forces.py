@@ -8,31 +8,31 @@ from mecano.schema import NUMBER, Field, not_negative
 
 @kernel
 def spring(a, i, s, v):
-    """Stiffness times extension."""
+    """Return stiffness times extension, and the derivatives."""
     return a[i] * s, a[i], 0.0
 
 
 @kernel
 def spring_energy(a, i, s):
-    """Half stiffness times extension squared."""
+    """Return half the stiffness times the extension squared."""
     return 0.5 * a[i] * s * s
 
 
 @kernel
 def damper(a, i, s, v):
-    """Coefficient times rate."""
+    """Return coefficient times rate, and the derivatives."""
     return a[i] * v, 0.0, a[i]
 
 
 @kernel
 def no_energy(a, i, s):
-    """What gives no force at rest stores no energy."""
+    """Return zero: a term without force at rest stores no energy."""
     return 0.0
 
 
 @kernel
 def preload(a, i, s, v):
-    """The same force everywhere."""
+    """Return the constant force."""
     return a[i], 0.0, 0.0
 
 

@@ -6,41 +6,41 @@ from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term, numbers_of
 from mecano.schema import COEFFICIENT_LIST, NUMBER, Field
 
-SHOWN = 257  # arguments that show the shape of a polynomial
+SHOWN = 257  # number of arguments that resolve the shape of a polynomial
 
 
 def at_least_one(coefficients):
-    """Check: not empty."""
+    """Check that the list is not empty."""
     return None if len(coefficients) else "must hold at least one coefficient"
 
 
 @kernel
 def constant(a, i, s):
-    """Value and zero derivatives."""
+    """Return value and zero derivatives."""
     return a[i], 0.0, 0.0
 
 
 @kernel
 def constant_integral(a, i, s):
-    """Value times s."""
+    """Return value times s."""
     return a[i] * s
 
 
 @kernel
 def linear(a, i, s):
-    """Straight line."""
+    """Return a straight line."""
     return a[i] * s + a[i + 1], a[i], 0.0
 
 
 @kernel
 def linear_integral(a, i, s):
-    """Parabola through zero."""
+    """Return a parabola through zero."""
     return s * (0.5 * a[i] * s + a[i + 1])
 
 
 @kernel
 def polynomial(a, i, s):
-    """Horner's scheme; a[i] is the number of coefficients."""
+    """Evaluate by Horner's scheme; a[i] is the number of coefficients."""
     y = d = h = 0.0
     for j in range(i + int(a[i]), i, -1):
         h = h * s + 2.0 * d
@@ -51,7 +51,7 @@ def polynomial(a, i, s):
 
 @kernel
 def polynomial_integral(a, i, s):
-    """Antiderivative that is zero at s = 0."""
+    """Return the antiderivative that is zero at s = 0."""
     n = int(a[i])
     y = 0.0
     for j in range(n, 0, -1):
@@ -60,12 +60,12 @@ def polynomial_integral(a, i, s):
 
 
 def pack_polynomial(values):
-    """Count and coefficients."""
+    """Return count and coefficients."""
     return [len(values["coefficients"]), *values["coefficients"]]
 
 
 def shape_of_polynomial(values, low, high):
-    """Equally spaced, and where the slope is zero."""
+    """Return equally spaced arguments, and those where the slope is zero."""
     roots = np.polynomial.Polynomial(values["coefficients"]).deriv().roots()
     level = roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots)]
     return [*np.linspace(low, high, SHOWN), *level[(low < level) & (level < high)]]

@@ -1,7 +1,7 @@
 r"""Power terms: :math:`c\,\mathrm{sign}(s)|s|^p` of the argument, or of the rate, for any real exponent p > 0.
 
-A sphere on a plane gives p = 3/2 (Hertz 1881), turbulent drag p = 2. Where p < 1 the slope at zero is infinite: within
-``NEAR`` of zero derivatives are those at ``NEAR``, the value stays exact.
+A sphere on a plane gives p = 3/2 (Hertz 1881), turbulent drag p = 2. For p < 1 the slope at zero is infinite: within
+``NEAR`` of zero the derivatives are those at ``NEAR``, while the value stays exact.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ NEAR = 1e-9
 
 @kernel
 def power(a, i, s):
-    """Numbers: coefficient, exponent."""
+    """Evaluate the term; numbers: coefficient, exponent."""
     c, p = a[i], a[i + 1]
     sign, size = (-1.0, -s) if s < 0.0 else (1.0, s)
     near = max(size, NEAR)
@@ -26,30 +26,30 @@ def power(a, i, s):
 
 @kernel
 def _derivative(size, near, exponent):
-    """size^exponent, finite at zero."""
+    """Return size^exponent, finite at zero."""
     return size**exponent if exponent >= 0.0 else near**exponent
 
 
 @kernel
 def power_integral(a, i, s):
-    """Antiderivative that is zero at s = 0."""
+    """Return the antiderivative that is zero at s = 0."""
     return a[i] * abs(s) ** (a[i + 1] + 1.0) / (a[i + 1] + 1.0)
 
 
 @kernel
 def damper_power(a, i, s, v):
-    """The power, of the rate."""
+    """Evaluate the power of the rate."""
     y, d, _ = power(a, i, v)
     return y, 0.0, d
 
 
 def breakpoints_of_power(values):
-    """The argument zero, where some derivative jumps unless the exponent is odd."""
+    """Return the argument zero, where some derivative jumps unless the exponent is odd."""
     return [] if values["exponent"] % 2.0 == 1.0 else [0.0]
 
 
 def shape_of_power(values, low, high):
-    """Equally spaced, and both sides of zero."""
+    """Return equally spaced arguments, and both sides of zero."""
     return [*np.linspace(low, high, SHOWN), *(s for s in (-NEAR, NEAR) if low < s < high)]
 
 

@@ -1,4 +1,4 @@
-"""Values of one law for callers in Python, such as checks; kernels evaluate laws in the table of a model."""
+"""Evaluation of one law from Python, for example in checks; kernels evaluate laws in the table of a model."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from mecano.laws.table import LawTable, evaluate_curve, terms_of
 
 
 def curve_at(law, s):
-    """(y, dy/ds, d2y/ds2) of a checked law of curves, or of a number, at s."""
+    """Return (y, dy/ds, d2y/ds2) of a checked law of curves, or of a number, at s."""
     table = LawTable()
     start, values = table.add(law), np.zeros((1, 3))
     _evaluate(table.array(), start, np.array([float(s)]), values)
@@ -16,9 +16,9 @@ def curve_at(law, s):
 
 
 def shape_of_curve(law, low, high):
-    """Arguments (n,), ascending, that show the shape of a checked law of curves, and (y, dy/ds, d2y/ds2) (n, 3) there.
+    """Return arguments (n,), ascending, that resolve a checked law of curves, and (y, dy/ds, d2y/ds2) (n, 3) there.
 
-    Of what is endless in the law they lie between ``low`` and ``high``.
+    For unbounded terms they lie between ``low`` and ``high``.
     """
     places = [TERMS[name].shape(values, low, high) for name, values in terms_of(law)]
     s = np.unique(np.concatenate([np.zeros(0), *places]))

@@ -1,4 +1,4 @@
-"""Curves that are mostly heights of roads: a bump, and a random road of given spectrum."""
+"""Curves used mainly as road profiles: a bump, and a random road of given spectrum."""
 
 import math
 
@@ -11,7 +11,7 @@ from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 
 @kernel
 def bump(a, i, s):
-    """Numbers: start, length, height."""
+    """Evaluate the term; numbers: start, length, height."""
     w, k = s - a[i], 2.0 * math.pi / a[i + 1]
     if w <= 0.0 or w >= a[i + 1]:
         return 0.0, 0.0, 0.0
@@ -21,14 +21,14 @@ def bump(a, i, s):
 
 @kernel
 def bump_integral(a, i, s):
-    """Antiderivative, zero before the bump."""
+    """Return the antiderivative, zero before the bump."""
     w, k = min(max(s - a[i], 0.0), a[i + 1]), 2.0 * math.pi / a[i + 1]
     return 0.5 * a[i + 2] * (w - math.sin(k * w) / k)
 
 
 @kernel
 def waves(a, i, s):
-    """Numbers: how many; of each its amplitude, angular frequency, phase."""
+    """Evaluate the term; numbers: count, then amplitude, angular frequency, phase of each wave."""
     y, d, h = 0.0, 0.0, 0.0
     for j in range(int(a[i])):
         A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
@@ -39,7 +39,7 @@ def waves(a, i, s):
 
 @kernel
 def waves_integral(a, i, s):
-    """Antiderivative, zero at s = 0."""
+    """Return the antiderivative, zero at s = 0."""
     total = 0.0
     for j in range(int(a[i])):
         A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
@@ -48,7 +48,7 @@ def waves_integral(a, i, s):
 
 
 def pack_random(values):
-    """Waves at the middles of bands that grow in proportion, each with the mean square of its band; random phases."""
+    """Return waves at the geometric means of geometric bands, with the mean square of the band, and random phases."""
     low, high, n = values["lowest"], values["highest"], values["waves"]
     edges = low * (high / low) ** (np.arange(n + 1) / n)
     frequency = np.sqrt(edges[:-1] * edges[1:])
@@ -58,23 +58,23 @@ def pack_random(values):
 
 
 def check_random(values):
-    """Check: a range of frequencies."""
+    """Check that the range of frequencies is not empty."""
     return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
 
 
 def some(number):
-    """Check: from 1 to 2000."""
+    """Check that the number is between 1 and 2000."""
     return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
 
 
 def shape_of_bump(values, low, high):
-    """Equal parts of the bump, from just behind its beginning to just before its end."""
+    """Return equally spaced arguments of the bump, from just after its start to just before its end."""
     start, end = values["start"], values["start"] + values["length"]
     return np.linspace(np.nextafter(start, end), np.nextafter(end, start), OF_A_WAVE + 1)
 
 
 def shape_of_random(values, low, high):
-    """Equal parts of the shortest wave."""
+    """Return arguments spaced by equal parts of the shortest wave."""
     part = 1.0 / (OF_A_WAVE * values["highest"])
     return low + part * np.arange(min(math.ceil((high - low) / part) + 1, MOST_SHOWN))
 

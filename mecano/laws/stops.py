@@ -1,8 +1,8 @@
-r"""Stops and dead bands: no force between two extensions, an elastic one outside.
+r"""Stops and dead bands: no force between two extensions, an elastic force outside.
 
 With the penetration d >= 0 of a stop, :math:`F = \mp k d (1 + \chi \dot d)`, never adhesive (Hunt & Crossley
-1975): the force is continuous when contact begins, whatever the speed. It has a corner at the stop and, with
-damping, one where it would become adhesive.
+1975): the force is continuous when contact begins, at any speed. It has a corner at the stop and, with
+damping, another one where it would become adhesive.
 """
 
 import math
@@ -14,7 +14,7 @@ from mecano.schema import NUMBER, Field, not_negative, positive
 
 @kernel
 def stop(a, i, s, v):
-    """Numbers: stiffness, lower, upper, damping."""
+    """Evaluate the term; numbers: stiffness, lower, upper, damping."""
     k, lower, upper, chi = a[i], a[i + 1], a[i + 2], a[i + 3]
     if s < lower:
         d, factor = s - lower, 1.0 - chi * v
@@ -29,30 +29,30 @@ def stop(a, i, s, v):
 
 @kernel
 def stop_energy(a, i, s):
-    """Half stiffness times penetration squared."""
+    """Return half the stiffness times the penetration squared."""
     d = min(s - a[i + 1], 0.0) + max(s - a[i + 2], 0.0)
     return 0.5 * a[i] * d * d
 
 
 def pack_stop(values):
-    """The numbers of a stop or of a dead band."""
+    """Return the numbers of a stop or of a dead band."""
     return [values["stiffness"], values["lower"], values["upper"], values.get("damping", 0.0)]
 
 
 def lower_below_upper(values):
-    """Check: there is room between the stops."""
+    """Check that the lower stop is below the upper one."""
     return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
 
 
 def some_stop(values):
-    """Check: at least one stop, and room between two."""
+    """Check that there is at least one stop, and that two stops are in order."""
     if math.isinf(values["lower"]) and math.isinf(values["upper"]):
         return ["at least one of 'lower' and 'upper' must be given"]
     return lower_below_upper(values)
 
 
 def corners(values):
-    """Both stops, those at infinity left out."""
+    """Return both stops, except those at infinity."""
     both = ((values["lower"], -values["stiffness"]), (values["upper"], values["stiffness"]))
     return [(s, k) for s, k in both if not math.isinf(s)]
 

@@ -1,6 +1,6 @@
 """The flat table of all laws of a model, and the compiled functions that evaluate a law in it.
 
-Layout from the start of a law: the number of its terms; then for each term its code, how many numbers follow,
+Layout from the start of a law: the number of its terms; then for each term its code, the count of its numbers,
 and these numbers. The first entry of the table is 0.0: a law that starts there has no terms and is zero.
 """
 
@@ -23,7 +23,7 @@ class LawTable:
         self._numbers = [0.0]
 
     def add(self, law):
-        """Append a checked law, a number (the constant) or None (no law: 0); return where it starts."""
+        """Append a checked law, a number (a constant) or None (no law: 0); return its start in the table."""
         law = terms_of(law)
         if not law:
             return 0
@@ -35,27 +35,27 @@ class LawTable:
         return start
 
     def append(self, numbers):
-        """Append numbers that are no law, for an element that needs more of them than a record holds; their start."""
+        """Append numbers that are not a law, for elements whose data exceed a record; return their start."""
         start = len(self._numbers)
         self._numbers += np.asarray(numbers, float).ravel().tolist()
         return start
 
     def array(self):
-        """The table, (n,) float64, as the kernels take it."""
+        """Return the table, (n,) float64, for the kernels."""
         return np.array(self._numbers)
 
 
 def terms_of(law):
-    """The terms of a law that may be written as a number, or be absent (None)."""
+    """Return the terms of a law, which may also be a number or None (absent)."""
     if law is None:
         return ()
     return (("constant", {"value": law}),) if isinstance(law, Real) else law
 
 
 def kinks(law):
-    """Extensions (low, high) at which a force law meets its stops; -inf, inf where it has none.
+    """Return the extensions (low, high) of the stops of a force law; -inf, inf if it has none.
 
-    Of several corners on one side it is the stiffest one.
+    If there are several corners on one side, the stiffest one is returned.
     """
     corners = [corner for name, values in terms_of(law) for corner in TERMS[name].stops(values)]
     low = max((corner for corner in corners if corner[1] < 0), key=lambda c: -c[1], default=(-math.inf, 0))
@@ -64,14 +64,14 @@ def kinks(law):
 
 
 def breakpoints(law):
-    """Arguments, ascending, at which a curve has a jump, a corner or the end of a smooth edge."""
+    """Return the arguments, ascending, at which a curve has a jump, a corner or the end of a smooth edge."""
     return sorted({float(x) for name, values in terms_of(law) for x in TERMS[name].breakpoints(values)})
 
 
 def chosen_by_code(functions, arguments, otherwise):
-    """Compiled f(code, *arguments) that calls functions[code], or gives ``otherwise`` for an unknown code.
+    """Return a compiled f(code, *arguments) that calls functions[code], or returns ``otherwise`` for an unknown code.
 
-    Written as text: one flat chain of comparisons compiles in half the time of nested closures.
+    It is generated as source: a flat chain of comparisons compiles in half the time of nested closures.
     """
     lines = [f"def choose(code, {arguments}):"]
     for code in functions:
@@ -106,7 +106,7 @@ number_terms()
 
 @kernel
 def evaluate_curve(laws, start, s):
-    """(y, dy/ds, d2y/ds2) of the law at ``start``; nan when one of its terms is a force term."""
+    """Return (y, dy/ds, d2y/ds2) of the law at ``start``; nan if one of its terms is a force term."""
     y, d, h = 0.0, 0.0, 0.0
     i = start + 1
     for _ in range(int(laws[start])):
@@ -118,9 +118,9 @@ def evaluate_curve(laws, start, s):
 
 @kernel
 def evaluate_force(laws, start, s, v):
-    """(F, dF/ds, dF/dv) of the law at ``start``: extension s [m or rad], its rate v; F [N or N m] > 0 pulls.
+    """Return (F, dF/ds, dF/dv) of the law at ``start`` for extension s [m or rad] and rate v; F [N or N m] > 0 pulls.
 
-    Curves among the terms are functions of the extension.
+    Curves among its terms are functions of the extension.
     """
     F, F_s, F_v = 0.0, 0.0, 0.0
     i = start + 1
@@ -138,28 +138,28 @@ def evaluate_force(laws, start, s, v):
 
 @kernel
 def curve(laws, start, s):
-    """y of the law at ``start``, with the slope of s where it has one."""
+    """Return y of the law at ``start``; a Dual if s is one."""
     y, d, _ = evaluate_curve(laws, start, value(s))
     return chain(s, y, d)
 
 
 @kernel
 def curve_and_slope(laws, start, s):
-    """y and dy/ds of the law at ``start``, with the slope of s where it has one."""
+    """Return y and dy/ds of the law at ``start``; Duals if s is one."""
     y, d, h = evaluate_curve(laws, start, value(s))
     return chain(s, y, d), chain(s, d, h)
 
 
 @kernel
 def law_force(laws, start, s, v):
-    """F of the law at ``start`` [N or N m], with the slopes of the extension s and its rate v where they have some."""
+    """Return F of the law at ``start`` [N or N m] for extension s and rate v; a Dual if s or v is one."""
     F, F_s, F_v = evaluate_force(laws, start, value(s), value(v))
     return chain(s, F, F_s) + chain(v, 0.0, F_v)
 
 
 @kernel
 def potential(laws, start, s):
-    """U [J] with dU/ds = F(s, 0), up to a constant: continuous, and 0 where its terms have their origin."""
+    """Return U [J] with dU/ds = F(s, 0), up to a constant; continuous, and 0 at the origin of each term."""
     U = 0.0
     i = start + 1
     for _ in range(int(laws[start])):

@@ -1,9 +1,9 @@
 r"""Table: a curve through given points, monotone cubic or linear between them.
 
 The cubic is the Hermite cubic with the slopes of Fritsch & Butland (SIAM J. Sci. Stat. Comput. 5, 1984), which
-keeps the theorem of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980): it is monotone where the points are and
+satisfies the theorem of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980): it is monotone where the points are and
 never overshoots. It is C1; its second derivative jumps at the points. The linear curve has a corner at every
-point. Outside the points the curve holds its last value (a corner, unless the end slope is zero) or goes on
+point. Outside the points the curve holds its last value (a corner, unless the end slope is zero) or continues
 along its end tangent.
 """
 
@@ -13,13 +13,13 @@ from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, VALUE, Term
 from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 
-PARTS = 4  # of the way from point to point that show the shape of a table
+PARTS = 4  # subdivisions between points that resolve the shape of a table
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 
 
 @kernel
 def interval(a, first, n, s):
-    """Index j of the interval x_j <= s < x_{j+1} (the last one closed); x_0 = a[first]."""
+    """Return the index j of the interval x_j <= s < x_{j+1} (the last one closed); x_0 = a[first]."""
     low, high = 0, n - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -32,7 +32,7 @@ def interval(a, first, n, s):
 
 @kernel
 def piece(a, i, s):
-    """Of the interval around s: its length h, u from 0 to 1 in it, y0, (c1, c2, c3), its number.
+    """Return, for the interval that contains s: its length h, u from 0 to 1 in it, y0, (c1, c2, c3), its index.
 
     There y = y0 + h (c1 u + c2 u^2 + c3 u^3).
     """
@@ -48,7 +48,7 @@ def piece(a, i, s):
 
 @kernel
 def end(a, i, s):
-    """(is s outside, x, y, slope beyond, integral) of the end of the table next to s."""
+    """Return (is s outside, x, y, slope beyond, integral) at the end of the table nearest to s."""
     n = int(a[i + 2])
     x = i + HEAD
     j = n - 1 if s > a[x] else 0
@@ -59,7 +59,7 @@ def end(a, i, s):
 
 @kernel
 def table(a, i, s):
-    """Value and derivatives of the Hermite cubic, or of its continuation."""
+    """Return value and derivatives of the Hermite cubic, or of its continuation."""
     outside, x_end, y_end, slope, _ = end(a, i, s)
     if outside:
         return y_end + slope * (s - x_end), slope, 0.0
@@ -70,7 +70,7 @@ def table(a, i, s):
 
 @kernel
 def table_integral(a, i, s):
-    """Antiderivative, zero at the first point."""
+    """Return the antiderivative, zero at the first point."""
     outside, x_end, y_end, slope, area = end(a, i, s)
     if outside:
         w = s - x_end
@@ -81,7 +81,7 @@ def table_integral(a, i, s):
 
 
 def monotone_slopes(x, y):
-    """Slopes (n,) at the points (x, y) of the monotone cubic."""
+    """Return the slopes (n,) of the monotone cubic at the points (x, y)."""
     h, chord = np.diff(x), np.diff(y) / np.diff(x)
     if len(x) == 2:
         return np.repeat(chord, 2)
@@ -96,7 +96,7 @@ def monotone_slopes(x, y):
 
 
 def end_slope(h0, h1, m0, m1):
-    """Slope at an end from three points, bounded so that the curve keeps its shape."""
+    """Return the slope at an end from three points, bounded to preserve the shape of the curve."""
     d = ((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1)
     if np.sign(d) != np.sign(m0):
         return 0.0
@@ -106,7 +106,7 @@ def end_slope(h0, h1, m0, m1):
 
 
 def pack_points(points, interpolation, beyond):
-    """The numbers of a table: head, x, y, slopes, areas up to each point."""
+    """Return the numbers of a table: head, x, y, slopes, areas up to each point."""
     x, y = np.asarray(points, float).T
     h, chord = np.diff(x), np.diff(y) / np.diff(x)
     if interpolation == "linear":
@@ -119,12 +119,12 @@ def pack_points(points, interpolation, beyond):
 
 
 def pack_table(values):
-    """The numbers of the term."""
+    """Return the numbers of the term."""
     return pack_points(values["points"], values["interpolation"], values["beyond"])
 
 
 def two_increasing(points):
-    """Check: at least 2 points [x, y], their x strictly increasing."""
+    """Check that there are at least 2 points [x, y] with strictly increasing x."""
     if points is None:
         return None
     if len(points) < 2:
@@ -136,19 +136,19 @@ def two_increasing(points):
 
 
 def some_points(values):
-    """Check of the values together: points there, from the deck or read from the file."""
+    """Check that the points are given, in the deck or read from the file."""
     return ["one of 'points' and 'file' must be given"] if values["points"] is None else []
 
 
 def table_breakpoints(values):
-    """Corners: every point of a linear table, the ends of one that holds its value."""
+    """Return the corners: every point of a linear table, and the ends of a table that holds its values."""
     x = [float(point[0]) for point in values["points"]]
     inner = x[1:-1] if values["interpolation"] == "linear" else []
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
 def shape_of_table(values, low, high):
-    """Both sides of every point, where the second derivative jumps, and some between: it is linear there."""
+    """Return both sides of every point, where the second derivative jumps, and points between, where it is linear."""
     x = np.array(values["points"], float)[:, 0]
     between = (x[:-1, None] + np.diff(x)[:, None] * np.arange(1, PARTS) / PARTS).ravel()
     return np.concatenate([np.nextafter(x, -np.inf), x, between])

@@ -1,20 +1,20 @@
-"""What a term of a law is: one summand with its deck fields, its numbers and its compiled functions."""
+"""A term of a law: one summand with its deck fields, its numbers and its compiled functions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-# A law serves metres as well as seconds or radians: its units are those of its place in the deck.
+# A law may be a function of metres, seconds or radians: its units depend on where the deck uses it.
 ARGUMENT = "unit of the argument"
 VALUE = "unit of the value"
 SLOPE = "unit of the value / unit of the argument"
 OF_A_POWER = "unit of the value / unit of the argument^p"
 
-OF_A_WAVE = 32  # parts of a wave or an edge that show its shape: second derivatives within 0.5 %
-MOST_SHOWN = 100_000  # arguments that show the shape of something endless, from the lowest on
+OF_A_WAVE = 32  # arguments per wave or edge that resolve its shape: second derivatives within 0.5 %
+MOST_SHOWN = 100_000  # maximum number of arguments that resolve an unbounded term, starting from the lowest
 
 
 def nothing(*_):
-    """No complaints, no corners, no bends."""
+    """Return an empty list: no errors, corners or breakpoints."""
     return []
 
 
@@ -40,7 +40,7 @@ class Term:
     evaluate: Callable
     integral: Callable
     check: Callable = nothing
-    """{field: value} -> [text]: what is wrong with the values taken together"""
+    """{field: value} -> [text]: errors in the combination of the values"""
     stops: Callable = nothing
     """{field: value} -> [(extension, stiffness)]: corners of a force; a stiffness < 0 marks a lower stop"""
     breakpoints: Callable = nothing
@@ -53,6 +53,6 @@ class Term:
 
 
 def numbers_of(fields):
-    """The ``pack`` of a term whose numbers are its fields, in their order."""
+    """Return the ``pack`` of a term whose numbers are its fields, in their order."""
     names = tuple(field.name for field in fields)
     return lambda values: [values[name] for name in names]

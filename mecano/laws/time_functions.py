@@ -1,4 +1,4 @@
-"""Curves that are mostly functions of time: sine, ramp, step with a smooth edge, exponential."""
+"""Curves used mainly as functions of time: sine, ramp, step with a smooth edge, exponential."""
 
 import math
 
@@ -11,7 +11,7 @@ from mecano.schema import NUMBER, Field, not_negative
 
 @kernel
 def sine(a, i, s):
-    """Numbers: amplitude, frequency, phase, offset."""
+    """Evaluate the term; numbers: amplitude, frequency, phase, offset."""
     w = 2.0 * math.pi * a[i + 1]
     y, d = a[i] * math.sin(w * s + a[i + 2]), a[i] * math.cos(w * s + a[i + 2])
     return y + a[i + 3], w * d, -w * w * y
@@ -19,7 +19,7 @@ def sine(a, i, s):
 
 @kernel
 def sine_integral(a, i, s):
-    """Antiderivative, zero at s = 0."""
+    """Return the antiderivative, zero at s = 0."""
     half = math.pi * a[i + 1] * s
     mean = math.sin(half + a[i + 2]) * (math.sin(half) / half if half != 0.0 else 1.0)
     return (a[i] * mean + a[i + 3]) * s
@@ -27,7 +27,7 @@ def sine_integral(a, i, s):
 
 @kernel
 def ramp(a, i, s):
-    """Numbers: start, end, from, to."""
+    """Evaluate the term; numbers: start, end, from, to."""
     if s <= a[i]:
         return a[i + 2], 0.0, 0.0
     if s >= a[i + 1]:
@@ -38,7 +38,7 @@ def ramp(a, i, s):
 
 @kernel
 def ramp_integral(a, i, s):
-    """Antiderivative, zero at the start of the ramp."""
+    """Return the antiderivative, zero at the start of the ramp."""
     w, length, rise = s - a[i], a[i + 1] - a[i], a[i + 3] - a[i + 2]
     if w <= 0.0:
         return a[i + 2] * w
@@ -49,7 +49,7 @@ def ramp_integral(a, i, s):
 
 @kernel
 def step(a, i, s):
-    """Numbers: time, rise, from, to; the edge is u^3 (10 - 15 u + 6 u^2)."""
+    """Evaluate the term; numbers: time, rise, from, to; the edge is u^3 (10 - 15 u + 6 u^2)."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
     if w >= rise:
         return a[i + 3], 0.0, 0.0
@@ -63,7 +63,7 @@ def step(a, i, s):
 
 @kernel
 def step_integral(a, i, s):
-    """Antiderivative, zero at the start of the edge."""
+    """Return the antiderivative, zero at the start of the edge."""
     w, rise, jump = s - a[i], a[i + 1], a[i + 3] - a[i + 2]
     if w <= 0.0:
         return a[i + 2] * w
@@ -75,7 +75,7 @@ def step_integral(a, i, s):
 
 @kernel
 def exponential(a, i, s):
-    """Numbers: start, limit, rate, origin."""
+    """Evaluate the term; numbers: start, limit, rate, origin."""
     w = s - a[i + 3]
     if w < 0.0:
         return a[i], 0.0, 0.0
@@ -85,7 +85,7 @@ def exponential(a, i, s):
 
 @kernel
 def exponential_integral(a, i, s):
-    """Antiderivative, zero at the origin."""
+    """Return the antiderivative, zero at the origin."""
     w, x = s - a[i + 3], -a[i + 2] * (s - a[i + 3])
     if w < 0.0:
         return a[i] * w
@@ -94,7 +94,7 @@ def exponential_integral(a, i, s):
 
 
 def shape_of_sine(values, low, high):
-    """Equal parts of a wave, its highest and lowest points among them; a whole wave at least."""
+    """Return equally spaced arguments of a wave, including its extrema; at least one full wave."""
     frequency = values["frequency"]
     if not frequency:
         return []
@@ -104,23 +104,23 @@ def shape_of_sine(values, low, high):
 
 
 def shape_of_step(values, low, high):
-    """Equal parts of the edge."""
+    """Return equally spaced arguments of the edge."""
     return values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1)
 
 
 def shape_of_exponential(values, low, high):
-    """Equal parts of a decay to some thousandths."""
+    """Return equally spaced arguments of a decay to a few thousandths."""
     return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
 
 
 def end_of_edge(time, rise):
-    """First time at which the edge is over, of which the sum may be rounded down to one before."""
+    """Return the first time at which the edge is complete, even if time + rise is rounded down."""
     end = time + rise
     return end if end - time >= rise else math.nextafter(end, math.inf)
 
 
 def end_after_start(values):
-    """Check: the ramp takes some time."""
+    """Check that the ramp has a positive length."""
     return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
 
 
@@ -174,7 +174,7 @@ STEP = Term(
     evaluate=step,
     integral=step_integral,
     shape=shape_of_step,
-    # A smooth edge has no corner, but a step of time must not leap over it.
+    # A smooth edge has no corner, but a time step must not skip it.
     breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
 )
 

@@ -1,1 +1,1 @@
-"""Compiled functions on floats and tuples: vectors, rotations, curves, laws, ground profiles."""
+"""Compiled functions on numbers and small tuples: vectors, rotations, dual numbers, surfaces, interpolation."""

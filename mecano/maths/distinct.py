@@ -1,13 +1,13 @@
-"""Whole numbers, each once."""
+"""Unique integers."""
 
 import numpy as np
 
 
 def distinct(numbers):
-    """The numbers (n,) of an array, which is sorted in place, each once and ascending, as numpy.unique.
+    """Return the unique values of an array (n,) in ascending order, like numpy.unique; sorts the array in place.
 
-    That goes through a hash table, which takes ten times as long for the few numbers of a block of a matrix as well as
-    for the millions of a pattern.
+    numpy.unique uses a hash table, which takes ten times as long, both for the few numbers of a block of a matrix and
+    for the millions of a sparsity pattern.
     """
     numbers.sort()
     first = np.ones(len(numbers), bool)

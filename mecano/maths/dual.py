@@ -1,7 +1,7 @@
 r"""Dual numbers :math:`a + \dot a\, \epsilon`, :math:`\epsilon^2 = 0`: a value and its derivative along a direction.
 
-What is computed with them instead of numbers has the exact derivative by the chain rule. The slope is a number, or a
-Vector of the derivatives along three directions.
+Computing with them instead of numbers gives exact derivatives by the chain rule. The slope is a number, or a Vector of
+the derivatives along three directions.
 """
 
 import math
@@ -13,8 +13,8 @@ import numpy as np
 from mecano.jit.methods import Generic, algebraic, method
 
 NUMBER = float
-TINY = 1e-150  # a root below it has no slope
-DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # of arrays of Duals in compiled code
+TINY = 1e-150  # below this value, the slope of a root is taken as zero
+DUAL = np.dtype([("value", "f8"), ("slope", "f8")], align=True)  # item type of arrays of Duals in compiled code
 
 
 @algebraic
@@ -117,7 +117,7 @@ def _(a):
 
 @Generic
 def number(a):
-    """Return a number read from an array, a Dual where compiled code has a record of the array."""
+    """Return a number read from an array, as a Dual if compiled code reads a record."""
     return a
 
 
@@ -219,7 +219,7 @@ def _(a, b):
 
 @Generic
 def constant(a, like):
-    """Return a number that does not vary, of the type of ``like``."""
+    """Return a constant of the type of ``like``."""
     return a
 
 
@@ -230,7 +230,7 @@ def _(a, like):
 
 @Generic
 def chain(a, y, slope):
-    """Return the value y of a function of ``a`` whose derivative is ``slope``, with the slope of ``a``."""
+    """Return the value y of a function of ``a`` with derivative ``slope``; its slope follows by the chain rule."""
     return y
 
 
@@ -241,10 +241,10 @@ def _(a, y, slope):
 
 @Generic
 def implicit(root, residual, slope):
-    """Return a ``root`` found in numbers with its slope by the implicit function theorem.
+    """Return a ``root`` found numerically, with its slope by the implicit function theorem.
 
-    ``residual`` is the equation at the root, with the slopes of all it depends on but the root; ``slope`` its
-    derivative by the root.
+    ``residual`` is the equation at the root, with the slopes of all its arguments except the root; ``slope`` is its
+    derivative with respect to the root.
     """
     return root
 
@@ -256,7 +256,7 @@ def _(root, residual, slope):
 
 @Generic
 def select(condition, a, b):
-    """Return ``a`` where the condition holds, ``b`` elsewhere; both are computed."""
+    """Return ``a`` if the condition holds, else ``b``; both are evaluated."""
     return a if condition else b
 
 

@@ -1,8 +1,8 @@
-"""Interpolation within a step, from the values at its ends."""
+"""Interpolation within a step from the values at its ends."""
 
 from mecano.jit.kernel import kernel
 
-SMOOTH = 0.125  # share of the change at the greater rate by which a change may differ from that at the mean rate
+SMOOTH = 0.125  # bound of |change - change at the mean rate| / change at the greater rate
 
 
 @kernel
@@ -15,7 +15,7 @@ def hermite(u, h, x0, x1, v0, v1):
 
 @kernel
 def between(u, x0, x1):
-    """Return the linear interpolant at the fraction u, never outside [x0, x1], whatever rounding does."""
+    """Return the linear interpolant at the fraction u; it stays within [x0, x1] in spite of round-off."""
     x = x0 + u * (x1 - x0)
     return min(max(x, min(x0, x1)), max(x0, x1))
 
@@ -24,8 +24,8 @@ def between(u, x0, x1):
 def is_smooth(h, x0, x1, v0, v1):
     """Return whether a change over h agrees with its rates well enough for a cubic.
 
-    By Taylor's series x1 - x0 - h (v0 + v1)/2 = -h^3 x'''/12: of an oscillation with circular frequency omega it is the
-    share (omega h)^2/12 of the change at the greater rate, so five steps in a period are enough. Of an oscillation that
-    the steps do not resolve the rates tell nothing.
+    By Taylor's series x1 - x0 - h (v0 + v1)/2 = -h^3 x'''/12: for an oscillation of circular frequency omega this is
+    (omega h)^2/12 of the change at the greater rate, so five steps per period are enough. If the steps do not resolve
+    an oscillation, its rates contain no information.
     """
     return abs(x1 - x0 - 0.5 * h * (v0 + v1)) <= SMOOTH * h * max(abs(v0), abs(v1))

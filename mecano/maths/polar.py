@@ -4,12 +4,12 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import Mat3, cross, dot
 
 MOST_ITERATIONS = 50
-ROUND_OFF = 1e-30  # of the squared change of an iterate whose entries are about 1
+ROUND_OFF = 1e-30  # of the squared change of an iterate with entries of about 1
 
 
 @kernel
 def inverse(A):
-    """A^-1 for a 3x3 matrix."""
+    """Return A^-1 for a 3x3 matrix."""
     a, b, c = cross(A[1], A[2]), cross(A[2], A[0]), cross(A[0], A[1])
     s = 1.0 / dot(A[0], a)
     return Mat3(s * a, s * b, s * c).T
@@ -17,7 +17,7 @@ def inverse(A):
 
 @kernel
 def nearest_rotation(B):
-    """R of the polar decomposition B = R H, H symmetric and positive, for det B > 0.
+    """Return R of the polar decomposition B = R H, H symmetric positive definite, for det B > 0.
 
     Newton's iteration X <- (X + X^-T)/2, of second order (Higham 1986), from B scaled to det X about 1.
     """

@@ -1,4 +1,4 @@
-r"""The rotation vector between two frames: its variation and the derivatives of that, on tuples.
+r"""The rotation vector between two frames, its variation and the derivatives of the variation, on tuples.
 
 With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\Theta_i` of both frames
 (:math:`\delta\Theta_1` in the axes of :math:`R_1`),
@@ -24,7 +24,7 @@ A10, A11 = 174611.0 / 802857662698291200000.0, 77683.0 / 14101100039391805440000
 
 @kernel
 def inverse_coefficients(t2):
-    """c, c1 and c2 for t2 = theta^2; theta < 2 pi."""
+    """Return c, c1 and c2 for t2 = theta^2; theta < 2 pi."""
     if t2 < SERIES:
         c = A7 + t2 * (A8 + t2 * (A9 + t2 * (A10 + t2 * A11)))
         c = A1 + t2 * (A2 + t2 * (A3 + t2 * (A4 + t2 * (A5 + t2 * (A6 + t2 * c)))))
@@ -45,13 +45,13 @@ def inverse_coefficients(t2):
 
 @kernel
 def inverse_tangent(phi, c):
-    """H, 3x3."""
+    """Return H, 3x3."""
     return add_half(phi) + c * square_hat(phi)
 
 
 @kernel
 def add_half(phi):
-    """I + hat(phi)/2."""
+    """Return I + hat(phi)/2."""
     return Mat3(
         Vec3(1.0, -0.5 * phi[2], 0.5 * phi[1]),
         Vec3(0.5 * phi[2], 1.0, -0.5 * phi[0]),
@@ -61,7 +61,7 @@ def add_half(phi):
 
 @kernel
 def square_hat(phi):
-    """hat(phi)^2 = phi phi^T - theta^2 I."""
+    """Return hat(phi)^2 = phi phi^T - theta^2 I."""
     xx, yy, zz = phi[0] * phi[0], phi[1] * phi[1], phi[2] * phi[2]
     xy, xz, yz = phi[0] * phi[1], phi[0] * phi[2], phi[1] * phi[2]
     return Mat3(Vec3(-yy - zz, xy, xz), Vec3(xy, -xx - zz, yz), Vec3(xz, yz, -xx - yy))
@@ -69,7 +69,7 @@ def square_hat(phi):
 
 @kernel
 def first_derivative(phi, z, half, c, c1):
-    """d(H z)/dphi with half = -1/2, d(H^T z)/dphi with half = 1/2; 3x3, its column j by phi_j."""
+    """Return d(H z)/dphi with half = -1/2, d(H^T z)/dphi with half = 1/2; 3x3, column j is the derivative by phi_j."""
     zz = dot(phi, z) * phi
     twice = zz - dot(phi, phi) * z  # phi x (phi x z)
     along = c1 * twice - 2.0 * c * z
@@ -88,7 +88,7 @@ def first_derivative(phi, z, half, c, c1):
 
 @kernel
 def second_form(phi, p, y, c, c1, c2):
-    """Second derivative of p . H y by phi, 3x3 symmetric."""
+    """Return the second derivative of p . H y by phi, 3x3 symmetric."""
     py, fy, fp = dot(p, y), dot(phi, y), dot(phi, p)
     t2 = dot(phi, phi)
     q = fy * fp - t2 * py  # p . phi x (phi x y)
@@ -107,7 +107,7 @@ def second_form(phi, p, y, c, c1, c2):
 
 @kernel
 def inverse_tangent_rate(phi, rate, c, c1):
-    """dH/dt for dphi/dt = rate, 3x3."""
+    """Return dH/dt for dphi/dt = rate, 3x3."""
     F, W = skew(phi), skew(rate)
     both = F @ W + W @ F
     return 0.5 * W + (c * both + c1 * dot(phi, rate) * square_hat(phi))
@@ -115,7 +115,7 @@ def inverse_tangent_rate(phi, rate, c, c1):
 
 @kernel
 def second_derivative(phi, rate, y, c, c1, c2):
-    """d/dphi [d(H y)/dphi rate], 3x3, for fixed rate and y."""
+    """Return d/dphi [d(H y)/dphi rate], 3x3, for fixed rate and y."""
     f, fy, ry = dot(phi, rate), dot(phi, y), dot(rate, y)
     twice = cross(phi, cross(phi, y))
     mixed = fy * rate + ry * phi - 2.0 * f * y

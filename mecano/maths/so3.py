@@ -9,13 +9,13 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, atan2, select, sin, sqrt, tan
 from mecano.maths.vector import EYE, Vec3, dot, skew
 
-TINY = 1e-150  # half an angle [rad] below which it has no axis
+TINY = 1e-150  # half the angle [rad] below which a rotation has no axis
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
 
 
 @kernel
 def coefficients(t2):
-    """sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
+    """Return sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
     if t2 < SERIES * SERIES:
         s = 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0))
         c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
@@ -29,7 +29,7 @@ def coefficients(t2):
 
 @kernel
 def exp(psi):
-    """Rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
+    """Return the rotation matrix exp(hat(psi)) of the rotation vector psi [rad] (Rodrigues)."""
     s, c, _ = coefficients(dot(psi, psi))
     H = skew(psi)
     return EYE + (s * H + c * (H @ H))
@@ -37,7 +37,7 @@ def exp(psi):
 
 @kernel
 def quaternion(R):
-    """Unit quaternion (w, x, y, z), w >= 0, of R; from the largest of its four squares, accurate at every angle."""
+    """Return the unit quaternion (w, x, y, z), w >= 0, of R, computed from its largest component for accuracy."""
     t = R[0][0] + R[1][1] + R[2][2]
     if t > R[0][0] and t > R[1][1] and t > R[2][2]:
         w = 0.5 * sqrt(1.0 + t)
@@ -62,7 +62,7 @@ def quaternion(R):
 
 @kernel
 def log(R):
-    """Rotation vector [rad] of R, of length in [0, pi]."""
+    """Return the rotation vector [rad] of R, with length in [0, pi]."""
     w, x, y, z = quaternion(R)
     n = sqrt(x * x + y * y + z * z)
     f = select(n > TINY, 2.0 * atan2(n, w) / at_least(n, TINY), 2.0)
@@ -71,7 +71,7 @@ def log(R):
 
 @kernel
 def tangent(psi):
-    """T(psi), 3x3: material dTheta = T dpsi; T = I - c hat(psi) + b hat(psi)^2."""
+    """Return T(psi), 3x3: material dTheta = T dpsi; T = I - c hat(psi) + b hat(psi)^2."""
     _, c, b = coefficients(dot(psi, psi))
     H = skew(psi)
     return EYE + (-c * H + b * (H @ H))
@@ -79,7 +79,7 @@ def tangent(psi):
 
 @kernel
 def tangent_inverse(psi):
-    """T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
+    """Return T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
     t2 = dot(psi, psi)
     if t2 < SERIES * SERIES:
         d = (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0

@@ -1,22 +1,22 @@
-r"""A ground surface and the point where a disc comes nearest to it.
+r"""A ground surface and the point of a disc nearest to it.
 
-The surface is a plane (point P0, unit normal n0), raised by a profile H(sigma), the height over the plane
-as a function of the distance sigma along a unit direction d of it: P = P0 + sigma d + tau (n0 x d) + H
+The surface is a plane (point P0, unit normal n0), raised by a profile H(sigma), the height above the plane
+as a function of the distance sigma along a unit direction d in it: P = P0 + sigma d + tau (n0 x d) + H
 n0.
 
-A disc of centre x and unit axis a meets it at C = x + r c. The unit vector c points from the centre to
-the lowest point of the rim, and normal n and point P are those *at C*:
+A disc of centre x and unit axis a touches it at C = x + r c. The unit vector c points from the centre to
+the lowest point of the rim; normal n and point P are evaluated *at C*:
 
     c = -(n - s a)/q,   s = n.a,   q = sqrt(1 - s^2),   r = (x - P).n / q,   sigma = d.(C - P0)
 
-The last equation is implicit in sigma. Then C lies on the surface, in the plane of the disc, and C - x is
+The last equation is implicit in sigma. Then C lies on the surface and in the plane of the disc, and C - x is
 normal to their intersection: r is the (stationary) distance of the centre from the ground in that plane.
-Therefore its first variation holds on a plane and on a profile alike,
+Therefore the first variation is the same on a plane and on a profile,
 
     dr = n . (dx + dtheta x r c)/q,
 
-and the curvature of the profile enters its second variation only. The contact is single and sigma unique
-as long as the profile's radius of curvature, where it is hollow, is larger than r.
+and the curvature of the profile enters only the second variation. The contact is single and sigma unique
+as long as the radius of curvature of concave parts of the profile is larger than r.
 """
 
 from typing import NamedTuple
@@ -25,12 +25,12 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import EYE, Mat3, cross, dot, outer, skew
 
-LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: below this q all stays finite
-LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): finite in a hollow that is too narrow
+LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: this bound keeps all values finite
+LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): keeps values finite where the profile is too concave
 
 
 class Contact(NamedTuple):
-    """Where a disc is nearest to the ground; 3-vectors in the inertial frame."""
+    """The point of a disc nearest to the ground; 3-vectors in the inertial frame."""
 
     n: tuple  # unit normal at C
     dn: tuple  # dn/dsigma [1/m]
@@ -42,7 +42,7 @@ class Contact(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Derivatives of a contact by three variables: 3x3, 3, 3x3."""
+    """Derivatives of a contact with respect to three variables: 3x3, 3, 3x3."""
 
     n: tuple
     s: tuple
@@ -51,7 +51,7 @@ class Block(NamedTuple):
 
 @kernel
 def profile_normal(n0, d, H1, H2):
-    """Unit normal n and dn/dsigma [1/m] of the profile of slope H1 and second derivative H2 [1/m]."""
+    """Return the unit normal n and dn/dsigma [1/m] of a profile with slope H1 and second derivative H2 [1/m]."""
     length2 = 1.0 + H1 * H1
     length = sqrt(length2)
     n = (n0 - H1 * d) / length
@@ -60,10 +60,10 @@ def profile_normal(n0, d, H1, H2):
 
 @kernel
 def foot_residual(n0, d, a, z, delta, H, H1, H2):
-    """d.(r c) - delta, which is zero at the contact, and its derivative by delta.
+    """Return d.(r c) - delta, which is zero at the contact, and its derivative with respect to delta.
 
-    ``delta`` [m] is sigma less that of the centre, ``z`` [m] the height of the centre over the plane;
-    H, H1, H2 are taken at sigma. Written with the normal N = n0 - H1 d, whose length is not one.
+    ``delta`` [m] is sigma minus that of the centre, ``z`` [m] the height of the centre above the plane; H, H1, H2 are
+    evaluated at sigma. Written with the normal N = n0 - H1 d, which is not of unit length.
     """
     N = n0 - H1 * d
     M = N - dot(N, a) * a
@@ -76,7 +76,7 @@ def foot_residual(n0, d, a, z, delta, H, H1, H2):
 
 @kernel
 def disc_contact(n, dn, height, a):
-    """The Contact of a disc of unit axis ``a`` whose centre is ``height`` = (x - P).n [m] over the ground."""
+    """Return the Contact of a disc with unit axis ``a`` and its centre ``height`` = (x - P).n [m] above the ground."""
     s = dot(n, a)
     m = n - s * a
     q = at_least(sqrt(dot(m, m)), LEAST_Q)
@@ -87,9 +87,9 @@ def disc_contact(n, dn, height, a):
 
 @kernel
 def disc_variation(d, a, g):
-    """Derivatives of the Contact ``g`` of a disc of axis ``a``: (Block by dx, Block by the inertial dtheta).
+    """Return derivatives of the Contact ``g`` of a disc of axis ``a``: (Block by dx, Block by the inertial dtheta).
 
-    With the implicit derivative of sigma along the profile's direction ``d``; da = dtheta x a.
+    They include the implicit derivative of sigma along the profile's direction ``d``; da = dtheta x a.
     """
     # dc = C_n dn + C_a da
     C_a = (outer(a, g.n) + g.s * EYE) / g.q + outer(g.s / g.q**2 * g.c, g.n)
@@ -114,14 +114,14 @@ def disc_variation(d, a, g):
 
 @kernel
 def directions(a, g):
-    """Driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g`` of a disc of axis ``a``."""
+    """Return driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g``; ``a`` is the axis."""
     t = cross(a, g.n) / g.q
     return t, cross(g.n, t)
 
 
 @kernel
 def directions_variation(a, g, t, by, da):
-    """Derivatives (dt, dl), 3x3, of the two directions by the variables of the Block ``by``, of which a has da, 3x3."""
+    """Return derivatives (dt, dl), 3x3, of the directions by the variables of the Block ``by``; ``da``, 3x3, of a."""
     turn = -(skew(g.n) @ da) + skew(a) @ by.n
     dt = turn / g.q + outer(g.s / g.q**2 * t, by.s)
     return dt, -(skew(t) @ by.n) + skew(g.n) @ dt
@@ -129,5 +129,5 @@ def directions_variation(a, g, t, by, da):
 
 @kernel
 def _times_skew(A, a):
-    """A hat(a): row i is A_i x a."""
+    """Return A hat(a): row i is A_i x a."""
     return Mat3(cross(A[0], a), cross(A[1], a), cross(A[2], a))

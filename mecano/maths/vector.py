@@ -1,7 +1,7 @@
-"""Vectors and matrices of three dimensions with operators: values, no heap, quick to compile.
+"""Vectors and matrices in three dimensions with operators: passed by value, without heap memory, fast to compile.
 
 ``a + b``, ``s * a``, ``a / s``, ``A @ b``, ``A @ B``, ``A.T``; ``dot``, ``cross``, ``norm``. Components are numbers or
-Duals. ``vec`` and ``mat`` read them from arrays; the ``add_*`` functions add them into arrays.
+Duals. ``vec`` and ``mat`` read from arrays; the ``add_*`` functions add to arrays.
 """
 
 import operator

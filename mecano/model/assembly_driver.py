@@ -1,4 +1,4 @@
-"""One call for all kinds: the loops of all batches, and what comes before and after them.
+"""Drivers of the assembly: call the loops of all batches, with the work before and after them.
 
 ``loops`` (n,) are the addresses of the loops of n batches, ``batches`` (n,) their records BATCH; ``system`` (1,) is the
 record SYSTEM.
@@ -14,7 +14,7 @@ Batches, System = Records(BATCH), Records(SYSTEM)
 
 @kernel
 def bind_state(system, t, z, v, a, R, phases, memory):
-    """Let the loops work on this state."""
+    """Bind the loops to this state."""
     s = system[0]
     s.t = t
     s.z, s.v, s.a, s.R = z.ctypes.data, v.ctypes.data, a.ctypes.data, R.ctypes.data
@@ -30,7 +30,7 @@ def run(loops, batches, system):
 
 @kernel
 def collect(system):
-    """Sum the forces of all slots that are one unknown, and their sizes, those of the forces of inertia included."""
+    """Sum the forces and force magnitudes (including inertia) of all slots that belong to the same unknown."""
     s = system[0]
     force, size, mass = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
     slot_dof, a = integers(s.slot_dof, s.n_slots), floats(s.a, s.n_all)
@@ -45,7 +45,7 @@ def collect(system):
 
 @kernel
 def residual(loops, batches, system, k, penalty):
-    """Residual, and its sizes with the masses of the last tangent, at the state aimed at."""
+    """Compute the residual and its scale, with the masses of the last tangent, at the bound state."""
     s = system[0]
     s.k, s.penalty = k, penalty
     floats(s.force, s.n_slots)[:] = 0.0
@@ -60,7 +60,7 @@ def assemble_residual(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     k: float, penalty: float,
 ):  # fmt: skip
-    """Residual and its sizes."""
+    """Compute the residual and its scale."""
     bind_state(system, t, z, v, a, R, phases, memory)
     system[0].lag = 1.0
     residual(loops, batches, system, k, penalty)
@@ -72,7 +72,7 @@ def assemble(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     T: Matrices, k: float, penalty: float, cK: float, cC: float, cM: float,
 ):  # fmt: skip
-    """Residual, its sizes, and the tangent."""
+    """Compute the residual, its scale and the tangent."""
     bind_state(system, t, z, v, a, R, phases, memory)
     s = system[0]
     s.T, s.cK, s.cC, s.cM = T.ctypes.data, cK, cC, cM
@@ -88,7 +88,7 @@ def add(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     T: Matrices, k: float, penalty: float, cK: float, cC: float, data: Vector,
 ):  # fmt: skip
-    """The tangent cK K + cC C of some batches, added to ``data``; spoils the forces on the slots."""
+    """Add the tangent cK K + cC C of some batches to ``data``; overwrites the forces on the slots."""
     bind_state(system, t, z, v, a, R, phases, memory)
     s = system[0]
     s.T, s.cK, s.cC, s.cM, s.k, s.penalty, s.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
@@ -104,7 +104,7 @@ def add_scaled(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     T: Matrices, cK: float, cC: float, cM: float, times: float, force: Vector, size: Vector,
 ):  # fmt: skip
-    """Add forces and tangent of some batches so many times to what is there; force, size (n_slots,) are for work."""
+    """Add ``times`` the forces and tangent of some batches to those present; force, size (n_slots,) are work arrays."""
     bind_state(system, t, z, v, a, R, phases, memory)
     s = system[0]
     s.T, s.cK, s.cC, s.cM, s.k, s.penalty = T.ctypes.data, times * cK, times * cC, times * cM, 1.0, 0.0
@@ -127,7 +127,7 @@ def constraint_derivatives(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     g_out: Matrix,
 ):  # fmt: skip
-    """Value, rate and second rate of all constraints, (n_l, 3)."""
+    """Write value, rate and second rate of all constraints, (n_l, 3)."""
     bind_state(system, t, z, v, a, R, phases, memory)
     system[0].constraint_derivatives = g_out.ctypes.data
     run(loops, batches, system)
@@ -138,7 +138,7 @@ def observe(
     loops: Indices, batches: Batches, system: System,
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
 ):  # fmt: skip
-    """Outputs and energies, from the forces on the slots that the last assembly left."""
+    """Compute outputs and energies from the slot forces of the last assembly."""
     bind_state(system, t, z, v, a, R, phases, memory)
     transmitted(system)
     floats(system[0].energy, 4)[:] = 0.0
@@ -150,7 +150,7 @@ def event_values(
     loops: Indices, batches: Batches, system: System,
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
 ):  # fmt: skip
-    """The values of all events."""
+    """Compute the values of all events."""
     bind_state(system, t, z, v, a, R, phases, memory)
     run(loops, batches, system)
 
@@ -161,7 +161,7 @@ def commit(
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
     memory_out: Vector,
 ):  # fmt: skip
-    """The memories after an accepted step."""
+    """Write the memories after an accepted step."""
     bind_state(system, t, z, v, a, R, phases, memory)
     system[0].memory_out = memory_out.ctypes.data
     run(loops, batches, system)
@@ -169,7 +169,7 @@ def commit(
 
 @kernel
 def transmitted(system):
-    """Forces that the rest exerts on each slot; then, for each joint, sums over its side of the model."""
+    """Compute the forces of the rest on each slot, then, for each joint, the sums over one side of the model."""
     s = system[0]
     n = s.n_transmitted - s.n_slots
     force, out = floats(s.force, s.n_slots), floats(s.transmitted, s.n_transmitted)

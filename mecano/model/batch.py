@@ -1,6 +1,6 @@
-"""All elements of one kind, with the tables that tie them to the unknowns of the model.
+"""Elements of one kind, with the tables that map them to the unknowns of the model.
 
-Those of a joint whose parts have more multipliers, for an option, are a batch of their own.
+Joints whose parts have additional multipliers, because of an option, form a separate batch.
 """
 
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from mecano.model.loops import BATCH, record
 
 @dataclass
 class Batch:
-    """All elements of one kind: records, tables and work arrays, and their addresses for the compiled loops."""
+    """Elements of one kind: records, tables, work arrays, and their addresses for the compiled loops."""
 
     kind: object
     names: list  # (n,) names of the owners, from the deck
-    paths: list  # (n,) sections and names of the owners, with the labels of the outputs: (path, label)
+    paths: list  # (n,) of (path, label): section and name of the owner, suffix of the outputs
     p: np.ndarray  # (n,) records
-    dofs: np.ndarray  # (n, n_local) entries of z
-    rots: np.ndarray  # (n, n_rotations) rotation matrices
+    dofs: np.ndarray  # (n, n_local) indices into z
+    rots: np.ndarray  # (n, n_rotations) indices of the rotation matrices
     slots: np.ndarray  # (n, n_local) force slots
-    output_dofs: np.ndarray  # (n, n_output_dofs) entries of z for the outputs
-    output_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces for the outputs
-    columns: np.ndarray  # (n_rotations,) local columns of the rotations
-    multipliers: np.ndarray  # (n, n_multipliers) numbers of the constraints
-    instances: list  # (n,) their numbers in the list of all instances
-    first_phase: int  # of the modes of a state
-    first_memory: int  # of the memory of a state
-    entries: np.ndarray = None  # (n, n_local, n_local) places in the values of the tangent
-    event_values: np.ndarray = None  # (n, n_events) part of those of the system
-    y: np.ndarray = None  # (n, n_outputs) part of the outputs of the system
+    output_dofs: np.ndarray  # (n, n_output_dofs) indices into z of the unknowns passed to ``observe``
+    output_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces passed to ``observe``
+    columns: np.ndarray  # (n_rotations,) first local column of each rotation
+    multipliers: np.ndarray  # (n, n_multipliers) indices of the constraints
+    instances: list  # (n,) indices into the list of all instances
+    first_phase: int  # index into the phases of a state
+    first_memory: int  # index into the memory of a state
+    entries: np.ndarray = None  # (n, n_local, n_local) indices into the values of the sparse tangent
+    event_values: np.ndarray = None  # (n, n_events) view of the event values of the system
+    y: np.ndarray = None  # (n, n_outputs) view of the outputs of the system
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
@@ -48,11 +48,11 @@ class Batch:
 
     @property
     def phases(self):
-        """Where the modes of these elements stand in those of a state."""
+        """Slice of these elements in the phases of a state."""
         return slice(self.first_phase, self.first_phase + len(self.p))
 
     def record(self):
-        """The record BATCH of the loops; ``entries``, ``event_values`` and ``y`` must be set."""
+        """Return the record BATCH for the loops; ``entries``, ``event_values`` and ``y`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
@@ -66,7 +66,7 @@ class Batch:
 
 
 def batches(instances, of, n_slots, partition):
-    """Batches in the order in which their kinds first appear; ``of`` the numbering, ``partition`` of the joints."""
+    """Return the batches in the order in which their kinds first appear."""
     places = _Places(of, n_slots)
     taken = [places.take(item.kind) for item in instances]
     groups = {}
@@ -86,7 +86,7 @@ def batches(instances, of, n_slots, partition):
 
 
 class _Places:
-    """Hands out scalars and multipliers in the order of the instances, which is that of their numbering."""
+    """Assigns scalars and multipliers in the order of the instances, which is that of the numbering."""
 
     def __init__(self, of, n_slots):
         self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q
@@ -94,7 +94,7 @@ class _Places:
         self.scalar = self.row = 0
 
     def take(self, kind):
-        """Numbers (scalars, rows) of the next instance, of the given kind."""
+        """Return the indices (scalars, rows) of the next instance, which is of the given kind."""
         scalars = list(range(self.scalar, self.scalar + len(kind.scalars)))
         rows = list(range(self.row, self.row + len(kind.multipliers)))
         self.scalar += len(scalars)

@@ -1,4 +1,4 @@
-"""Elements and the parts they are made of, as one list, before anything is numbered."""
+"""Elements and their parts as one list, before the numbering."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from mecano.model.wiring import wire
 
 
 def expand(model, context):
-    """Elements and their parts; shared unknowns (what, i, j, element name); used unknowns."""
+    """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use)."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared, used = [], [], set()
     for element in model.elements:

@@ -1,7 +1,7 @@
 """Compiled loops over all elements of one kind: gather, call the element's function, scatter.
 
-One loop for each kind and purpose, a C function of two addresses: those of the record of the batch (BATCH) and of the
-system (SYSTEM), in which everything else is found. assembly_driver.py calls them, one after the other.
+There is one loop per kind and purpose: a C function of two addresses, those of the batch record (BATCH) and of the
+system record (SYSTEM), which hold everything else. assembly_driver.py calls them one after the other.
 
 A loop is a copy of the code of a template, with the function of the element among its globals.
 """
@@ -44,7 +44,7 @@ SIZE = DUAL.itemsize
 
 
 def record(dtype, **values):
-    """An array (1,) of one record."""
+    """Return an array (1,) of one record."""
     out = np.zeros(1, dtype)
     for name, value in values.items():
         out[name] = value
@@ -53,33 +53,33 @@ def record(dtype, **values):
 
 @kernel
 def batch_at(address):
-    """The record of a batch."""
+    """Return the record of a batch."""
     return items(address, 1, BATCH)[0]
 
 
 @kernel
 def system_at(address):
-    """The record of the system."""
+    """Return the record of the system."""
     return items(address, 1, SYSTEM)[0]
 
 
 @kernel
 def given(b, s):
-    """Memories (n, n_memory) and modes (n,) of a batch; the table of laws."""
+    """Return the memories (n, n_memory) and phases (n,) of a batch, and the table of laws."""
     memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
     return memory, integers(s.phases + 8 * b.first_phase, b.n), floats(s.laws, s.n_laws)
 
 
 @kernel
 def work(b):
-    """Work arrays for the local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3)."""
+    """Return work arrays for local unknowns, velocities, accelerations (n_local,), rotations (n_rotations, 3, 3)."""
     n = max(b.n_local, b.n_output_dofs)
     return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
 
 
 @kernel
 def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
-    """Local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
+    """Copy local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
     z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
     R = floats(s.R, (s.n_rotations, 3, 3))
     for i in range(dofs.shape[0]):
@@ -95,7 +95,7 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
 
 @kernel
 def seeded(b):
-    """Duals for the local unknowns, velocities and forces (n_local,), and the rotations (n_rotations, 3, 3)."""
+    """Return arrays of Duals for local unknowns, velocities, forces (n_local,), and rotations (n_rotations, 3, 3)."""
     n, place = b.n_local, b.seeded
     q, v, f = items(place, n, DUAL), items(place + SIZE * n, n, DUAL), items(place + 2 * SIZE * n, n, DUAL)
     return q, v, f, items(place + 3 * SIZE * n, (b.n_rotations, 3, 3), DUAL)
@@ -103,7 +103,7 @@ def seeded(b):
 
 @kernel
 def rotation_of(j, columns):
-    """The rotation to which the local unknown j belongs, or -1."""
+    """Return the index of the rotation to which the local unknown j belongs, or -1."""
     for r in range(columns.shape[0]):
         if columns[r] <= j < columns[r] + 3:
             return r
@@ -112,7 +112,7 @@ def rotation_of(j, columns):
 
 @kernel
 def put_constant(R_out, R):
-    """Store a rotation that does not vary."""
+    """Store a constant rotation."""
     for i in range(3):
         for j in range(3):
             R_out[i, j] = R[i][j]
@@ -128,7 +128,7 @@ def put_turned(R_out, R, turn):
 
 
 def tangent(batch, system):
-    """Forces, their sizes, masses, and the tangent cK K + cC C + cM M."""
+    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -162,7 +162,7 @@ def tangent(batch, system):
             force_out[slot] += f[i]
             size_out[slot] += abs(f[i])
             mass_out[slot] += abs(M[i, i])
-        # K is the derivative by the material variation; T turns it into one by the rotation increment
+        # K is the derivative with respect to the material variation; T maps it to the rotation increment
         for r in range(b.n_rotations):
             c, turn = columns[r], T[rots[e, r]]
             for i in range(n):
@@ -176,9 +176,9 @@ def tangent(batch, system):
 
 
 def dual_tangent(batch, system):
-    """Forces, their sizes, and the tangent cK K + cC C of a kind that has a residual only, without inertia.
+    """Compute forces, their magnitudes, and the tangent cK K + cC C of a kind with a residual only, without inertia.
 
-    One pass for each local unknown j gives column j: q_j moves by cK, v_j by cC, a rotation by R hat(cK T_j).
+    One pass per local unknown j gives column j: q_j varies by cK, v_j by cC, a rotation by R hat(cK T_j).
     """
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
@@ -228,7 +228,7 @@ def dual_tangent(batch, system):
 
 
 def residual(batch, system):
-    """Forces and their sizes."""
+    """Compute forces and their magnitudes."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -251,7 +251,7 @@ def residual(batch, system):
 
 
 def plain_residual(batch, system):
-    """Forces and their sizes, of a kind that has a residual only."""
+    """Compute forces and their magnitudes for a kind with a residual only."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -273,7 +273,7 @@ def plain_residual(batch, system):
 
 
 def constraint_derivatives(batch, system):
-    """Values, rates and second rates of the constraints."""
+    """Compute values, rates and second rates of the constraints."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -290,7 +290,7 @@ def constraint_derivatives(batch, system):
 
 
 def dual_constraint_derivatives(batch, system):
-    """Values and rates of constraints on velocities: slopes along the motion."""
+    """Compute values and rates of constraints on velocities; the rates are slopes along the motion."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -316,7 +316,7 @@ def dual_constraint_derivatives(batch, system):
 
 
 def observe(batch, system):
-    """Outputs and energies of the elements; sums of the energies."""
+    """Compute outputs and energies of the elements, and add the energies to the totals."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -340,7 +340,7 @@ def observe(batch, system):
 
 
 def event_values(batch, system):
-    """One number for each event of each element; -inf where it is not watched."""
+    """Compute one number for each event of each element; -inf for an event that is not monitored."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -356,7 +356,7 @@ def event_values(batch, system):
 
 
 def commit(batch, system):
-    """The memories after an accepted step."""
+    """Write the memories after an accepted step."""
     b, s = batch_at(batch), system_at(system)
     p = items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
@@ -368,7 +368,7 @@ def commit(batch, system):
         function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), m_out[e])  # noqa: F821
 
 
-# What a kind gives to each loop.
+# The function of a kind that each loop calls.
 PURPOSES = {
     tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual",
     constraint_derivatives: "constraint_derivatives", dual_constraint_derivatives: "velocity_constraints",
@@ -377,7 +377,7 @@ PURPOSES = {
 
 
 def loop_of(kind, template):
-    """Address of the compiled loop ``template`` for a kind, or None when the kind has no such function."""
+    """Return the address of the compiled loop ``template`` for a kind, or None if the kind has no such function."""
     if kind.residual is not None:
         duals = {tangent: dual_tangent, residual: plain_residual}
         if kind.velocity_constraints is not None:
@@ -389,7 +389,7 @@ def loop_of(kind, template):
 
 @cache
 def _compiled(template, function, parameters, of_rates, kind_name):
-    """The loop; kinds that differ in the number of their unknowns only (Kind.variant) have one loop."""
+    """Return the address of the loop; kinds that differ only in the number of unknowns (Kind.variant) share one."""
     values = {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates}
     name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(template.__code__, values, name)

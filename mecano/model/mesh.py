@@ -1,37 +1,37 @@
-"""Members that are divided into several elements: leg -> elements leg.1 ... leg.n between nodes leg.1 ... leg.(n-1).
+"""Division of members into elements: leg -> elements leg.1 ... leg.n between nodes leg.1 ... leg.(n-1).
 
-No name that a user gives holds a dot, so these cannot be taken.
+User-defined names contain no dot, so these names are always free.
 """
 
 from mecano.model.model import Element, Model, Node
 
 
 def divides(kind, values):
-    """True when an element of this kind and these values becomes several."""
+    """Return True if an element of this kind with these values is divided into several."""
     return kind.divide is not None and values["mesh"] > 1
 
 
 def inner_names(name, values):
-    """Names of the nodes between the elements of the member ``name``; ``values`` those of a deck."""
+    """Return the names of the intermediate nodes of the member ``name``; ``values`` are its deck values."""
     return [f"{name}.{i}" for i in range(1, values.get("mesh", 1))]
 
 
 def divided_nodes(name, values):
-    """Names of all nodes of the member ``name`` from its start to its end."""
+    """Return the names of all nodes of the member ``name`` from its start to its end."""
     first, second = values["nodes"]
     return [first, *inner_names(name, values), second]
 
 
 def piece_names(name, values):
-    """Names of the elements of the member ``name``."""
+    """Return the names of the elements of the member ``name``."""
     return [f"{name}.{i}" for i in range(1, values["mesh"] + 1)] if values.get("mesh", 1) > 1 else [name]
 
 
 def place_members(members, at):
-    """Divide ``members``, a list of Elements; adds the nodes between their elements, name -> (x, R), to ``at``.
+    """Divide ``members``, a list of Elements; add the intermediate nodes, name -> (x, R), to ``at``.
 
-    A member may end at a node of another one. Returns {name: [values of each element]}, without those to which their
-    kind objects, and the members whose end nodes are nowhere.
+    A member may end at a node of another one. Returns {name: [values of each element]}, without the members that the
+    check of their kind rejects, and the members with an end node that does not exist.
     """
     pieces, left = {}, list(members)
     while ready := [member for member in left if all(node in at for node in member.nodes)]:
@@ -45,7 +45,7 @@ def place_members(members, at):
 
 
 def divided(model):
-    """The Model with every member divided. Raises ValueError for a member at a node that does not exist."""
+    """Return the Model with every member divided. Raises ValueError for a member at a node that does not exist."""
     members = [element for element in model.elements if divides(element.kind, element.values)]
     at = {node.name: (node.x, node.R) for node in model.nodes}
     pieces, _ = place_members(members, at)

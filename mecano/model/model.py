@@ -1,4 +1,4 @@
-"""A model as it is handed over by a deck or a script: nodes and elements by name, before any numbering."""
+"""A model as defined by a deck or a script: nodes and elements by name, before the numbering."""
 
 from dataclasses import dataclass, field
 
@@ -7,13 +7,13 @@ import numpy as np
 
 @dataclass
 class Node:
-    """A named frame at the start."""
+    """A named frame in the initial configuration."""
 
     name: str
     x: np.ndarray  # (3,) [m], inertial
     R: np.ndarray = field(default_factory=lambda: np.eye(3))  # (3, 3) material to inertial
     fixed: bool = False
-    internal: bool = False  # stands in no deck, so its motion is no output
+    internal: bool = False  # not part of the deck: its motion is not an output
 
 
 @dataclass
@@ -28,7 +28,7 @@ class Element:
 
 @dataclass
 class Model:
-    """Nodes, elements, laws and gravity; ``GROUND`` as a node name means a fixed node where the other one is."""
+    """Nodes, elements, laws and gravity; the node name ``GROUND`` denotes a fixed node at the element's other node."""
 
     nodes: list
     elements: list
@@ -40,7 +40,7 @@ GROUND = "ground"
 
 
 def with_ground(model):
-    """The same model with every ``GROUND`` replaced by a fixed node of its own."""
+    """Return the same model with every ``GROUND`` replaced by a fixed node of its own."""
     nodes, elements = list(model.nodes), []
     by_name = {node.name: node for node in nodes}
     for element in model.elements:

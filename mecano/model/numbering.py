@@ -1,4 +1,4 @@
-"""Numbers for the unknowns: which nodes share a position or a rotation, which are free, and what each is called.
+"""Numbering of the unknowns: shared positions and rotations, free and fixed ones, and the names of the equations.
 
 Position and rotation of a node are numbered separately, so that joints can share one of them (Boolean
 identification, Cardona, Geradin & Doan 1991, section 3.1).
@@ -15,33 +15,33 @@ AXES = "xyz"
 
 
 class Classes:
-    """Disjoint sets of things that are one and the same unknown."""
+    """Disjoint sets of indices that denote the same unknown."""
 
     def __init__(self, n):
         self.parent = list(range(n))
 
     def find(self, i):
-        """The first member of the set of i."""
+        """Return the representative (first member) of the set of i."""
         while self.parent[i] != i:
             self.parent[i] = self.parent[self.parent[i]]
             i = self.parent[i]
         return i
 
     def join(self, i, j):
-        """Make i and j one; the lower number represents both."""
+        """Merge the sets of i and j; the lower index represents both."""
         i, j = sorted((self.find(i), self.find(j)))
         self.parent[j] = i
 
 
 @dataclass
 class Numbering:
-    """Where everything stands in z; see state.py for the order."""
+    """Positions of all unknowns in z; see state.py for the order."""
 
     n_q: int  # free degrees of freedom
     n_l: int  # multipliers
     n_all: int
-    x: np.ndarray  # (n_nodes,) first of the 3 entries of the position of each node
-    r: np.ndarray  # (n_nodes,) first of the 3 entries of its rotation
+    x: np.ndarray  # (n_nodes,) index of the first of the 3 entries of the position of each node
+    r: np.ndarray  # (n_nodes,) index of the first of the 3 entries of its rotation
     rotation: np.ndarray  # (n_nodes,) index of its rotation matrix
     rotation_dof: np.ndarray  # (n_rotations,) first entry of each rotation
     n_scalars: int  # own unknowns of elements, signals among them: the last of the n_q
@@ -57,7 +57,7 @@ class Numbering:
 
 
 class _Entries:
-    """The entries of z as they are listed: names, kinds, and where each class of shared unknowns begins."""
+    """Entries of z: names, kinds, and the first entry of each class of shared unknowns."""
 
     def __init__(self, sharing):
         self.name, self.kind, self.first, self.sharing = [], [], {}, sharing
@@ -72,11 +72,10 @@ class _Entries:
 
 
 def number(nodes, used, shared, fixed, scalars, multipliers):
-    """Number all unknowns.
+    """Return the Numbering of all unknowns.
 
-    nodes: names; used: set of ("x" or "R", node index) that some element works on; shared: list of
-    ("x" or "R", i, j); fixed: set of node indices; scalars: list of (name, SCALAR or SIGNAL); multipliers: list of
-    (name, Row).
+    nodes: names; used: set of ("x" or "R", node index) of the unknowns that elements act on; shared: list of
+    ("x" or "R", i, j); fixed: set of node indices; scalars: names; multipliers: list of (name, Row).
     """
     of = _classes(len(nodes), shared)
     sharing = {}
@@ -113,7 +112,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
 
 
 def _classes(n_nodes, shared):
-    """The class (2 n_nodes,) of the position (even places) and the rotation (odd ones) of each node."""
+    """Return the class (2 n_nodes,) of the position (even indices) and the rotation (odd indices) of each node."""
     classes = Classes(2 * n_nodes)
     for what, i, j in shared:
         classes.join(2 * i + (what == "R"), 2 * j + (what == "R"))
@@ -121,13 +120,13 @@ def _classes(n_nodes, shared):
 
 
 def _free(of, used, fixed):
-    """Classes, ascending, that some element works on and no fixed node holds."""
+    """Return the classes, ascending, that elements act on and that contain no fixed node."""
     held = {of[2 * i + k] for i in fixed for k in (0, 1)}
     return sorted({of[2 * i + (what == "R")] for what, i in used} - held)
 
 
 def motion_name(name):
-    """What moves where the equation is ``name``: "node tip: displacement x" for "node tip: force x"."""
+    """Return the name of the motion of an equation: "node tip: displacement x" for "node tip: force x"."""
     for equation, motion in (
         (": force ", ": displacement "),
         (": moment about material ", ": rotation about material "),
@@ -137,6 +136,6 @@ def motion_name(name):
 
 
 def _names(sharing, c):
-    """Names of the three entries of the class c, after all nodes that share it."""
+    """Return the names of the three entries of the class c, which list all nodes that share it."""
     what = "moment about material {}" if c % 2 else "force {}"
     return [f"node {', '.join(sharing)}: {what.format(axis)}" for axis in AXES]

@@ -1,11 +1,11 @@
-"""What the kinds of a model watch of their outputs: where a warning is due, and where an element can go no further."""
+"""Monitoring of outputs during a run: limits with a warning, and limits beyond which an element cannot go."""
 
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 
 
 def watched_outputs(values, sampler, what):
-    """Return what the elements of a deck's ``values`` watch, "limits" or "ends".
+    """Return the monitored outputs of the elements with the deck values ``values``; ``what`` is "limits" or "ends".
 
     [(name, deck values of the element, output, its column in the row, value, text)].
     """
@@ -19,7 +19,7 @@ def watched_outputs(values, sampler, what):
 
 
 def ended(ends, row):
-    """Return a text on the first element that can go no further in a row of the sampler, or ""."""
+    """Return a text for the first element in a row of the sampler that has reached its end, or ""."""
     for name, d, _, i, size, text in ends:
         if abs(row[i]) > size:
             return f"{d['type']} '{name}' {text}"

@@ -1,13 +1,13 @@
-"""What a joint that shares an unknown transmits: the sum of what hangs on its second node."""
+"""Forces transmitted by joints that share unknowns: sums over the nodes beyond their second node."""
 
 import numpy as np
 
 
 class ReactionPartition:
-    """For each joint that shares an unknown: the slots of all that hangs on its second node.
+    """For each joint that shares an unknown, the slots of all nodes on the side of its second node.
 
-    The force that such a joint transmits is no multiplier: it is the sum of what the nodes on one side of it exert.
-    Where a fixed node is on that side, whose support is unknown, it is the opposite of the sum over the other side.
+    The force that such a joint transmits is not a multiplier: it is the sum of the forces on the nodes on one side. If
+    a fixed node is on that side, whose support force is unknown, it is the negative sum over the other side.
     """
 
     def __init__(self, shared, fixed, n_slots):
@@ -23,13 +23,13 @@ class ReactionPartition:
             self.shared[owner, what, i] = (number_, j)
 
     def slots(self, owner, what, node):
-        """3 slots whose forces are what all nodes on the side of ``node`` exert through the joint ``owner``."""
+        """Return 3 slots with the forces that all nodes on the side of ``node`` exert through the joint ``owner``."""
         plain = 6 * node + 3 * (what == "R")
         if (owner, what, node) not in self.shared:
             return [plain, plain + 1, plain + 2]
         edge, other = self.shared[owner, what, node]
         side, opposite = self._side(what, node, edge), False
-        if other in side:  # a ring of joints
+        if other in side:  # a closed loop of joints
             return [plain, plain + 1, plain + 2]
         if not self.fixed.isdisjoint(side):
             across = self._side(what, other, edge)
@@ -52,5 +52,5 @@ class ReactionPartition:
         return seen
 
     def tables(self):
-        """CSR lists (starts, members) of the sums; ~slot counts with the opposite sign."""
+        """Return CSR lists (starts, members) of the sums; ~slot counts with the opposite sign."""
         return np.array(self.starts, np.int64), np.array(self.members, np.int64)

@@ -1,4 +1,4 @@
-"""The numbers of one instant as one flat row: motion of the nodes, outputs of the elements, energies."""
+"""All output values at one instant as a flat row: motion of the nodes, outputs of the elements, energies."""
 
 import math
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ QUATERNION = (4,)
 
 @dataclass(frozen=True)
 class Column:
-    """A named quantity of the row, with its unit and meaning; ``shape`` () or (3,) or (4,)."""
+    """A named quantity of the row, with its unit and meaning; ``shape`` is (), (3,) or (4,)."""
 
     path: str
     unit: str
     doc: str
     shape: tuple
     start: int
-    rate: str = ""  # path of the quantity that is its rate
+    rate: str = ""  # path of the quantity that is its time derivative
 
     @property
     def size(self):
-        """How many numbers it is."""
+        """Number of values."""
         return math.prod(self.shape)
 
 
@@ -52,13 +52,13 @@ ENERGIES = (
 
 
 def row_size(system):
-    """How many numbers the row of a System has."""
+    """Return the number of values in the row of a System."""
     nodes = sum(not node.internal for node in system.nodes) * sum(math.prod(shape) for *_, shape in NODE_OUTPUTS)
     return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
 
 
 class StaticSample:
-    """What the sampler asks for: a motion, and no work done."""
+    """A motion without dissipated and supplied work, for the sampler."""
 
     dissipated = given = 0.0
 
@@ -67,7 +67,7 @@ class StaticSample:
 
 
 class Sampler:
-    """Builds the row; ``columns`` describe it."""
+    """Builder of the row; ``columns`` describe it."""
 
     def __init__(self, system):
         self.system, self.columns = system, []
@@ -101,18 +101,18 @@ class Sampler:
             start += self.columns[-1].size
 
     def take(self, run):
-        """Return the row at ``run.motion``, whose outputs the system holds (``observe``); the array is reused."""
+        """Return the row at ``run.motion``; the system must hold its outputs (``observe``). The array is reused."""
         s = run.motion
         self._fill(s.z, s.v, s.R, run.dissipated, run.given)
         return self.row
 
     def between(self, state, u, h, row0, row1):
-        """Return the row at a ``state``, the fraction u of a step of size h from ``row0`` to ``row1``; a new array.
+        """Return the row (a new array) at a ``state`` at the fraction u of a step of size h from ``row0`` to ``row1``.
 
-        The motion of nodes is that of the state (solve/time/interpolate.py). Coordinates and their rates follow from
-        the two rows by a cubic where the step resolves them. Everything else lies linearly between the two rows: forces
-        at an interpolated state would be those of no step, for a stiff member or a slipping tyre turns the least error
-        of position or velocity into any force.
+        The motion of the nodes is that of the state (solve/time/interpolate.py). Coordinates and their rates are
+        interpolated from the two rows by a cubic where the step resolves them, everything else linearly: forces
+        evaluated at an interpolated state would satisfy no equation of motion, because a stiff member or a slipping
+        tyre amplifies the smallest error of position or velocity.
         """
         row = np.empty_like(row0)
         blend(u, h, self.node_size, self.pairs, self.rotations, row0, row1, row)
@@ -124,7 +124,7 @@ class Sampler:
 def blend(
     u: float, h: float, first: int, pairs: Table, rotations: Indices, row0: Vector, row1: Vector, row_out: Vector
 ):  # fmt: skip
-    """Interpolate the numbers of the row from ``first`` on: ``pairs`` (m, 2) of coordinate and rate, quaternions."""
+    """Interpolate the row from ``first`` on; ``pairs`` (m, 2) of coordinate and rate; ``rotations``: quaternions."""
     for i in range(first, row0.shape[0]):
         row_out[i] = between(u, row0[i], row1[i])
     for k in range(pairs.shape[0]):
@@ -138,7 +138,7 @@ def blend(
 
 @kernel
 def _turn(u, i, row0, row1, row_out):
-    """Interpolate the unit quaternion at place i along the shorter way."""
+    """Interpolate the unit quaternion at index i along the shorter arc."""
     alike = square = 0.0
     for k in range(i, i + 4):
         alike += row0[k] * row1[k]

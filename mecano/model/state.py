@@ -1,8 +1,8 @@
 """The motion of a model at one instant, as plain arrays.
 
-All unknowns stand in one vector z: first the free degrees of freedom (positions 3 [m], rotation increments of
-the step 3 [rad], scalars), then the multipliers k*lambda [N, N m], last the fixed degrees of freedom. ``v`` and
-``a`` are numbered likewise: velocities and accelerations inertial for positions, material for rotations.
+All unknowns are in one vector z: first the free degrees of freedom (positions 3 [m], rotation increments of the step
+3 [rad], scalars), then the multipliers k*lambda [N, N m], last the fixed degrees of freedom. ``v`` and ``a`` have the
+same numbering: velocities and accelerations are inertial for positions, material for rotations.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 
 @dataclass
 class State:
-    """Motion, modes and memory at time ``t`` [s]; nothing here is shared with the model."""
+    """Motion, phases and memory at time ``t`` [s]; shares no arrays with the model."""
 
     t: float
     z: np.ndarray  # (n_all,) positions, rotation increments of the last step, scalars, multipliers
@@ -23,21 +23,21 @@ class State:
     memory: np.ndarray  # (n_memory,) of all elements, batch by batch; replaced, never changed in place
 
     def copy(self):
-        """A copy whose motion may be changed."""
+        """Return a copy whose motion may be changed."""
         return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.phases, self.memory)
 
 
 @dataclass
 class History:
-    """What generalized-alpha keeps besides the motion."""
+    """Variables of generalized-alpha besides the motion."""
 
     a: np.ndarray  # (n_all,) algorithmic acceleration
-    h: float  # size of the steps it is for [s]
-    slope: np.ndarray  # (n,) last change of accelerations and multipliers over a step: their backward difference
+    h: float  # step size to which the history belongs [s]
+    slope: np.ndarray  # (n,) backward difference of accelerations and multipliers over the last step
     bend: np.ndarray  # (n,) second backward difference
-    known: int  # how many of the two differences are known: 0 at a start
-    v_shift: np.ndarray  # (n_all,) to be added to the velocities at a start or a change of step
-    k: float  # mean stiffness of the effective tangent for steps of this size [N/m]
-    tangent: object = None  # State whose tangent the next step may use, or None when it must evaluate a new one
+    known: int  # number of differences that are known: 0 at a start
+    v_shift: np.ndarray  # (n_all,) correction of the velocities after a start or a change of step size
+    k: float  # mean stiffness of the effective tangent for this step size [N/m]
+    tangent: object = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
     age: int = 0  # accepted steps since that state
-    drift: float = 0.0  # share of the residual that an iteration with an old tangent leaves, per step of its age
+    drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age

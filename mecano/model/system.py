@@ -1,4 +1,4 @@
-"""The model in equations: residual, tangent, constraint levels, outputs, energies, all by batches of one kind."""
+"""The equations of a model, batch by batch: residual, tangent, constraint derivatives, outputs, energies."""
 
 from functools import cached_property
 
@@ -20,7 +20,7 @@ NO_MULTIPLIERS = np.zeros(0, np.int64)
 
 
 class System:
-    """Equations of a model; built once, never changed by solving."""
+    """Equations of a model; built once, not modified by solvers."""
 
     def __init__(self, model):
         model = with_ground(divided(model))
@@ -68,7 +68,7 @@ class System:
         return found
 
     def _slots(self, n_nodes):
-        """One force slot for each unknown of each node, shared or not; then scalars, then multipliers."""
+        """Assign one force slot to each unknown of each node, shared or not; then to scalars, then to multipliers."""
         of = self.numbering
         three = np.arange(3)
         nodes = np.concatenate([np.stack([of.x, of.r], 1).reshape(-1, 1) + three], axis=1).ravel()
@@ -77,7 +77,7 @@ class System:
         self.n_slots = len(self.slot_dof)
 
     def _pattern(self):
-        """Sparse pattern (each entry once, all of the diagonal) and the place of every element entry in it."""
+        """Build the sparse pattern (each entry once, with the whole diagonal) and the indices of element entries."""
         n = self.n
         codes = [np.arange(n) * (n + 1)]
         for b in self.batches:
@@ -91,7 +91,7 @@ class System:
         for b, code in zip(self.batches, codes[1:], strict=True):
             place = np.where(code >= 0, np.searchsorted(unique, code), self.nnz)
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
-        self.data = np.zeros(self.nnz + 1)  # the last entry takes what belongs to fixed unknowns
+        self.data = np.zeros(self.nnz + 1)  # the last entry collects the terms of fixed unknowns
 
     def _record(self):
         """The record SYSTEM of the loops, and those of the batches."""
@@ -110,13 +110,13 @@ class System:
         )  # fmt: skip
 
     def loops(self, template, chosen=lambda kind: True):
-        """Addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
+        """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
         found = [loop_of(b.kind, template) if chosen(b.kind) else None for b in self.batches]
         own = np.array([loop is not None for loop in found], bool)
         return np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own]
 
     def _driver(self, assembly_driver, template, chosen=lambda kind: True):
-        """The compiled ``assembly_driver`` for the loops of one purpose of the kinds ``chosen``."""
+        """Bind the driver ``assembly_driver`` to the loops of one purpose for the kinds ``chosen``."""
         return assembly_driver.bind(*self.loops(template, chosen), self.record)
 
     @cached_property
@@ -171,7 +171,7 @@ class System:
         return self._driver(assembly_driver.commit, loops.commit)
 
     def initial_state(self, t=0.0):
-        """State at rest in the configuration of the deck; every element in the mode in which it starts there."""
+        """Return the state at rest in the configuration of the deck, with every element in its initial phase."""
         of = self.numbering
         n = of.n_all
         n_rotations = len(of.rotation_dof)
@@ -193,12 +193,13 @@ class System:
         return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
     def assemble(self, s, k, penalty, cK, cC, cM, T=None):
-        """Residual and tangent at the state ``s``, into ``residual``, ``size`` (n_all,) and ``data`` (nnz + 1,).
+        """Write ``residual``, ``size`` (n_all,) and the tangent ``data`` (nnz + 1,) at the state ``s``.
 
-        data = cK K T + cC C + cM M, untouched where all three are zero. T (n_rotations, 3, 3) turns derivatives by
-        material variations of the rotations into those by other increments; without it they stay what they are. ``k``
-        and ``penalty`` scale the constraints (element_interface.py). ``size`` sums the absolute contributions of the
-        elements and of their inertia (with the masses of the last tangent): the scale on which a residual is small.
+        data = cK K T + cC C + cM M, unchanged if all three are zero. T (n_rotations, 3, 3) maps derivatives with
+        respect to material variations of the rotations to those with respect to other increments; the default is the
+        identity. ``k`` and ``penalty`` scale the constraints (element_interface.py). ``size`` sums the absolute
+        contributions of the elements and of their inertia (with the masses of the last tangent): the scale against
+        which a residual is judged.
         """
         if cK == cC == cM == 0.0:
             self._assemble_residual(*_motion(s), k, penalty)
@@ -208,7 +209,7 @@ class System:
     def add_constraints(self, s, k, penalty, data, rates=True):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``.
 
-        B is the gradient by velocities of the constraints on velocities, which are left out without ``rates``.
+        For constraints on velocities, B is the gradient with respect to velocities; ``rates=False`` omits them.
         """
         self._add_constraints(*_motion(s), self._no_turn, k, penalty, 1.0, 0.0, data)
         if rates and self.numbering.of_rates.any():
@@ -220,13 +221,13 @@ class System:
             data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
 
     def scale_loads(self, s, factor, cK, cC, cM, T=None):
-        """Count the kinds of the section "loads" ``factor`` times in what ``assemble`` has just added up at ``s``."""
+        """Scale the contribution of the section "loads" by ``factor`` in the sums of the last ``assemble`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
         self._add_scaled_loads(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
     @cached_property
     def coupled_multipliers(self):
-        """Numbers, ascending, of the multipliers on which forces depend otherwise than as reactions: friction."""
+        """Indices, ascending, of the multipliers that act on forces other than as reactions, such as friction."""
         found = [
             b.dofs[:, b.kind.n_local - len(b.kind.coupled_multipliers) :]
             for b in self.batches
@@ -235,17 +236,17 @@ class System:
         return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
 
     def add_coupled_multipliers(self, s, k, data):
-        """Add the derivatives of the forces at ``s`` by the multipliers that parts borrow (columns by lambda)."""
+        """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""
         self._add_coupled_multipliers(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
 
     def constraint_derivatives(self, s):
-        """Phi, dPhi/dt and d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
+        """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
         self._constraint_derivatives(*_motion(s), g)
         return g
 
     def observe(self, s):
-        """Write outputs (n,), batch.y for each batch, and energies (batch.e, energy) at ``s``, evaluated before."""
+        """Write outputs (n,), batch.y of each batch, and energies (batch.e, energy) at ``s``, assembled before."""
         self._observe(*_motion(s))
 
     @property
@@ -254,14 +255,14 @@ class System:
         return len(self.values_of_events) > 0
 
     def event_values(self, s):
-        """One number for each event of each element, (n_events,), batch by batch; -inf where it is not watched."""
+        """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
         if not self.has_events:
             return self.values_of_events
         self._write_event_values(*_motion(s))
         return self.values_of_events.copy()
 
     def commit(self, s):
-        """The memory after an accepted step at ``s``."""
+        """Return the memory after an accepted step at ``s``."""
         if not len(s.memory):
             return s.memory
         memory = s.memory.copy()
@@ -269,7 +270,7 @@ class System:
         return memory
 
     def inadmissible(self, s):
-        """What the kinds object to in an assembled configuration although it satisfies the equations: texts."""
+        """Return the reasons, as texts, why an assembled configuration is unacceptable to its kinds."""
         return [
             f"{name}: {text}"
             for b in self.batches
@@ -279,12 +280,12 @@ class System:
         ]
 
     def follow(self, phases):
-        """Give the parts that have the mode of their owner that mode, in the ``phases`` of a state, in place."""
+        """Set the parts that share the phases of their owner to its phase, in the ``phases`` of a state, in place."""
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
 
 
 def _joined(batches, name, width):
-    """Return a vector for what all batches write, of which each gets its part (n, width) under a ``name``."""
+    """Return one vector for the values that all batches write; each batch gets its view (n, width) as ``name``."""
     sizes = [len(b.p) * getattr(b, width) for b in batches]
     whole = np.zeros(sum(sizes))
     for b, size, end in zip(batches, sizes, np.cumsum(sizes), strict=True):
@@ -293,7 +294,7 @@ def _joined(batches, name, width):
 
 
 def _followers(instances, batches):
-    """(m, 2) places in the modes of a state: of parts that have the modes of their owner, and of these owners."""
+    """Return (m, 2) indices into the phases of a state: parts that share the phase of their owner, and their owners."""
     place = {number: b.first_phase + e for b in batches for e, number in enumerate(b.instances)}
     found = [
         (place[part], place[owner])
@@ -305,5 +306,5 @@ def _followers(instances, batches):
 
 
 def _motion(s):
-    """What every loop reads of a state."""
+    """Return the arguments that every loop reads from a state."""
     return s.t, s.z, s.v, s.a, s.R, s.phases, s.memory

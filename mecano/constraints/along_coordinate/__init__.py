@@ -1,1 +1,1 @@
-"""What is done with a coordinate of a joint: it is held, driven, locked, stopped, loaded by a law, rubbed, measured."""
+"""Uses of a coordinate of a joint: held, driven, locked, stopped, loaded by a law, subject to friction, measured."""

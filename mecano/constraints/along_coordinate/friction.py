@@ -1,4 +1,4 @@
-"""Coulomb friction driven by the reactions of a joint: what the frictions of all joints share."""
+"""Coulomb friction driven by the reactions of a joint: code shared by all kinds of friction."""
 
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Kind, Output, Row, record
@@ -37,7 +37,7 @@ POWER = Output("dissipated_power", "W", "power lost by friction")
 
 @kernel
 def pads(F_1, F_2, m_1, m_2, inverse_length):
-    """N [N] of both pads."""
+    """Return N [N] of both pads."""
     a_1, a_2 = 0.5 * F_1 + inverse_length * m_1, 0.5 * F_2 + inverse_length * m_2
     b_1, b_2 = 0.5 * F_1 - inverse_length * m_1, 0.5 * F_2 - inverse_length * m_2
     return sqrt(a_1 * a_1 + a_2 * a_2) + sqrt(b_1 * b_1 + b_2 * b_2)
@@ -45,15 +45,16 @@ def pads(F_1, F_2, m_1, m_2, inverse_length):
 
 @kernel
 def drag(p, laws, velocity):
-    """Friction over normal force, odd in the sliding velocity [m/s]."""
+    """Return friction over normal force, odd in the sliding velocity [m/s]."""
     return friction(laws, p.coefficient, p.regularization, abs(velocity)) * velocity
 
 
 def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, load):
-    """Return the Kind of a friction along one coordinate.
+    """Return the Kind of friction along one coordinate.
 
-    ``load(p, at, rate)`` gives the force against a rate of the coordinate and the normal force that causes it [N, N m];
-    ``values`` are the fields of the record beside the axes and FRICTION_RECORD, ``output`` is the force.
+    ``load(p, at, rate)`` returns the force against a rate of the coordinate and the normal force that causes it [N, N
+    m]; ``values`` are the fields of the record besides the axes and FRICTION_RECORD, ``output`` is the Output of the
+    force.
     """
     gradient = coordinate.gradient
 
@@ -77,7 +78,7 @@ def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, lo
 
 
 def friction_fields(*geometry):
-    """The mapping ``friction`` of a joint; ``geometry`` are the fields that the joint adds."""
+    """Return the field ``friction`` of a joint; ``geometry`` are the fields that the joint adds."""
     given = (
         Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
         Field(
@@ -91,7 +92,7 @@ def friction_fields(*geometry):
 
 
 def radius(name, doc, default=None):
-    """A radius at which friction acts; required without a default."""
+    """Return the field of a radius at which friction acts; required without a default."""
     given = {} if default is None else {"default": default}
     return Field(name, NUMBER, "m", doc, check=not_negative if default == 0.0 else positive, **given)
 
@@ -104,7 +105,7 @@ LENGTH = Field(
 
 
 def friction_record(friction, context):
-    """Values of ``FRICTION_RECORD`` from the deck."""
+    """Return the values of ``FRICTION_RECORD`` from the deck."""
     length = friction.get("length")
     return {
         "coefficient": context.laws.add(friction["coefficient"]),
@@ -114,7 +115,7 @@ def friction_record(friction, context):
 
 
 def check_friction(d):
-    """Texts on a joint with the fields ``friction`` and ``compliance``."""
+    """Return errors in a joint with the fields ``friction`` and ``compliance``."""
     if d["friction"] is None:
         return []
     texts = []

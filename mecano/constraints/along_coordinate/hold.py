@@ -1,7 +1,7 @@
-r"""Hold a coordinate c: at a constant, :math:`c - c_0 = 0`, or where a law of time drives it, :math:`c - f(t) = 0`.
+r"""Hold a coordinate c: at a constant, :math:`c - c_0 = 0`, or at a law of time that drives it, :math:`c - f(t) = 0`.
 
-The multiplier is the force, or the moment, along the coordinate. The difference of an angle to what is wanted is
-brought to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
+The multiplier is the force, or the moment, along the coordinate. The difference between an angle and its target is
+reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
 """
 
 from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
@@ -11,12 +11,12 @@ from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 
 TARGET = {"law": "i", "offset": ()}
-"""Of a record; the law first, as numba takes a record that begins as another one, of a hold, for the same."""
+"""Fields of a record; law first, as numba does not distinguish a record from one with the same leading fields."""
 
 
 @kernel
 def target(p, laws, t):
-    """Return value, rate and second rate of offset + law(t) of a record with the fields ``TARGET``; law 0 is zero."""
+    """Return value, rate and second rate of offset + law(t) for a record with the fields ``TARGET``; law 0 is zero."""
     y, y1, y2 = evaluate_curve(laws, p.law, t)
     return p.offset + y, y1, y2
 
@@ -34,8 +34,8 @@ def _turn_between(c, wanted):
 def holding(coordinate):
     """Return compiled functions that hold a coordinate: (hold, derivatives_of).
 
-    ``hold(p, at, sign, wanted, f, K)`` adds the constraint sign (c - wanted) = 0, ``derivatives_of(p, at, sign, wanted,
-    g)`` writes its levels; ``wanted`` is there a value with both rates.
+    ``hold(p, at, sign, wanted, f, K)`` adds the constraint sign (c - wanted) = 0; ``derivatives_of(p, at, sign, wanted,
+    g)`` writes its derivatives, with ``wanted`` a value and its two rates.
     """
     value, gradient, add_curvature = coordinate.value, coordinate.gradient, coordinate.add_curvature
     rates, row = coordinate.rates, coordinate.row
@@ -57,7 +57,7 @@ def holding(coordinate):
 
 
 def hold_kind(name, doc, coordinate, row):
-    """Return the Kind that holds a coordinate at the ``offset`` of its record; ``row`` says what the multiplier is."""
+    """Return the Kind that holds a coordinate at the ``offset`` of its record; ``row`` names the multiplier."""
     hold, derivatives_of = holding(coordinate)
 
     @kernel
@@ -72,7 +72,7 @@ def hold_kind(name, doc, coordinate, row):
 
 
 def drive_kind(name, doc, coordinate, row):
-    """Return the Kind that holds a coordinate at ``target``."""
+    """Return the Kind that holds a coordinate at ``target``; ``row`` names the multiplier."""
     hold, derivatives_of = holding(coordinate)
 
     @kernel

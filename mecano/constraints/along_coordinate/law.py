@@ -1,6 +1,6 @@
 """Load a coordinate c by a law: P(c - natural, dc/dt) adds P times the gradient of c to the forces.
 
-P > 0 drives the coordinate back. An angle is followed over whole turns by the memory of that of the last accepted step.
+P > 0 drives the coordinate back. An angle is continued over whole turns with the memory of the last accepted step.
 """
 
 from mecano.constraints.body_fixed import follow
@@ -43,7 +43,7 @@ def _over_turns(m, c):
 
 
 def counted(coordinate):
-    """Return the compiled function (p, at) -> c, of an angle over whole turns: the nearest to the memory."""
+    """Return the compiled function (p, at) -> c; an angle is continued over whole turns from the memory."""
     value, turns = coordinate.value, _over_turns if coordinate.periodic else _as_it_is
 
     @kernel

@@ -1,4 +1,4 @@
-"""Measure what joints with an axis do: the turning about it, the sliding along it, the reactions.
+"""Measurements of joints with an axis: rotation about it, sliding along it, reactions.
 
 Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
 """
@@ -24,25 +24,25 @@ REACTIONS = (Output("force", "N", "force of a on b along mu_1, mu_2 and the axis
 
 @kernel
 def angle_in_turn(p, v, R):
-    """Angle about the axis, in (-pi, pi] [rad], and its rate [rad/s]."""
+    """Return the angle about the axis, in (-pi, pi] [rad], and its rate [rad/s]."""
     return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
 
 
 @kernel
 def put_turning(p, m, v, R, y, i):
-    """Write ``TURNING`` from y[i] on; the memory tells which turn it is."""
+    """Write ``TURNING`` starting at y[i]; the memory determines the turn."""
     angle, y[i + 1] = angle_in_turn(p, v, R)
     y[i] = follow(m[0], angle)
 
 
 @kernel
 def put_sliding(p, q, v, R, y, i):
-    """Write ``SLIDING`` from y[i] on."""
+    """Write ``SLIDING`` starting at y[i]."""
     along, y[i + 1] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
     y[i] = along - p.start[2]
 
 
 @kernel
 def follow_turning(p, at, m_out):
-    """Follow the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
+    """Continue the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
     m_out[0] = follow(at.m[0], angle_in_turn(p, at.v, at.R)[0])

@@ -1,11 +1,11 @@
-r"""Latches and stops of a joint coordinate c: constraints that begin to hold at a located event, with a shock.
+r"""Latches and stops of a joint coordinate c: constraints that become active at a located event, with a shock.
 
-A latch is met by c on its way to a value, from where it was at the start, and holds it for good. A stop is met at the
+A latch is reached by c on its way from the initial value, and then holds it permanently. A stop is reached at the
 ``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient
-of ``restitution``, and lets go where its reaction falls to zero.
+of ``restitution``, and opens where its reaction falls to zero.
 
-What is held, :math:`c_0`, is the value at the end of the last step before it was met, the memory of the part: so
-several that are met together hold what fits together, to the last bit. Docs: docs/shocks.md.
+The held value :math:`c_0` is that at the end of the last step before the event, the memory of the part: several latches
+and stops reached together hold consistent values, to the last bit. Docs: docs/shocks.md.
 """
 
 from math import inf
@@ -129,7 +129,7 @@ def _quantity(coordinate):
 
 
 def _samples(coordinate, phases):
-    """One in each mode."""
+    """Return one sample in each phase."""
     values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
     names = LATCH_RECORD if phases is LATCH_PHASES else STOP_RECORD
     ends = {name: values[name] for name in names}
@@ -168,7 +168,7 @@ def _above(value):
 
 
 def end_parts(d, coordinate, axes, start, latch, stop):
-    """Return [Part] of the fields ``end_fields`` of a joint; ``axes`` of the coordinate, which starts at ``start``."""
+    """Return [Part] for the fields ``end_fields`` of a joint; ``axes``, ``start``: axes and initial value of c."""
     parts = []
     if d["latch"]:
         value = d["latch"][_quantity(coordinate)]

@@ -1,1 +1,1 @@
-"""Coordinates of joints: numbers that follow from where nodes are, with their derivatives in closed form."""
+"""Coordinates of joints: functions of the positions and rotations of nodes, with derivatives in closed form."""

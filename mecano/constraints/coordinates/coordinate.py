@@ -1,8 +1,8 @@
-"""What is known of a coordinate c of some nodes: its value, gradient, curvature and rates, as compiled functions.
+"""A coordinate c of some nodes: its value, gradient, curvature and rates, as compiled functions.
 
-All functions take the record p of an element, which has the ``axes`` of the coordinate, and its ``Place``. What is done
-with a coordinate (held, driven, locked, stopped, loaded by a law, rubbed) is written once for all of them, in
-along_coordinate/.
+All functions take the record p of an element, which has the ``axes`` of the coordinate, and its ``Place``. The uses of
+a coordinate (held, driven, locked, stopped, loaded by a law, subject to friction) are implemented once for all
+coordinates, in along_coordinate/.
 """
 
 from collections.abc import Callable
@@ -14,18 +14,18 @@ from mecano.maths.vector import add_vec, dot, vec
 
 @dataclass(frozen=True, eq=False)
 class Coordinate:
-    """A number that follows from the positions and rotations of nodes."""
+    """A scalar function of the positions and rotations of nodes."""
 
-    layout: tuple  # slots of its nodes, as those of a Kind
+    layout: tuple  # slots of its nodes, like those of a Kind
     unit: str  # m or rad
-    axes: dict  # fields of the record that it reads: {name: shape}
+    axes: dict  # fields of the record that it uses: {name: shape}
     sample: Callable  # rng -> values of these fields
     value: Callable  # (p, at) -> c
     gradient: Callable
-    """(p, at) -> ((local index, b (3,)), ...): the derivatives of c by position and material rotation of its slots"""
+    """(p, at) -> ((local index, b (3,)), ...): derivatives of c by position and material rotation of its slots"""
     add_curvature: Callable | None = None
-    """(p, at, g, K): add g times the derivative of the gradient to K; absent where nothing holds the coordinate"""
-    rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; absent where nothing holds it
+    """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
+    rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; None if nothing holds it
     periodic: bool = False  # an angle, in (-pi, pi]
 
     @property
@@ -35,7 +35,7 @@ class Coordinate:
 
     @property
     def load(self):
-        """("force", "N") or ("moment", "N m"): what works along the coordinate, and its unit."""
+        """("force", "N") or ("moment", "N m"): name and unit of the load along the coordinate."""
         return ("force", "N") if self.sliding else ("moment", "N m")
 
     @property

@@ -1,4 +1,4 @@
-r"""Level: :math:`a \cdot n` for an axis a carried by the node and an inertial direction n.
+r"""Level: :math:`a \cdot n` for an axis a fixed in the node and an inertial direction n.
 
 A force along it is a moment on the node about the driving direction a x n (equation (19) of Cardona, Geradin &
 Doan 1991).

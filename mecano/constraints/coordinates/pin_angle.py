@@ -1,7 +1,7 @@
-r"""Angle of a pin carried by the second node, about the axis :math:`\mu_3` carried by the first.
+r"""Angle of a pin fixed in the second node, about the axis :math:`\mu_3` fixed in the first.
 
 With :math:`u = \mu_1 \cdot \xi` and :math:`w = \mu_2 \cdot \xi` the angle is :math:`\mathrm{atan2}(w, u)`, with
-the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: how far the cross of a universal joint has turned.
+the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: the rotation of the cross of a universal joint.
 """
 
 from mecano.constraints.body_fixed import product_gradient, relative_rotation

@@ -1,4 +1,4 @@
-r"""Sliding of a node along an axis mu carried by another: :math:`s = \mu \cdot d` with :math:`d = R_0^T (x_1 - x_0)`.
+r"""Sliding of a node along an axis mu fixed in another: :math:`s = \mu \cdot d` with :math:`d = R_0^T (x_1 - x_0)`.
 
 Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`. Local unknowns: x0 at 0, R0 at 3,
 x1 at 6.
@@ -19,7 +19,7 @@ def slide(q, v, A, mu):
 
 @kernel
 def slide_rates(q, v, a, R_0, mu):
-    """Return s [m] and its first two rates, from velocities and accelerations; R_0 the rotation of the first node."""
+    """Return s [m] and its first two rates, from velocities and accelerations; R_0: rotation of the first node."""
     d, d_rate, d_second = vec(q, 6) - vec(q, 0), vec(v, 6) - vec(v, 0), vec(a, 6) - vec(a, 0)
     return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
 

@@ -1,6 +1,6 @@
-r"""Tilt: :math:`c = \mu \cdot \xi` for mu carried by the first node and xi by the second.
+r"""Tilt: :math:`c = \mu \cdot \xi` for mu fixed in the first node and xi in the second.
 
-For unit vectors that are perpendicular at the start, c is the sine of the angle by which they lean to each other. A
+For unit vectors that are initially perpendicular, c is the sine of the angle by which they tilt towards each other. A
 force g along c is the moment -g on the second node about :math:`\xi \times \mu`. The gradients are those of
 body_fixed.py (equations (12)-(17) of Cardona, Geradin & Doan 1991).
 """

@@ -1,13 +1,13 @@
 r"""Twist: the angle of the second node about an axis, relative to the first.
 
-Axes :math:`\mu_i` are carried by the first node, :math:`\xi_i` by the second, equal to them at the start. With Q the
+Axes :math:`\mu_i` are fixed in the first node, :math:`\xi_i` in the second; initially they coincide. With Q the
 rotation of the second triad in the first,
 
 .. math::  \theta = \mathrm{atan2}(Q_{21} - Q_{12},\; Q_{11} + Q_{22}),
 
-the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes off that alignment, up
-to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`, inertial, its rate is
-:math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. Even where the axes are aligned the derivative of g does not vanish.
+the rotation about :math:`\mu_3` where :math:`\xi_3 = \mu_3`, smooth and symmetric in both nodes away from that
+alignment, up to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \mu_3 \cdot \xi_3)`, inertial, its rate is
+:math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. The derivative of g does not vanish even where the axes are aligned.
 """
 
 from mecano.constraints.body_fixed import add_blocks, carried, follow, product_rates, relative_rotation, turning_rate
@@ -22,9 +22,9 @@ from mecano.maths.vector import cross, dot, mat, outer, skew, vec
 def twist(A, mu, xi):
     """Return the angle of node 1 about mu_3 relative to node 0, in (-pi, pi] [rad].
 
-    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). It does not depend on which mu_1 is chosen, and
-    where mu_3 and xi_3 differ it is that part of the relative rotation which is left when the smallest rotation that
-    turns mu_3 into xi_3 is taken off.
+    ``mu`` and ``xi`` are the unit axes of the nodes (rows, material). The angle does not depend on the choice of mu_1.
+    If mu_3 and xi_3 differ, it is the part of the relative rotation that remains after removing the smallest rotation
+    from mu_3 to xi_3.
     """
     X, Y = A @ xi[0], A @ xi[1]
     return atan2(dot(mu[1], X) - dot(mu[0], Y), dot(mu[0], X) + dot(mu[1], Y))
@@ -40,7 +40,7 @@ def twist_gradient(A, mu_3, xi_3):
 
 @kernel
 def twist_curvature(A, mu_3, xi_3):
-    """((H_00, H_01), (H_10, H_11)): derivative of gradient i by the material rotation of node j, not symmetric."""
+    """Return ((H_00, H_01), (H_10, H_11)): derivative of gradient i by material rotation of node j, not symmetric."""
     xi, mu = A @ xi_3, A.T @ mu_3
     size = 1.0 / (1.0 + dot(mu_3, xi))
     b_0, b_1 = -size * (mu_3 + xi), size * (mu + xi_3)
@@ -54,7 +54,7 @@ def twist_curvature(A, mu_3, xi_3):
 
 @kernel
 def turning_rates(mu_3, xi_3, first, second):
-    """Return both rates of the angle; of each node (R, omega, alpha), the latter two material."""
+    """Return both rates of the angle; each node is given as (R, omega, alpha), the latter two material."""
     mu, xi = carried(first[0], first[1], first[2], mu_3), carried(second[0], second[1], second[2], xi_3)
     spin = second[0] @ second[1] - first[0] @ first[1]
     spin_rate = second[0] @ second[2] - first[0] @ first[2]
@@ -73,7 +73,7 @@ def turned(R_0, omega_0, mu, R_1, omega_1, xi):
 
 @kernel
 def followed(p, m, v, R):
-    """Return the angle [rad], by whole turns nearest to the memory, and its rate [rad/s]."""
+    """Return the angle [rad], continued over whole turns from the memory, and its rate [rad/s]."""
     angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
     return follow(m[0], angle), rate
 

@@ -10,14 +10,14 @@ RECORD = record(mass=(), gravity=3)
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Inertia and weight."""
+    """Add inertia and weight."""
     add_vec(f, 0, p.mass, vec(at.a, 0) - vec(p.gravity, 0))
     add_mat(M, 0, 0, p.mass, EYE)
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Kinetic and potential energy."""
+    """Write kinetic and potential energy."""
     velocity = vec(at.v, 0)
     e[0] = 0.5 * p.mass * dot(velocity, velocity)
     e[1] = -p.mass * dot(vec(p.gravity, 0), vec(at.q, 0))
@@ -25,12 +25,12 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Record of one mass."""
+    """Return the record of one mass."""
     return {"mass": d["mass"], "gravity": context.gravity}
 
 
 def sample(rng):
-    """A random mass."""
+    """Return a random mass."""
     return [({"mass": rng.uniform(1, 9)}, 1, "")]
 
 

@@ -1,19 +1,19 @@
-"""What a superelement is given: stiffness, mass and damping over boundary nodes and modes, and what they must fulfil.
+"""Input of a superelement: stiffness, mass and damping for boundary nodes and modes, and the checks on them.
 
-The matrices are plain lists, as a deck writes them, with 6 rows for each boundary node (3 displacements, 3 rotations),
-in the order of ``positions``, then a row for each mode.
+The matrices are plain lists, as written in a deck, with 6 rows for each boundary node (3 displacements, 3 rotations),
+in the order of ``positions``, then one row for each mode.
 """
 
 import numpy as np
 
 SYMMETRY = 1e-8  # of the largest entry
-RIGID = 1e-6  # forces of a rigid motion, of those that it would cause in springs to the ground
+RIGID = 1e-6  # forces of a rigid motion, relative to those that it would cause in springs to the ground
 NEGATIVE = 1e-8  # of the largest eigenvalue
 PLACE = 1e-6  # of the size of the superelement
 
 
 def rigid_motions(positions, n):
-    """Translations (n, 3) and rotations (n, 3) of a superelement with n coordinates, about the mean of its nodes."""
+    """Return translations (n, 3) and rotations (n, 3) for n coordinates, about the mean of the boundary nodes."""
     X = np.asarray(positions, float)
     X = X - X.mean(axis=0)
     translations, rotations = np.zeros((n, 3)), np.zeros((n, 3))
@@ -25,9 +25,9 @@ def rigid_motions(positions, n):
 
 
 def resistance(K, r, stiffness=0.0):
-    """Largest force of K (n, n) on a rigid motion r (n,), relative to those that springs of its diagonal would give.
+    """Return the largest force of K (n, n) on a rigid motion r (n,), relative to that of springs with K's diagonal.
 
-    ``stiffness`` (n,): that of springs of which K is a difference, where it is larger than the diagonal.
+    ``stiffness`` (n,): stiffnesses of which K is a difference, used where they are larger than the diagonal.
     """
     diagonal = np.maximum(np.abs(np.diag(K)), stiffness)
     size = np.sqrt(diagonal * (r @ (diagonal * r)))
@@ -36,7 +36,7 @@ def resistance(K, r, stiffness=0.0):
 
 
 def mass_moments(mass, positions):
-    """Mass [kg]; about the mean of the nodes first moment [kg m] (3,) and inertia [kg m2] (3, 3); loads M r (n, 3)."""
+    """Return mass [kg]; first moment [kg m] (3,), inertia [kg m2] (3, 3) about the nodes' mean; loads M r (n, 3)."""
     M = np.asarray(mass, float)
     translations, rotations = rigid_motions(positions, len(M))
     loads = M @ translations
@@ -46,7 +46,7 @@ def mass_moments(mass, positions):
 
 
 def problems(reduced):
-    """What is wrong with the values of a file, as texts that go on after its name."""
+    """Return the errors in the values of a file, as texts that continue a sentence after its name."""
     n_nodes = len(reduced["positions"])
     matrices = {key: reduced[key] for key in ("stiffness", "mass", "damping") if reduced.get(key) is not None}
     sizes = {key: (len(rows), *{len(row) for row in rows}) for key, rows in matrices.items()}
@@ -67,7 +67,7 @@ def problems(reduced):
 
 
 def _interior(reduced, n):
-    """What is wrong with the values of inner nodes and lines, or ""."""
+    """Return an error in the values of inner nodes and lines, or ""."""
     count = len(reduced["positions"]) + len(reduced.get("interior_names") or ())
     lines = np.array(reduced.get("lines") or np.zeros((0, 2)))
     if lines.shape[1:] != (2,) or np.any((lines < 0) | (lines >= count) | (lines != np.round(lines))):
@@ -95,7 +95,7 @@ def _quadratic_form(key, A):
         pair = f"({i + 1}, {j + 1}) and ({j + 1}, {i + 1}) are {A[i, j]:.6g} and {A[j, i]:.6g}"
         yield f"'{key}' is not symmetric: entries {pair}"
         return
-    # the unit of rows of rotations and of amplitudes is another one: a scaling to equal diagonals takes that out
+    # rotations and amplitudes have other units than displacements: scaling to equal diagonals removes this
     scale = np.sqrt(np.maximum(np.diag(A), 1e-30 * largest + 1e-300))
     lowest, *_, highest = np.linalg.eigvalsh(A / np.outer(scale, scale)) if len(A) > 1 else (A[0, 0], A[0, 0])
     if lowest < -NEGATIVE * max(highest, 1.0):
@@ -131,7 +131,7 @@ EXPECTED = (
 
 
 def misplaced(reduced, nodes):
-    """Which node is not where the superelement has it, as a text, or ""; ``nodes`` are (x (3,), R (3, 3))."""
+    """Return an error for a node misplaced relative to the superelement, or ""; ``nodes`` are (x (3,), R (3, 3))."""
     X = np.array(reduced["positions"], float)
     x = np.array([place for place, _ in nodes])
     off = np.linalg.norm((x - x[0]) - (X - X[0]) @ nodes[0][1].T, axis=1)

@@ -1,4 +1,4 @@
-r"""Rigid body: mass and inertia carried by one node.
+r"""Rigid body: mass and inertia at one node.
 
 With x, R the node, c the centre of mass (node frame), :math:`J = J_C + m(c\cdot c\,I - c c^T)` the inertia
 about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`, all in the material frame
@@ -6,8 +6,8 @@ about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`
 
 .. math::  f_x = m (a + R w - g), \qquad f_\Theta = J \alpha + \Omega \times J \Omega + m\, c \times R^T (a - g)
 
-``attached`` nodes move with the body as if welded to it: their positions are held by three constraints each. They share
-its rotation; one with an ``orientation`` of its own (a marker) is held by three more.
+``attached`` nodes move with the body as if welded to it: the position of each is held by three constraints. They share
+the rotation of the body, except a node with an ``orientation`` of its own (a marker), which is held by three more.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Inertia and weight of one body; see element_interface.py for the arguments."""
+    """Add inertia and weight of one body; see element_interface.py for the arguments."""
     c, J, A = vec(p.c, 0), mat(p.J), mat(at.R[0])
     omega, alpha = vec(at.v, 3), vec(at.a, 3)
     u = vec(at.a, 0) - vec(p.gravity, 0)
@@ -50,7 +50,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Centre of mass, its velocity, energies."""
+    """Write centre of mass, its velocity, energies."""
     c, A, omega = vec(p.c, 0), mat(at.R[0]), vec(at.v, 3)
     x_C = vec(at.q, 0) + A @ c
     v_C = vec(at.v, 0) + A @ cross(omega, c)
@@ -63,7 +63,7 @@ def observe(p, at, F, y, e):
 
 
 def inertia_matrix(inertia):
-    """3x3 matrix from 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz] or a 3x3 matrix [kg m2]."""
+    """Return the 3x3 matrix of 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz] or a 3x3 matrix [kg m2]."""
     J = np.asarray(inertia, float)
     if J.shape == (3,):
         return np.diag(J)
@@ -74,19 +74,19 @@ def inertia_matrix(inertia):
 
 
 def prepare(d, nodes, context):
-    """Record of one body; J is the inertia about the node."""
+    """Return the record of one body; J is the inertia about the node."""
     c, J_C = np.asarray(d["center_of_mass"], float), inertia_matrix(d["inertia"])
     J = J_C + d["mass"] * (c @ c * np.eye(3) - np.outer(c, c))
     return {"mass": d["mass"], "c": c, "J": J, "J_C": J_C, "gravity": context.gravity}
 
 
 def parts(d, nodes, context):
-    """What holds each attached node."""
+    """Return the Parts that hold the attached nodes."""
     return [part for i in range(1, len(nodes)) for part in attachment(nodes, i, context)]
 
 
 def check(d, nodes):
-    """Principal moments must be positive and fulfil the triangle inequality."""
+    """Check that the principal moments are positive and satisfy the triangle inequality."""
     J = inertia_matrix(d["inertia"])
     if not np.allclose(J, J.T, rtol=1e-9, atol=0):
         return ["'inertia' must be a symmetric matrix"]
@@ -102,7 +102,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Random bodies with an offset centre of mass, alone and with nodes attached."""
+    """Return random bodies with an offset centre of mass, without and with attached nodes."""
     A = rng.normal(size=(3, 3))
     masses = A @ A.T + np.eye(3)
     J = np.trace(masses) * np.eye(3) - masses

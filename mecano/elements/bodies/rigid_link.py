@@ -1,11 +1,11 @@
 r"""Rigid link: a massless rigid arm between two nodes.
 
-With d, material, from the start:
+With the initial arm d, material:
 
 .. math::  x_f - x_m - R_m d = 0
 
-The follower shares the rotation of the master (Boolean identification); one with an orientation of its own at the
-start is held there by three constraints.
+The follower shares the rotation of the master (Boolean identification); a follower with another initial orientation is
+held by three constraints.
 """
 
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
@@ -21,7 +21,7 @@ FORCE, MOMENT = 12, 15  # in q
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reactions on the follower."""
+    """Write the reactions on the follower."""
     put(y, 0, vec(at.q, FORCE))
     if p.turned > 0.0:
         put(y, 3, mat(at.R[0]) @ Vec3(-at.q[MOMENT + 1], at.q[MOMENT], at.q[MOMENT + 2]))
@@ -30,17 +30,17 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Whether the follower is turned."""
+    """Return whether the initial orientation of the follower differs."""
     return {"turned": float(is_marker(nodes, 1))}
 
 
 def parts(d, nodes, context):
-    """What holds the follower."""
+    """Return the Parts that hold the follower."""
     return attachment(nodes, 1, context)
 
 
 def sample(rng):
-    """Two nodes of one rotation, and of two."""
+    """Return two nodes with the same rotation, and two with different rotations."""
     return [({}, two_parallel(rng), ""), ({}, two_places(rng), "")]
 
 

@@ -1,19 +1,20 @@
-r"""Superelement: a part of a mechanism by its reduced stiffness and mass, linear in a frame that follows its nodes.
+r"""Superelement: a part of a mechanism given by reduced stiffness and mass, linear in a frame that follows its nodes.
 
 The coordinates are those of Craig & Bampton (1968): displacements and rotations of boundary nodes, then amplitudes of
-modes with fixed boundary. They are small, and seen from a frame that moves with the boundary nodes through any number
-of turns (Cardona & Geradin 1991).
+fixed-boundary modes. They are small relative to a frame that moves with the boundary nodes, through any number of turns
+(Cardona & Geradin 1991).
 
-The file gives ``positions`` (one row for each boundary node), ``stiffness``, ``mass``, and perhaps ``damping``, with 6
-rows for each node in the order of ``nodes`` (displacements, rotations) and one for each mode, in the axes of the
-superelement: those of its first node at the start. ``mecano reduce`` makes such a file from a part of a deck, with the
-shapes that give the motion of the inner nodes again. The deck's nodes must stand as the ``positions`` do.
+The file gives ``positions`` (one row for each boundary node), ``stiffness``, ``mass``, and optionally ``damping``, with
+6 rows for each node in the order of ``nodes`` (displacements, rotations) and one for each mode, in the axes of the
+superelement, which are those of its first node at the start. ``mecano reduce`` writes such a file for a part of a deck,
+including the shapes that recover the motion of the inner nodes. The nodes of the deck must be arranged like
+``positions``.
 
-Exact: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the balances of
-momentum and energy, small vibrations about a place at rest. Neglected: what deformations do to deformations (no
-stiffening by forces inside, no shortening by bending), and the velocities that the rotation of the frame gives to the
-inner modes: their share of the centrifugal and Coriolis forces. Cut a part into several superelements where that
-matters (docs/superelements.md).
+Exact are: rigid motions of the mass distribution (mass, centre, inertia, gyroscopic forces) and its weight, the
+balances of momentum and energy, small vibrations about a state of rest. Neglected are: coupling among deformations (no
+stiffening by internal forces, no foreshortening by bending), and the velocities of the inner modes due to the rotation
+of the frame, that is, their contributions to the centrifugal and Coriolis forces. Divide a part into several
+superelements where these matter (docs/superelements.md).
 """
 
 from functools import cache
@@ -70,7 +71,7 @@ MODE_OUTPUTS = (
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Elastic forces, damping, weight and inertia; see element_interface.py for the arguments."""
+    """Add elastic forces, damping, weight and inertia; see element_interface.py for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
     R_f, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
@@ -89,7 +90,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Frame, amplitudes, coordinates, resultants, energies."""
+    """Write frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
     R_f, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
@@ -125,7 +126,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def _energies(p, laws, work):
-    """Elastic energy, kinetic energy, dissipated power; spoils the row INERTIA."""
+    """Return elastic energy, kinetic energy, dissipated power."""
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
     elastic, kinetic, dissipated = 0.0, 0.0, 0.0
@@ -142,7 +143,7 @@ def _energies(p, laws, work):
 
 
 def prepare(d, nodes, context):
-    """Record of one element; its matrices go to the flat table."""
+    """Return the record of one element; its matrices are stored in the flat table."""
     reduced = d["file"]
     K, M = (_symmetric(reduced[key]) for key in ("stiffness", "mass"))
     mass, moment, _, loads = mass_moments(M, reduced["positions"])
@@ -170,7 +171,7 @@ def _is_damped(d):
 
 
 def _damping(d, K, M):
-    """Damping matrix (n, n), or nothing."""
+    """Return the damping matrix (n, n), or an empty array."""
     if not _is_damped(d):
         return np.zeros(0)
     given = d["file"].get("damping")
@@ -179,7 +180,7 @@ def _damping(d, K, M):
 
 
 def check(d, nodes):
-    """Matrices that can be, nodes that stand as those of the superelement."""
+    """Check the matrices, and that the nodes are arranged like those of the superelement."""
     reduced = d["file"]
     if len(nodes) != len(reduced["positions"]):
         return [f"'nodes' has {len(nodes)} names, but the superelement has {len(reduced['positions'])} boundary nodes"]
@@ -189,7 +190,7 @@ def check(d, nodes):
 
 
 def variant(d):
-    """The kind of a superelement with as many nodes and modes as these values have."""
+    """Return the kind of a superelement with the numbers of nodes and modes of these values."""
     n_nodes = len(d["file"]["positions"])
     return _of_size(n_nodes, len(d["file"]["stiffness"]) - 6 * n_nodes)
 
@@ -214,7 +215,7 @@ def _of_size(n_nodes, n_modes):
 
 
 def sample(rng):
-    """One node alone; two and three nodes with modes, damped and not, oriented in any way."""
+    """Return one node alone, and two and three nodes with modes, with and without damping, in random orientations."""
     found = []
     for n_nodes, n_modes, damping in ((1, 2, {}), (2, 3, {"stiffness_damping": 0.1}), (3, 0, {"mass_damping": 0.3})):
         X, n = rng.normal(size=(n_nodes, 3)), 6 * n_nodes + n_modes
@@ -234,7 +235,7 @@ def sample(rng):
 
 
 def _body_like(M, rigid, rng):
-    """M changed so that its rigid motions are those of a body: mass 2, some first moment and inertia."""
+    """Return M, modified so that its rigid motions are those of a body: mass 2, random first moment, some inertia."""
     first = -np.cross(np.eye(3), 0.3 * rng.normal(size=3))
     body = np.block([[2.0 * np.eye(3), first], [first.T, 2.0 * np.eye(3)]])
     inverse = np.linalg.pinv(rigid)

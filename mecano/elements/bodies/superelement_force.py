@@ -1,13 +1,13 @@
-r"""Forces of a superelement: elastic, damping, weight and inertia, from the motion seen from its frame.
+r"""Forces of a superelement: elastic, damping, weight and inertia, from the motion relative to its frame.
 
 With the elastic coordinates u, the velocities :math:`v = (R^T \dot x_i, R^T \omega_i, \dot\eta)` of the boundary nodes
 in the axes of the frame, and :math:`\gamma = R^T g`,
 
 .. math::  V = \tfrac12 u^T K u - \gamma \cdot (S_0 + B^T u) - m\, g \cdot \bar x , \qquad T = \tfrac12 v^T M v
 
-where B = M r for the three rigid translations r, and :math:`\hat S_0` comes from M and the rigid rotations. The forces
-are those of Lagrange's equations of T and V without any neglect: with :math:`p = K u + C \dot u - B \gamma`,
-:math:`P = M v`, :math:`h = M \dot v` and the angular velocity Omega of the frame
+where B = M r for the three rigid translations r, and :math:`\hat S_0` follows from M and the rigid rotations. The
+forces are those of Lagrange's equations for T and V, with no terms neglected: with :math:`p = K u + C \dot u - B
+\gamma`, :math:`P = M v`, :math:`h = M \dot v` and the angular velocity Omega of the frame
 
 .. math::
     \mu  &= -\sum_i (y_i \times p_{x,i} + E_i T_i^{-T} p_{r,i}) - (S_0 + B^T u) \times \gamma
@@ -36,7 +36,7 @@ from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
 
 @kernel
 def add_product(laws, start, x, out):
-    """out += A x for the symmetric matrix (n, n) at ``start`` of the table; zeros in x cost nothing."""
+    """Add A x to out, for the symmetric matrix A (n, n) at ``start`` of the table; skips zeros in x."""
     n = x.shape[0]
     for j in range(n):
         s, row = x[j], start + j * n
@@ -47,7 +47,7 @@ def add_product(laws, start, x, out):
 
 @kernel
 def first_moment(p, laws, u):
-    """B^T u, (3,)."""
+    """Return B^T u, (3,)."""
     total, start = ZERO, p.table + 12 * p.n_nodes
     for i in range(u.shape[0]):
         total = total + u[i] * vec(laws, start + 3 * i)
@@ -56,7 +56,7 @@ def first_moment(p, laws, u):
 
 @kernel
 def products(p, laws, load, work, first, last):
-    """Forces on the coordinates, momenta and forces of inertia from the rows ``first`` ... of ``work`` (3 rows)."""
+    """Write coordinate forces, momenta and inertia forces of the rows ``first`` to 3 rows from ``last`` of ``work``."""
     n = work.shape[1]
     loads = p.table + 12 * p.n_nodes
     stiffness = loads + 3 * n
@@ -75,19 +75,19 @@ def products(p, laws, load, work, first, last):
 
 @kernel
 def of_motion(p, laws, load, work):
-    """Rows FORCE, MOMENTUM, INERTIA."""
+    """Write the rows FORCE, MOMENTUM, INERTIA."""
     products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
 
 
 @kernel
 def material_moment(turns, work, i):
-    """T_i^-T p_r, the moment of the elastic forces on node i in the axes A_i."""
+    """Return T_i^-T p_r, the moment of the elastic forces on node i in the axes A_i."""
     return mat(turns[i, 1]).T @ vec(work[FORCE], 6 * i + 3)
 
 
 @kernel
 def rotary(spin, work, i):
-    """Moment of inertia forces on node i, in the axes of the frame."""
+    """Return the moment of the inertia forces on node i, in the axes of the frame."""
     momentum = vec(work[MOMENTUM], 6 * i + 3)
     turned = cross(spin - vec(work[V], 6 * i + 3), momentum)
     return vec(work[INERTIA], 6 * i + 3) + turned
@@ -95,7 +95,7 @@ def rotary(spin, work, i):
 
 @kernel
 def frame_moment(p, laws, load, moment, work, turns):
-    """The moment mu that works along rotations of the frame; ``moment`` is S_0 + B^T u."""
+    """Return the moment mu conjugate to rotations of the frame; ``moment`` is S_0 + B^T u."""
     total = cross(moment, load)
     for i in range(p.n_nodes):
         y = place(p, laws, i) + vec(work[U], 6 * i)
@@ -108,7 +108,7 @@ def frame_moment(p, laws, load, moment, work, turns):
 
 @kernel
 def mean_force(p, load, force):
-    """The part of the forces that the mean of the nodes takes, (3,)."""
+    """Return the part of the forces that acts on the mean of the nodes, (3,)."""
     total = p.mass * load
     for i in range(p.n_nodes):
         total = total + vec(force, 6 * i)
@@ -117,7 +117,7 @@ def mean_force(p, load, force):
 
 @kernel
 def node_force(p, laws, spin, mean, nu, work, i):
-    """Force on node i in the axes of the frame."""
+    """Return the force on node i in the axes of the frame."""
     turned = vec(work[INERTIA], 6 * i) + cross(spin, vec(work[MOMENTUM], 6 * i))
     own = vec(work[FORCE], 6 * i) - mean
     return own + turned + cross(nu, place(p, laws, i)) / p.n_nodes
@@ -125,7 +125,7 @@ def node_force(p, laws, spin, mean, nu, work, i):
 
 @kernel
 def node_moment(p, spin, nu, work, turns, i):
-    """Moment on node i in the axes A_i."""
+    """Return the moment on node i in the axes A_i."""
     E = mat(turns[i, 0])
     own = material_moment(turns, work, i) + E.T @ rotary(spin, work, i)
     return own + p.square / p.n_nodes * (tail(E).T @ nu)
@@ -133,7 +133,7 @@ def node_moment(p, spin, nu, work, turns, i):
 
 @kernel
 def add_forces(p, laws, R_f, spin, mean, nu, work, turns, f):
-    """All forces into ``f`` (n,)."""
+    """Add all forces to ``f`` (n,)."""
     for i in range(p.n_nodes):
         add_vec(f, 6 * i, 1.0, R_f @ node_force(p, laws, spin, mean, nu, work, i))
         moment = node_moment(p, spin, nu, work, turns, i)

@@ -1,7 +1,7 @@
-r"""The frame that follows the boundary nodes of a superelement, and the motion seen from it; on tuples and arrays.
+r"""The frame that follows the boundary nodes of a superelement, and the motion relative to it; on tuples and arrays.
 
 With the positions :math:`X_i` of the boundary nodes about their mean, in the axes of the superelement, the rotations
-:math:`A_i` of its axes carried by the nodes, and a length L, the frame is the rotation nearest to the motion of all:
+:math:`A_i` of these axes fixed in the nodes, and a length L, the frame is the rotation nearest to the motion of all:
 
 .. math::  R = \mathrm{polar}\, \frac1n \sum_i \left[ (x_i - \bar x) X_i^T + L^2 A_i \right] , \qquad
     y_i = R^T (x_i - \bar x), \quad E_i = R^T A_i
@@ -12,7 +12,7 @@ Its material variation is linear in :math:`r_i = R^T \delta x_i` and the materia
 .. math::  D\, \delta\Theta = \frac1n \sum_i \left[ X_i \times r_i + L^2 (\mathrm{tr} E_i - E_i^T) \phi_i \right] ,
     \qquad D = \mathrm{tr} H - H
 
-so the same line gives its angular velocity. It turns with the nodes, whatever the motion, and does not depend on the
+so the same expression gives its angular velocity. The frame rotates with the nodes for any motion, independent of the
 path. Elastic coordinates are :math:`d_i = y_i - X_i`, :math:`\theta_i = \log E_i` and the amplitudes of the modes.
 """
 
@@ -22,8 +22,8 @@ from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
 from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, vec
 
-# Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities, accelerations in the axes of the
-# frame, the rates of those velocities; forces on the coordinates, momenta, forces of inertia; then variations.
+# Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities and accelerations in the axes of the
+# frame, the rates of these velocities; forces on the coordinates, momenta, inertia forces; then variations.
 U, U_RATE, V, A, V_RATE, FORCE, MOMENTUM, INERTIA = range(8)
 DU, DU_RATE, DV, DV_RATE, DFORCE, DMOMENTUM, DINERTIA = range(8, 15)
 ROWS = 15
@@ -31,7 +31,7 @@ ROWS = 15
 
 @kernel
 def tail(E):
-    """Tr E - E^T, the moment of a turning node about the frame."""
+    """Return tr E - E^T, the moment of a rotating node about the frame."""
     t = E[0][0] + E[1][1] + E[2][2]
     return Mat3(
         Vec3(t - E[0][0], -E[1][0], -E[2][0]),
@@ -42,20 +42,20 @@ def tail(E):
 
 @kernel
 def place(p, laws, i):
-    """X_i, (3,)."""
+    """Return X_i, (3,)."""
     return vec(laws, p.table + 12 * i)
 
 
 @kernel
 def axes(p, laws, i):
-    """Rotation from the axes of the superelement to those of node i at the start: A_i = R_i axes."""
+    """Return the rotation from the axes of the superelement to the initial axes of node i: A_i = R_i axes."""
     j = p.table + 12 * i + 3
     return Mat3(vec(laws, j), vec(laws, j + 3), vec(laws, j + 6))
 
 
 @kernel
 def mean(q, n):
-    """Mean of the translations of n nodes in local unknowns."""
+    """Return the mean of the translations of n nodes in local unknowns."""
     total = ZERO
     for i in range(n):
         total = total + vec(q, 6 * i)
@@ -64,7 +64,7 @@ def mean(q, n):
 
 @kernel
 def frame(p, laws, q, R):
-    """Rotation of the frame and the mean of the boundary nodes."""
+    """Return the rotation of the frame and the mean of the boundary nodes."""
     n = p.n_nodes
     centre, B = mean(q, n), NO_MATRIX
     for i in range(n):
@@ -75,7 +75,7 @@ def frame(p, laws, q, R):
 
 @kernel
 def configuration(p, laws, q, R, work, turns):
-    """Frame, mean and D^-1; elastic coordinates into ``work`` (ROWS, n), E_i and T^-1(theta_i) into ``turns``."""
+    """Return frame, mean, D^-1; write elastic coordinates to ``work`` (ROWS, n), E_i and T^-1(theta_i) to ``turns``."""
     n = p.n_nodes
     R_f, centre = frame(p, laws, q, R)
     H = NO_MATRIX
@@ -103,19 +103,19 @@ def put_matrix(out, A):
 
 @kernel
 def stiffened(H):
-    """D = tr H - H."""
+    """Return D = tr H - H."""
     return (H[0][0] + H[1][1] + H[2][2]) * EYE - H
 
 
 @kernel
 def own_spin(p, laws, v, i):
-    """Material angular velocity (or variation) of A_i from that of node i in local unknowns."""
+    """Return the material angular velocity (or variation) of A_i from that of node i in local unknowns."""
     return axes(p, laws, i).T @ vec(v, 6 * i + 3)
 
 
 @kernel
 def turning(p, laws, v, R_f, D_inverse, turns):
-    """Angular velocity of the frame (or its variation), in its own axes, for velocities (or variations) ``v``."""
+    """Return the angular velocity (or variation) of the frame in its own axes, for velocities (or variations) ``v``."""
     total = ZERO
     for i in range(p.n_nodes):
         r, phi = R_f.T @ vec(v, 6 * i), own_spin(p, laws, v, i)
@@ -125,7 +125,7 @@ def turning(p, laws, v, R_f, D_inverse, turns):
 
 @kernel
 def to_frame(p, laws, v, R_f, turns, out):
-    """Velocities or accelerations of the nodes in the axes of the frame, (n,)."""
+    """Write velocities or accelerations of the nodes in the axes of the frame to ``out`` (n,)."""
     for i in range(p.n_nodes):
         put(out, 6 * i, R_f.T @ vec(v, 6 * i))
         put(out, 6 * i + 3, mat(turns[i, 0]) @ own_spin(p, laws, v, i))
@@ -135,7 +135,7 @@ def to_frame(p, laws, v, R_f, turns, out):
 
 @kernel
 def velocities(p, laws, v, a, R_f, spin, work, turns):
-    """Velocities, accelerations, rates of the velocities and of the elastic coordinates, into ``work``."""
+    """Write velocities, accelerations, rates of the velocities and of the elastic coordinates to ``work``."""
     n = p.n_nodes
     to_frame(p, laws, v, R_f, turns, work[V])
     to_frame(p, laws, a, R_f, turns, work[A])

@@ -1,7 +1,7 @@
-r"""Exact tangents of the forces of a superelement, column by column: the variation of everything by one unknown.
+r"""Exact tangents of the forces of a superelement, column by column: variation of all forces with one unknown.
 
-A variation of the nodes varies the frame by rho, the rotations seen from it by :math:`\psi_i = \phi_i - E_i^T \rho`,
-and with them all that superelement_force.py adds up. Columns of amplitudes cost one row of a matrix each.
+A variation of the nodes varies the frame by rho, the rotations relative to it by :math:`\psi_i = \phi_i - E_i^T \rho`,
+and with them all terms of superelement_force.py. Columns of amplitudes cost one row of a matrix each.
 """
 
 from mecano.elements.bodies.superelement_force import first_moment, material_moment, mean_force, products, rotary
@@ -37,7 +37,7 @@ TANGENT_ROWS = ROWS + 2
 
 @kernel
 def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, work, turns, K, C, M):
-    """K, C and M; ``work`` (TANGENT_ROWS, n) and the rest as the forces left them."""
+    """Add K, C and M; ``work`` (TANGENT_ROWS, n) and the other arguments are those of the forces."""
     n, nodes = work.shape[1], 6 * p.n_nodes
     state = (spin, load, moment, force_mean, nu)
     for column in range(n):
@@ -60,7 +60,7 @@ def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, wo
 
 @kernel
 def amplitude(order, column, work):
-    """Variation of an amplitude, its rate or its second rate."""
+    """Write the variation of an amplitude, its rate or its second rate."""
     if order == 0:
         work[DU, column] = 1.0
     elif order == 1:
@@ -72,7 +72,7 @@ def amplitude(order, column, work):
 
 @kernel
 def unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns):
-    """Variation of a node's position or rotation, velocity or acceleration; the changes rho, of Omega and of D."""
+    """Vary a node's position or rotation, velocity or acceleration; return the changes rho, of Omega and of D."""
     k = column // 6
     work[COLUMN, column] = 1.0
     r, phi = R_f.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
@@ -95,7 +95,7 @@ def unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns):
 
 @kernel
 def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
-    """Variation by the velocities r and phi of node k."""
+    """Vary the velocities r and phi of node k."""
     put(work[DV], 6 * k, r)
     put(work[DV], 6 * k + 3, mat(turns[k, 0]) @ phi)
     centre = r / p.n_nodes
@@ -117,7 +117,7 @@ def velocity_rates(p, spin, spin_change, work):
 
 @kernel
 def position(p, laws, k, r, phi, rho, work, turns):
-    """Variation of the coordinates, velocities and accelerations by r and phi of node k; the change of D."""
+    """Vary coordinates, velocities and accelerations with r and phi of node k; return the change of D."""
     H, centre = NO_MATRIX, r / p.n_nodes
     for i in range(p.n_nodes):
         E, X = mat(turns[i, 0]), place(p, laws, i)
@@ -139,7 +139,7 @@ def position(p, laws, k, r, phi, rho, work, turns):
 
 @kernel
 def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
-    """Change of the angular velocity of the frame with the positions."""
+    """Return the change of the angular velocity of the frame with the positions."""
     total = ZERO
     for i in range(p.n_nodes):
         E = mat(turns[i, 0])
@@ -151,7 +151,7 @@ def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
 
 @kernel
 def rates(p, laws, rho, spin, spin_change, work, turns):
-    """Change of the rates of the coordinates and of the velocities with the positions."""
+    """Write the changes of the rates of coordinates and velocities with the positions."""
     velocity_rates(p, spin, spin_change, work)
     centre = mean(work[DV], p.n_nodes)
     for i in range(p.n_nodes):
@@ -168,7 +168,7 @@ def rates(p, laws, rho, spin, spin_change, work, turns):
 
 @kernel
 def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns):
-    """The column: change of all forces, from those of coordinates, velocities and their rates."""
+    """Write the column: the change of all forces, from those of coordinates, velocities and their rates."""
     spin, load, moment, force_mean, nu = state
     n = p.n_nodes
     load_change = cross(load, rho)
@@ -190,7 +190,7 @@ def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns
 
 @kernel
 def moment_change_of(work, turns, i):
-    """Change of T_i^-T p_r."""
+    """Return the change of T_i^-T p_r."""
     theta = vec(work[U], 6 * i + 3)
     c, c1, _ = inverse_coefficients(dot(theta, theta))
     slope = first_derivative(theta, vec(work[FORCE], 6 * i + 3), 0.5, c, c1)
@@ -199,7 +199,7 @@ def moment_change_of(work, turns, i):
 
 @kernel
 def turning_moment(p, laws, work, turns, i):
-    """Change of what node i gives to the moment about the frame, with the sign of superelement_force.frame_moment."""
+    """Return the change of the contribution of node i to superelement_force.frame_moment, with the same sign."""
     y = place(p, laws, i) + vec(work[U], 6 * i)
     total = cross(vec(work[DU], 6 * i), vec(work[FORCE], 6 * i)) + cross(y, vec(work[DFORCE], 6 * i))
     own = cross(vec(work[PSI], 6 * i), material_moment(turns, work, i))
@@ -212,7 +212,7 @@ def turning_moment(p, laws, work, turns, i):
 
 @kernel
 def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i):
-    """Force on node i in the axes of the frame and its change."""
+    """Return the force on node i in the axes of the frame, and its change."""
     X, share = place(p, laws, i), 1.0 / p.n_nodes
     P, dP = vec(work[MOMENTUM], 6 * i), vec(work[DMOMENTUM], 6 * i)
     inertia, change = vec(work[INERTIA], 6 * i), vec(work[DINERTIA], 6 * i)
@@ -223,7 +223,7 @@ def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_chan
 
 @kernel
 def moment_of(p, spin, spin_change, nu, nu_change, work, turns, i):
-    """Change of the moment on node i, in the axes A_i."""
+    """Return the change of the moment on node i, in the axes A_i."""
     E, psi, j = mat(turns[i, 0]), vec(work[PSI], 6 * i), 6 * i + 3
     P, dP, w, dw = vec(work[MOMENTUM], j), vec(work[DMOMENTUM], j), vec(work[V], j), vec(work[DV], j)
     inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(spin - w, dP))

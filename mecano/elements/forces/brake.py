@@ -1,18 +1,18 @@
-r"""Brake: a torque about the axle of a wheel against a reference node, the leg or arm that carries it.
+r"""Brake: a torque about the axle of a wheel against a reference node, the leg or arm that carries the wheel.
 
-With the axis a carried by the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
+With the axis a fixed in the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
 wheel's node, the torque that opposes W is
 
     tau = min(T(t), B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
 
-A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of which sigma <= 1 is used, it is
+A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of which a fraction sigma <= 1 is used, it is
 
     B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
     B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
 
-and ``anti_skid`` lets the brake go while the slip ratio of the ``wheel`` is large. The smaller of T
-and B is taken without a corner, and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A
-stopped wheel is held: under a moment m < T it creeps at about eps m/(2 T).
+and ``anti_skid`` releases the brake while the slip ratio of the ``wheel`` is large. The minimum of T and B is smoothed,
+and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A stopped wheel is held: under a moment
+m < T it creeps at about eps m/(2 T).
 """
 
 import numpy as np
@@ -32,13 +32,13 @@ RECORD = record(
     axis=3, torque="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
     least_speed=(), **GROUND_RECORD, **RADIAL_RECORD,
 )  # fmt: skip
-SMOOTH = 0.02  # s of the smaller of both
-REFERENCE = 0  # local unknowns: rotation of the reference node; then place and rotation of the wheel's
+SMOOTH = 0.02  # s of the smooth minimum
+REFERENCE = 0  # local unknowns: rotation of the reference node; then position and rotation of the wheel's node
 
 
 @kernel
 def _least(T, B):
-    """The smaller of two torques >= 0, smooth."""
+    """Return the smooth minimum of two torques >= 0."""
     positive = at_least(T, 0.0) * at_least(B, 0.0)
     difference = T - B
     root = sqrt(difference * difference + 4.0 * SMOOTH * SMOOTH * positive)
@@ -47,21 +47,21 @@ def _least(T, B):
 
 @kernel
 def _torque(p, at):
-    """Torque [N m] at full rate, and the Bound."""
+    """Return the torque [N m] at full rate, and the Bound."""
     T, bound = at_least(curve(at.laws, p.torque, at.t), 0.0), bound_of(p, at)
     return bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B)), bound
 
 
 @kernel
 def _sign(rate, eps):
-    """Smooth sign of the rate."""
+    """Return the smooth sign of the rate."""
     x = at_most(abs(rate) / eps, 1.0)
     return select(rate < 0.0, -1.0, 1.0) * x * (2.0 - x)
 
 
 @kernel
 def _braking(p, at):
-    """Torque [N m], relative rate W [rad/s], axis in the axes of the reference node, the Bound."""
+    """Return torque [N m], relative rate W [rad/s], axis in the axes of the reference node, and the Bound."""
     b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
     rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
     T, bound = _torque(p, at)
@@ -70,7 +70,7 @@ def _braking(p, at):
 
 @kernel
 def residual(p, at, f):
-    """Add moments on both nodes."""
+    """Add moments to both nodes."""
     tau, _, b, _ = _braking(p, at)
     add_vec(f, SPIN, tau, vec(p.axis, 0))
     add_vec(f, REFERENCE, -tau, b)
@@ -78,14 +78,14 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Torque, bound, relative rate, power, slip ratio."""
+    """Write torque, bound, relative rate, power, slip ratio."""
     tau, rate, _, bound = _braking(p, at)
     y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
     e[2] = tau * rate
 
 
 def prepare(d, nodes, context):
-    """Record: axis in the wheel's frame, laws; ground and tyre of the wheel that it watches."""
+    """Return the record: axis in the wheel's frame, laws; ground and tyre of the wheel that it refers to."""
     bounded = BY_SPEED if d["bound"] is not None else BY_ADHESION if d["adhesion"] is not None else UNBOUNDED
     law = d["bound"] if d["bound"] is not None else d["adhesion"]
     values = {
@@ -105,7 +105,7 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """Texts on a bound that needs a wheel, on what is no wheel with a tyre, or not the wheel that is braked."""
+    """Return errors for a bound without a wheel, and for a wheel that has no tyre or is not the braked one."""
     wheel, wanted = d["wheel"], [name for name in ("adhesion", "anti_skid") if d[name] is not None]
     if wheel is None:
         return [f"'{name}' needs 'wheel', the name of the wheel whose tyre is meant" for name in wanted]
@@ -125,7 +125,7 @@ def check(d, nodes):
 
 
 def _wheel(rng, wave):
-    """Values of a large wheel that touches the ground from near the origin."""
+    """Return the values of a large wheel that touches the ground from near the origin."""
     ground, normal, level = slope_below(rng, wave)
     rising = (("polynomial", {"coefficients": [0.0, 2e3, 3e2]}),)
     return {
@@ -135,7 +135,7 @@ def _wheel(rng, wave):
 
 
 def sample(rng):
-    """Bounded by the speed and not, turning and nearly stopped; by the grip of a wheel, by its slip, by both."""
+    """Return samples with and without a bound, rotating and nearly stopped; with adhesion, anti-skid, and both."""
     falling = (("exponential", {"start": 3.0, "limit": 0.5, "rate": 0.3, "origin": 0.0}),)
     rising = (("linear", {"slope": 1.0, "offset": 1.5}),)
     large = (("linear", {"slope": 1e4, "offset": 8e3}),)
@@ -155,7 +155,7 @@ def sample(rng):
 
 
 def slip_ratio(value):
-    """Check: between rolling and locked."""
+    """Check that the slip ratio is between rolling and locked."""
     return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
 
 

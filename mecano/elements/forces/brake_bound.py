@@ -1,13 +1,14 @@
-r"""What bounds the torque of a brake: a curve of the speed, the grip of the tyre under its load, the slip of the wheel.
+r"""Bounds of the torque of a brake: a curve of the speed, the adhesion of the tyre under its load, the slip of the
+wheel.
 
 With the speed u of the wheel's centre over the ground, the radial force F_r and the loaded radius r of its tyre (of the
 disc, without the lateral displacement of a patch), and the velocities v_x = v.t of the centre and Omega r of the rim:
 
-    bound            B = B(u), or with ``adhesion`` mu_b: B = mu_b(u) F_r r, nothing in the air
+    bound            B = B(u), or with ``adhesion`` mu_b: B = mu_b(u) F_r r, zero in the air
     slip ratio       kappa = (v_x - Omega r) v_x/(v_x^2 + v_0^2)
-    anti-skid        factor 1 below the slip kappa_0, falling without a corner to 0 at kappa_0 + width
+    anti-skid        factor 1 below the slip kappa_0, falling smoothly to 0 at kappa_0 + width
 
-The slip ratio is that of textbooks at speeds above v_0 and goes to zero with the speed, so a stopped wheel is held.
+At speeds above v_0 the slip ratio is that of textbooks; it vanishes with the speed, so that a stopped wheel is held.
 """
 
 from typing import NamedTuple
@@ -25,7 +26,7 @@ UNBOUNDED, BY_SPEED, BY_ADHESION = 0.0, 1.0, 2.0
 
 
 class Bound(NamedTuple):
-    """What bounds a brake."""
+    """The bound of a brake."""
 
     B: float  # [N m]
     factor: float  # of the anti-skid
@@ -34,7 +35,7 @@ class Bound(NamedTuple):
 
 @kernel
 def bound_of(p, at):
-    """The Bound of a brake of record ``p`` whose wheel's node has the rotation R[1]."""
+    """Return the Bound of a brake with record ``p`` whose wheel's node has the rotation R[1]."""
     velocity = vec(at.v, PLACE)
     if p.watches == 0.0:
         B = curve(at.laws, p.bound, norm(velocity))
@@ -52,13 +53,13 @@ def bound_of(p, at):
 
 @kernel
 def _slip_ratio(p, forward, rim):
-    """The slip ratio from the velocities [m/s] of the centre, forward, and of the rim."""
+    """Return the slip ratio from the velocities [m/s] of the centre, forward, and of the rim."""
     return (forward - rim) * forward / (forward * forward + p.least_speed * p.least_speed)
 
 
 @kernel
 def _released(p, slip):
-    """Factor of the anti-skid for a slip ratio."""
+    """Return the factor of the anti-skid for a slip ratio."""
     width = select(p.slip_width > 0.0, p.slip_width, 1.0)
     x = at_most(at_least((slip - p.slip_start) / width, 0.0), select(p.slip_width > 0.0, 1.0, 0.0))
     return 1.0 - x * x * (3.0 - 2.0 * x)

@@ -1,10 +1,10 @@
-r"""Couple: a moment between two nodes by a law or a signal, about an axis that the first carries, as of a motor.
+r"""Couple: a moment between two nodes as a function of time, such as that of a motor, about an axis fixed in the first.
 
 With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
 
 .. math::  f_a = M s, \qquad f_b = -M P^T s
 
-so that node b is turned about +axis and node a about -axis; the surroundings (the motor) give the power
+so that node b is turned about +axis and node a about -axis; the surroundings (the motor) supply the power
 :math:`M\, \mu \cdot (\omega_b - \omega_a)`.
 """
 
@@ -40,13 +40,13 @@ def _functions(demand):
 
 
 def prepare(d, nodes, context):
-    """Record of one couple: the axis in the axes of the first node."""
+    """Return the record of one couple: the axis in the axes of the first node."""
     axis = np.asarray(d["axis"], float)
     return {"law": law_of(d["value"], context), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
 
 
 def sample(rng):
-    """A falling curve and a signal, about random axes."""
+    """Return a decreasing curve about a random axis."""
     value = (("exponential", {"start": 5.0, "limit": 2.0, "rate": 0.3, "origin": -9.0}),)
     return [({"axis": rng.normal(size=3), "value": value}, 2, "") for value in (value, "torque")]
 

@@ -1,6 +1,6 @@
 r"""Loads at a node, by laws of time or signals: forces and moments, dead (fixed direction) or following the node.
 
-With the unit direction d, inertial for dead loads and carried by the node for followers, a force F gives
+With the unit direction d, inertial for dead loads and fixed in the node for followers, a force F(t) gives
 
 .. math::  f_x = -F d \quad\text{(dead)}, \qquad f_x = -F R d \quad\text{(follower)}
 
@@ -27,7 +27,7 @@ EQUATIONS = __doc__.partition("\n\n")[2]
 
 @kernel
 def _report(size, inertial, direction, v, y, e):
-    """Load, inertial, and its power: ``direction`` in the axes of the velocity v."""
+    """Write load, inertial, and its power; ``direction`` is in the axes of the velocity v."""
     put(y, 0, size * inertial)
     y[3] = size * dot(direction, vec(v, 0))
     e[3] = y[3]
@@ -94,19 +94,19 @@ def _follower_moment(demand):
 
 
 def prepare(d, nodes, context):
-    """Record of a dead load."""
+    """Return the record of a dead load."""
     direction = np.asarray(d["direction"], float)
     return {"law": law_of(d["value"], context), "direction": direction / np.linalg.norm(direction)}
 
 
 def prepare_follower(d, nodes, context):
-    """Record of a follower: the direction in the axes of the node."""
+    """Return the record of a follower: the direction in the axes of the node."""
     values = prepare(d, nodes, context)
     return {**values, "direction": nodes[0][1].T @ values["direction"]}
 
 
 def sample(rng):
-    """A swelling sine, a smooth step, a signal, in random directions."""
+    """Return a growing sine and a smooth step, in random directions."""
     sine = (
         ("sine", {"amplitude": 2.0, "frequency": 0.3, "phase": 0.4, "offset": 0.0}),
         ("linear", {"slope": 0.5, "offset": rng.uniform(3, 4)}),
@@ -120,7 +120,7 @@ def sample(rng):
 
 @dataclass(frozen=True)
 class _Quantity:
-    """What distinguishes forces from moments in a deck."""
+    """A quantity, force or moment, that a load applies."""
 
     name: str
     unit: str

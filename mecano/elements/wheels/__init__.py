@@ -1,1 +1,1 @@
-"""Wheels, from rigid rolling to tyres that slip, and the laws of their tyres."""
+"""Wheels, from rigid rolling to slipping tyres, and the laws of their tyres."""

@@ -1,14 +1,14 @@
-r"""Flexible wheel whose patch does not slip, whatever the force: the limit of ``flexible_wheel`` without any creep.
+r"""Flexible wheel with a patch that does not slip at any force: the limit of ``flexible_wheel`` without creep.
 
-The same unknowns y and psi, forces and tyre law (47)-(51), but the two components of the patch velocity v_C vanish as
-constraints on velocities (Cardona, Geradin and Doan, CMAME 89 (1991), section 3.4):
+The unknowns y and psi, the forces and the tyre law (47)-(51) are the same, but the two components of the patch velocity
+v_C vanish as constraints on velocities (Cardona, Geradin and Doan, CMAME 89 (1991), section 3.4):
 
     v_C.t = 0,   v_C.l = 0          reactions: the driving and the lateral force on the wheel
 
-The friction law of the tyre is not used; the friction coefficient that would be needed is an output. In mode "air"
-the patch is let go. At a touch-down the wheel is spun up at once: the velocities jump to the nearest, by kinetic
-energy, that do not slip. The impulse of this shock is that of the driving force, and its energy is lost
-(docs/shocks.md). Sideways there is no shock, since y has no inertia.
+The friction law of the tyre is not used; the friction coefficient that would be needed is an output. In the phase
+"air" the constraints are inactive. At touch-down the wheel spins up instantaneously: the velocities jump to the nearest
+ones, in the norm of the kinetic energy, that do not slip. The impulse of this shock is that of the driving force, and
+its energy is lost (docs/shocks.md). There is no lateral shock, since y has no inertia.
 """
 
 from mecano.constraints.rolling import ROWS
@@ -27,7 +27,7 @@ MULTIPLIERS = 9  # driving, lateral
 
 @kernel
 def residual(p, at, f):
-    """Add the forces of ground and tyre law, and the constraints; see the contract."""
+    """Add the forces of ground and tyre law, and the constraints; see element_interface.py."""
     if at.phase == AIR:
         relax(p, at, f)
         for row in range(MULTIPLIERS, MULTIPLIERS + 2):
@@ -55,7 +55,7 @@ def velocity_constraints(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Outputs and energies; see OUTPUTS and the contract."""
+    """Write outputs and energies; see OUTPUTS and element_interface.py."""
     k = patch(p, at)
     load = load_of(p, at, k)
     t, l = directions(k.a, k.g)

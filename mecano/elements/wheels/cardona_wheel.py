@@ -1,13 +1,13 @@
-r"""Rigid wheel of Cardona, Geradin and Doan (1991) to the letter: for comparison, not for use.
+r"""Rigid wheel of Cardona, Geradin and Doan (1991) to the letter: for comparison only.
 
-The small-inclination equations of section 3.2 of CMAME 89, kept as they stand however the wheel leans, on a plane:
+The small-inclination equations of section 3.2 of CMAME 89, kept unchanged at any lean of the wheel, on a plane:
 
     (x - P).n - radius = 0           the centre keeps its height (18)
     u.t = 0, u.l = 0                 the point x - radius n below the centre does not slip (22), (25)
 
 The contact does not move sideways over the rim as the wheel leans, so gravity does not tip the wheel: an upright
 thin disc wobbles with omega^2 = C (C + m r^2) n^2/(A (A + m r^2)) at any spin n and has no critical speed, whereas the
-exact one (``rigid_wheel``) falls below v^2 = g r/3. A, C are the moments of inertia about a diameter and the axis.
+exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments of inertia about a diameter and the axis.
 """
 
 import numpy as np
@@ -21,12 +21,12 @@ from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, vec
 
-HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
+HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own unknowns
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
+    """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
     Rn, n = mat(at.R[0]), vec(p.normal, 0)
     axis = Rn @ vec(p.axis, 0)
     g = disc_contact(n, ZERO, p.radius, axis)
@@ -36,13 +36,13 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Record: axis in the node's frame, radius, normal."""
+    """Return the record: axis in the node's frame, radius, normal."""
     normal = np.array(d["ground"]["plane"]["normal"], float)
     return {"axis": carried_axis(d, nodes), "radius": d["radius"], "normal": normal / np.linalg.norm(normal)}
 
 
 def parts(d, nodes, context):
-    """The centre keeps its height, the point below it does not slip."""
+    """Return the Parts: the centre keeps its height, the point below it does not slip."""
     p = prepare(d, nodes, context)
     origin = np.array(d["ground"]["plane"]["point"], float) + d["radius"] * p["normal"]
     height = {"direction": p["normal"], "origin": origin, "offset": 0.0, "law": 0}
@@ -50,21 +50,21 @@ def parts(d, nodes, context):
 
 
 def check(d, nodes):
-    """Texts on a ground that is no plane, a wheel that lies flat or starts below the ground."""
+    """Return errors for a ground that is not a plane, a wheel that lies flat or starts below the ground."""
     if d["ground"].get("profile"):
         return ["the paper's wheel rolls on a plane only; use rigid_wheel on a ground with a profile"]
     return check_axle(d["ground"], nodes[0][0], d["axis"]) or _check_height(d, nodes[0][0])
 
 
 def _check_height(d, x):
-    """Texts on a centre that is not at its height over the plane, the radius, and too far to be brought there."""
+    """Return errors for a centre that is too far from its height above the plane, the radius."""
     plane = d["ground"]["plane"]
     gap = unit(plane["normal"]) @ np.subtract(x, plane["point"]) - d["radius"]
     return check_touching(gap, gap, d["radius"])
 
 
 def sample(rng):
-    """A wheel that leans on a slope."""
+    """Return a wheel that leans on a slope."""
     ground, normal, level = slope_below(rng)
     return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, on_the_slope(rng, normal), "")]
 

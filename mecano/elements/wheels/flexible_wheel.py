@@ -1,4 +1,4 @@
-r"""Wheel that deforms radially, sideways and in torsion, and slips on the ground, at any lean and heading.
+r"""Wheel that deforms radially, laterally and in torsion, and slips on the ground, at any lean and heading.
 
 Section 3.4 of Cardona, Geradin and Doan, CMAME 89 (1991), equations (47)-(51). Unknowns of its own: the patch is
 displaced by y against the wheel plane (contact at x + r c - y a, on the ground) and turned by psi; with Q = 1 + psi
@@ -10,12 +10,12 @@ hat(n), rho = r c - y a, and n, q, r taken at the contact of the disc displaced 
     friction             F_fr = mu(|v_0|) sigma(u) phi(|v_C|) N v_C/|v_C|
     tyre law             {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt}
 
-y and psi have no inertia. So that their rates are unique, radial damping and the coefficient of friction are those of
-the wheel with its patch held: dw_0/dt and v_0 are dw/dt and v_C without dy/dt and dpsi/dt (docs/tyres.md).
+y and psi have no inertia. To make their rates unique, radial damping and the coefficient of friction are those of the
+wheel with its patch held: dw_0/dt and v_0 are dw/dt and v_C without dy/dt and dpsi/dt (docs/tyres.md).
 
-A third one, the bow of the contact line, has an equation X = 0 of its own, trivial but for the tyre law of a string.
-v_C is defined so; it is not the rate of the place of the patch, for psi turns the rolling velocity too: rolling
-straight without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
+A third unknown, the bow of the contact line, has its own equation X = 0, trivial except in the tyre law of a string.
+v_C is defined as above; it is not the rate of the position of the patch, because psi also turns the rolling velocity:
+in straight rolling without slip, dy/dt = v_lat - V psi. Internal forces (51), with G = Q^T F_fr - N n:
 
     x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G - s N_d      psi: M - y (n x a).F_fr
 
@@ -23,7 +23,8 @@ with N_d the part of N by damping. Upright this is the paper's (51) and the over
 leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. What the lateral law stores
 and dissipates, and what it exchanges with the rolling, is in docs/tyres.md.
 
-In mode "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as ``wheel``.
+In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as
+``wheel``.
 """
 
 from mecano.constraints.tire_patch import patch
@@ -37,7 +38,7 @@ from mecano.jit.kernel import kernel
 
 @kernel
 def residual(p, at, f):
-    """Add the forces of ground and tyre law; see the contract."""
+    """Add the forces of ground and tyre law; see element_interface.py."""
     if at.phase == AIR:
         relax(p, at, f)
         return
@@ -48,7 +49,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Outputs and energies; see OUTPUTS and the contract."""
+    """Write outputs and energies; see OUTPUTS and element_interface.py."""
     k = patch(p, at)
     load = load_of(p, at, k)
     ground = forces(p, at.laws, load.slip)

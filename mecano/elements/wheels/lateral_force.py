@@ -19,10 +19,10 @@ class Lateral(NamedTuple):
 
 @kernel
 def lateral_law(p, laws, q, v, rolled, N, u, turning):
-    """The Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate.
+    """Return the Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate.
 
-    ``rolled`` [m/s] is dy/dt of a patch that does not slip sideways: it takes the place of dy/dt in the law of a
-    string, whose contact line is laid down by rolling.
+    ``rolled`` [m/s] is dy/dt of a patch without lateral slip: it replaces dy/dt in the law of a string, whose contact
+    line is laid down by rolling.
     """
     k = curve(laws, p.stiffness_by_load, N) * curve(laws, p.stiffness_by_speed, u)
     d = curve(laws, p.damping_by_load, N) * curve(laws, p.damping_by_speed, u)
@@ -39,11 +39,11 @@ def lateral_law(p, laws, q, v, rolled, N, u, turning):
 
 @kernel
 def _paced(k, g, a):
-    """k diag(1, g, g) a"""
+    """Return k diag(1, g, g) a."""
     return Vec3(k * a[0], k * g * a[1], k * g * a[2])
 
 
 @kernel
 def relax(p, at, f):
-    """Add F = M = X = 0 of the air to the equations of y, psi and bow."""
+    """Add F = M = X = 0, which hold in the air, to the equations of y, psi and bow."""
     add_vec(f, Y, 1.0, mat(p.A0) @ vec(at.q, Y) + mat(p.A1_air) @ vec(at.v, Y))

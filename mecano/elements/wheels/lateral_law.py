@@ -4,23 +4,23 @@ r"""Lateral law of a tyre: force F along y and moment M along psi of its patch, 
 
     {F; M} = A0 {y; psi} + A1 {dy/dt; dpsi/dt},      A0, A1 in general not symmetric
 
-each multiplied, where the deck says so, by curves of the normal force N and of the speed u of the axle over the ground.
-Rolling freely a patch bears no moment, M = 0, which is Moreland's yaw equation psi + C1 dpsi/dt = C F, F = K y + D
+each multiplied, if the deck gives them, by curves of the normal force N and of the speed u of the axle over the ground.
+In free rolling a patch carries no moment, M = 0, which is Moreland's yaw equation psi + C1 dpsi/dt = C F, F = K y + D
 dy/dt, with
 
     A0 = [[K, 0], [-kap C K, kap]],   A1 = [[D, 0], [-kap C D, kap C1]]
 
-for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. Under braking kap matters.
+for any kap: 1/C is the cornering stiffness, 1/(C K) the relaxation length. kap matters only under braking.
 
 The law with a relaxation length sigma, F = K y and psi = y/sigma, has A0 of this form without D and C1. Its psi is the
-slip angle of a patch at a point (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), no
+slip angle of a point-like patch (Pacejka, Tire and Vehicle Dynamics, section 7.2: the deflection angle y/sigma), not a
 twist against a stiffness: a change of psi does not carry a displaced patch along, and the longitudinal force does not
 turn it (``twist`` = 0, docs/tyres.md). Its kap, K sigma^2, only scales the equation. The same holds for Moreland's law
 without C1.
 
-Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that depends on the speed u and on the
-turning rate omega_n of the wheel about n too, and an aligning moment of their own. The string has a third own unknown,
-the bow b of its contact line, with an equation X = 0 (string_law.py). In general, with q = (y, psi, b),
+Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that also depends on the speed u and on
+the turning rate omega_n of the wheel about n, and an aligning moment of their own. The string has a third unknown, the
+bow b of its contact line, with an equation X = 0 (string_law.py). In general, with q = (y, psi, b),
 
     (F, M, X) = diag(1, g_0, g_0) A0 q + diag(1, g_1, g_1) (A1 dq/dt + A_n omega_n)
 
@@ -42,11 +42,11 @@ import numpy as np
 from mecano.elements.wheels.string_law import STRING_TYPE, TANGENT_TYPE, prepare_string
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
-SINGULAR = 1e-12  # of the sizes of its rows, below which a determinant counts as zero
+SINGULAR = 1e-12  # relative to the magnitudes of its rows, a determinant below this counts as zero
 
 
 def four(numbers):
-    """Check: a matrix of two rows and two columns, or four coefficients."""
+    """Check that there are 4 numbers: a 2 x 2 matrix, or four coefficients."""
     return None if len(numbers) == 4 else "must hold 4 numbers"
 
 
@@ -99,7 +99,7 @@ FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
 
 
 def matrices(law):
-    """A0, A1 (2, 2) of a law without a contact length."""
+    """Return A0, A1 (2, 2) of a law without a contact length."""
     if law["matrices"]:
         return tuple(np.array(law["matrices"][name], float).reshape(2, 2) for name in ("stiffness", "damping"))
     if law["relaxation"]:
@@ -114,7 +114,7 @@ def matrices(law):
 
 
 def prepare_lateral(law, context):
-    """Values of LATERAL_RECORD."""
+    """Return the values of LATERAL_RECORD."""
     values = prepare_string(law) or _prepare_matrices(law)
     values |= _energies(values)
     curves = {name: int(context.laws.add(law[name])) for name in CURVES}
@@ -140,7 +140,7 @@ def _not_negative(A):
 
 
 def _prepare_matrices(law):
-    """A0, A1 and A1 of the air of a law without a contact length, whose bow is zero."""
+    """Return A0, A1 and A1 of the air of a law without a contact length, whose bow is zero."""
     A0, A1 = matrices(law)
     singular = abs(np.linalg.det(A1)) <= SINGULAR * np.abs(A1).sum(axis=1).prod()
     wait = law["relaxation_in_air"]
@@ -150,21 +150,21 @@ def _prepare_matrices(law):
 
 
 def twists(law):
-    """True where psi is a twist of the patch against a stiffness, False where it is but the slip angle y/sigma, C F."""
+    """Return True if psi is a twist of the patch against a stiffness, False if it is the slip angle y/sigma, C F."""
     return not (law["relaxation"] or law["straight_tangent"] or (law["moreland"] and not law["moreland"]["yaw_time"]))
 
 
 def _with(A, own):
-    """The matrix (3, 3) of A (2, 2) and the diagonal entry ``own``."""
+    """Return the matrix (3, 3) made of A (2, 2) and the diagonal entry ``own``."""
     out = np.zeros((3, 3))
     out[:2, :2], out[2, 2] = A, own
     return out
 
 
 def runaway(law):
-    """Return (field, text) where the rates of a patch that slides may run away, or None.
+    """Return (field, text) if the rates of a sliding patch may grow without bound, or None.
 
-    They are bounded as long as the symmetric part of A1 is not negative: of Moreland's law where C1 >= kap C^2 D/4.
+    They are bounded if the symmetric part of A1 is not negative: for Moreland's law if C1 >= kap C^2 D/4.
     """
     if law["string"] or law["straight_tangent"] or not twists(law):
         return None
@@ -181,7 +181,7 @@ def runaway(law):
 
 
 def check_lateral(law):
-    """Texts on what is wrong with a lateral law, None where the tyre law has none."""
+    """Return errors in a lateral law; None if the tyre law has none."""
     if law is None:
         return ["'tire_law.lateral' is missing: how the patch gives way sideways"]
     if sum(bool(law[name]) for name in FORMS) != 1:

@@ -1,6 +1,6 @@
 """Load in the patch of a wheel: radial force and lateral law.
 
-The friction F in the ground is left to the kind of wheel: it slips, or it is held.
+The friction F in the ground is left to the kind of wheel: its patch slips, or it is held.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from mecano.maths.vector import add_vec, dot, mat, norm, vec
 
 
 class Load(NamedTuple):
-    """Forces in the patch but its friction."""
+    """Forces in the patch except its friction."""
 
     radial: float  # F_r [N]
     N: float  # normal force [N]
@@ -26,7 +26,7 @@ class Load(NamedTuple):
 
 @kernel
 def load_of(p, at, k):
-    """The Load of the Patch ``k``."""
+    """Return the Load of the Patch ``k``."""
     w = p.radius - k.g.r
     v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
     N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q

@@ -1,4 +1,4 @@
-"""What the wheels with a flexible patch have in common: deck fields, outputs, energies, events, samples, warnings."""
+"""Deck fields, outputs, energies, events, samples and warnings shared by wheels with a flexible patch."""
 
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y
@@ -95,7 +95,7 @@ def event_values(p, at, g):
 
 
 def prepare(d, nodes, context):
-    """Record: that of a wheel with a tyre law, the lateral law, the start."""
+    """Return the record: that of a wheel with a tyre law, the lateral law, the initial values."""
     return {
         **prepare_wheel(d, nodes, context),
         **prepare_friction(d["tire_law"], context),
@@ -105,7 +105,7 @@ def prepare(d, nodes, context):
 
 
 def start(p):
-    """y, psi and bow at the start."""
+    """Return the initial values of y, psi and bow."""
     return p["start"]
 
 
@@ -117,13 +117,13 @@ def check(d, nodes):
 
 
 def limits(d):
-    """The range of the radial law, braking at which the patch gives way sideways on its own."""
+    """Return the range of the radial law, and the braking at which the patch becomes laterally unstable."""
     found, lateral = range_of_law(d), d["tire_law"]["lateral"]
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
 def remedies(d):
-    """Return what to try where a run fails in the equations of the patch: greater values of what holds or damps it."""
+    """Return what to try if the solution fails in the equations of the patch: larger stiffness or damping."""
     law, lateral = d["tire_law"], d["tire_law"]["lateral"]
     (form,) = (name for name in FORMS if lateral[name])
     units = {"torsional_stiffness": "N m/rad", "yaw_time": "s", "lateral_damping": "N s/m"}
@@ -133,7 +133,7 @@ def remedies(d):
 
 
 def _sample(rng, profile, eps, phase, form):
-    """(values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
+    """Return (values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
     lateral = {
@@ -146,7 +146,7 @@ def _sample(rng, profile, eps, phase, form):
 
 
 def sample(rng):
-    """Large wheels that touch the ground from near the origin: plane, profile, air; with all forms of lateral law."""
+    """Return large wheels that touch the ground from near the origin: plane, profile, air; all forms of lateral law."""
     cases = (
         (False, 0.05, "contact", "matrices"), (True, 50.0, "contact", "matrices"), (True, 0.05, "air", "matrices"),
         (True, 0.05, "contact", "string"), (False, 50.0, "contact", "straight_tangent"),
@@ -156,7 +156,7 @@ def sample(rng):
 
 
 def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constraints):
-    """The Kind of a wheel with a flexible patch from what is its own; ``constraints``: multipliers and their levels."""
+    """Return the Kind of a wheel with a flexible patch; ``constraints``: multipliers and their derivatives."""
     return Kind(
         name=name,
         section="elements",

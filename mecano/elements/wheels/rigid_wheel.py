@@ -7,18 +7,19 @@ u = v + omega x r c of the wheel at C:
     u.t = 0, u.l = 0                 it does not slip (22), along t = a x n/q and l = n x t
     a.n = 0                          with ``axle: level`` (19): the axle stays parallel to the plane of the ground
 
-Equation numbers are those of Cardona, Geradin and Doan, CMAME 89 (1991), whose wheel this is for small inclinations;
-here the contact moves over the rim as the wheel leans (``paper_wheel`` is theirs to the letter). The reactions are the
-radial force, N = F_r/q, the driving and the lateral force at C (24), and the moment that keeps the axle level.
+Equation numbers are those of Cardona, Geradin and Doan, CMAME 89 (1991), who describe this wheel for small
+inclinations; here the contact moves over the rim as the wheel leans (``paper_wheel`` is theirs to the letter). The
+reactions are the radial force, N = F_r/q, the driving and the lateral force at C (24), and the moment that keeps the
+axle level.
 
-With ``unilateral`` the wheel starts in the air where its rim is more than a thousandth of the radius above the ground.
-It leaves the ground when N falls to zero and comes down again without rebound: at the instant of touch-down the
-velocities jump to the nearest, by kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
+With ``unilateral`` the wheel starts in the air if its rim is more than a thousandth of the radius above the ground. It
+leaves the ground when N falls to zero and lands again without rebound: at touch-down the velocities jump to the nearest
+ones, in the norm of the kinetic energy, that roll. The energy of this shock is lost (docs/shocks.md).
 
-Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations do: the wheel's way over such
-a place is an event, so that no step goes across, where there are no more than eight.
+Where the curvature of the ground's profile jumps, at the ends of bumps, the accelerations jump too: the passage of the
+wheel over such a point is an event, so that no step extends across it, if there are no more than eight such points.
 
-The node is the wheel body's: its rotation spins with the wheel. The wheel does not lie flat (q > 0).
+The node is that of the wheel body: its rotation spins with the wheel. The wheel must not lie flat (q > 0).
 """
 
 import math
@@ -51,11 +52,11 @@ from mecano.maths.vector import dot, mat, vec
 from mecano.schema import BOOLEAN, Field, choice
 
 RECORD = record(axis=3, radius=(), restitution=(), in_air="i", bends=MOST_BENDS, **GROUND_RECORD)
-BILATERAL = -1.0  # in the place of a restitution
+BILATERAL = -1.0  # in place of a restitution
 CONTACT, AIR = 0, 1
-BEHIND = 1e-7  # of the radius: so far behind a bend its event is, whatever rounding makes of a step that ends on it
-COUNTED = 0.99  # of that: from there on the bend is counted as passed, also where rounding has moved the event
-RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, behind the own unknowns
+BEHIND = 1e-7  # of the radius: distance of the event beyond a bend, larger than the round-off of a step that ends on it
+COUNTED = 0.99  # of that: beyond this distance the bend counts as passed, even if round-off has moved the event
+RADIAL, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own unknowns
 
 OPTIONS = (
     Field("axle", choice("free", "level"), "-", "free to lean, or kept parallel to the plane of the ground", "free"),
@@ -65,7 +66,7 @@ OPTIONS = (
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reactions from the multipliers of the parts; the wheel stores and dissipates nothing."""
+    """Write the reactions from the multipliers of the parts; the wheel neither stores nor dissipates energy."""
     Rn = mat(at.R[0])
     axis = Rn @ vec(p.axis, 0)
     g = touch(p, at.laws, vec(at.q, 0), axis)
@@ -78,14 +79,14 @@ def observe(p, at, F, y, e):
 
 @kernel
 def _place(p, laws, q, R):
-    """Distance [m] of the contact along the profile."""
+    """Return the distance [m] of the contact along the profile."""
     x = vec(q, 0)
     return along_profile(p, x + touch(p, laws, x, mat(R[0]) @ vec(p.axis, 0)).arm)
 
 
 @kernel
 def event_values(p, at, g):
-    """Depth of the rim below the ground [m], -F_r [N], and how far the contact is beyond the bends around it [m]."""
+    """Write depth of the rim below the ground [m], -F_r [N], and distance of the contact beyond adjacent bends [m]."""
     g[:] = -1.0
     if at.phase == AIR:
         g[0] = p.radius - touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)).r
@@ -102,7 +103,7 @@ def event_values(p, at, g):
 
 @kernel
 def commit(p, at, m_out):
-    """How many bends of the profile the contact has passed."""
+    """Write the number of bends of the profile that the contact has passed."""
     passed = int(at.m[0])
     if p.bends[0] < math.inf:
         place, margin = _place(p, at.laws, at.q, at.R), COUNTED * BEHIND * p.radius
@@ -114,7 +115,7 @@ def commit(p, at, m_out):
 
 
 def prepare(d, nodes, context):
-    """Record: that of the parts, whether it may lift off and where it starts, where the ground's curvature jumps."""
+    """Return the record: that of the parts, whether the wheel may lift off or starts in the air, the bends."""
     may_leave = d["unilateral"]
     in_air = may_leave and rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"])[0] > STANDING * d["radius"]
     return {
@@ -124,12 +125,12 @@ def prepare(d, nodes, context):
 
 
 def at_start(p):
-    """In the air where the rim is above the ground and the wheel may leave it."""
+    """Return the initial phase: air if the rim is above the ground and the wheel may leave it."""
     return p["in_air"]
 
 
 def parts(d, nodes, context):
-    """It touches, does not slip, and keeps its axle level if asked."""
+    """Return the Parts: contact, no slip, and a level axle if requested."""
     disc = disc_record(d, nodes, context)
     found = [Part(ROLLING_RADIUS, (0,), disc), Part(ROLLING, (0,), disc)]
     if d["axle"] == "level":
@@ -138,7 +139,7 @@ def parts(d, nodes, context):
 
 
 def check(d, nodes):
-    """Texts on an unusable ground, a wheel that lies flat or starts below the ground."""
+    """Return errors for an unusable ground, a wheel that lies flat or starts below the ground."""
     texts = check_ground(d["ground"]) + check_axle(d["ground"], nodes[0][0], d["axis"])
     if not texts:
         texts = _check_rim(d, *rim_above(d["ground"], d["radius"], nodes[0][0], d["axis"]))
@@ -148,14 +149,14 @@ def check(d, nodes):
 
 
 def _check_rim(d, gap, along_normal):
-    """Texts on a rim that is too far from the ground at the start: ``gap`` [m] as told by ``rim_above``."""
+    """Return errors for a rim that starts too far from the ground; ``gap`` [m] from ``rim_above``."""
     if not d["unilateral"]:
         return check_touching(gap, along_normal, d["radius"], ", or let it leave the ground ('unilateral: true')")
     return [too_low(-gap, -along_normal)] if gap < -STANDING * d["radius"] else []
 
 
 def sample(rng):
-    """Wheels that lean on a slope and on waves, one level, one in the air."""
+    """Return wheels that lean on a slope and on waves, one level, one in the air."""
     wave = (("sine", {"amplitude": 0.2, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     waves = (*wave, ("bump", {"start": -2.0, "length": 9.0, "height": 0.1}))
     found = []

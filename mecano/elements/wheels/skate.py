@@ -1,11 +1,11 @@
-r"""Skate: a blade, or a wheel that turns freely, that moves along itself only.
+r"""Skate: a blade, or a freely rotating wheel, that moves only along itself.
 
 At its node, where it touches the ground, the velocity across the blade is zero,
 
     v.l = 0,   l = (a - s n)/q,   s = n.a,
 
-with the direction a across the blade, carried by the node, laid into the plane of the ground. The reaction is the
-force on the blade along l. Nothing keeps the node on the ground, and the blade may turn about any axis.
+with the direction a across the blade, fixed in the node, projected onto the plane of the ground. The reaction is the
+force on the blade along l. Nothing keeps the node on the ground, and the blade may rotate about any axis.
 """
 
 import numpy as np
@@ -19,12 +19,12 @@ from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, Field
 
-LATERAL = 6  # multiplier of the part, behind the own unknowns
+LATERAL = 6  # multiplier of the part, after its own unknowns
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reaction and speed."""
+    """Write reaction and speed."""
     axis = mat(at.R[0]) @ vec(p.axis, 0)
     g = disc_contact(vec(p.normal, 0), ZERO, 0.0, axis)
     along, across = directions(axis, g)
@@ -35,18 +35,18 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Record: axis in the node's frame, normal."""
+    """Return the record: axis in the node's frame, normal."""
     normal = np.array(d["ground"]["plane"]["normal"], float)
     return {"axis": carried_axis(d, nodes), "normal": normal / np.linalg.norm(normal)}
 
 
 def parts(d, nodes, context):
-    """No velocity across the blade."""
+    """Return the Part: no velocity across the blade."""
     return [Part(BLADE, (0,), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
-    """Texts on a ground that is no plane, or a blade that lies flat."""
+    """Return errors for a ground that is not a plane, or a blade that lies flat."""
     if d["ground"].get("profile"):
         return ["a skate moves on a plane only"]
     point = np.array(d["ground"]["plane"]["point"]) + np.array(d["ground"]["plane"]["normal"])
@@ -54,7 +54,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """A leaning blade on a slope."""
+    """Return a leaning blade on a slope."""
     ground, normal, level = slope_below(rng)
     return [({"axis": level + 0.3 * normal, "ground": ground}, 1, "")]
 

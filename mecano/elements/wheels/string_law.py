@@ -1,21 +1,22 @@
 r"""Tyres as a stretched string: the law of von Schlippe and Dietrich, and the straight tangent.
 
 A string on an elastic foundation of stiffness c per length, under tension, lies on the ground over the contact length
-2a and returns to the wheel plane before and behind it as exp(-distance/sigma) (von Schlippe and Dietrich 1941; Pacejka,
-Tire and Vehicle Dynamics, chapter 5). It leaves no corner at the leading edge, and what lies on the ground stays there:
-with the deflection v(x, t) over the contact -a < x < a of a wheel that moves with V, sideways with v_lat, and turns
-with omega_n,
+2a and returns to the wheel plane ahead of and behind it as exp(-distance/sigma) (von Schlippe and Dietrich 1941;
+Pacejka, Tire and Vehicle Dynamics, chapter 5). It has no corner at the leading edge, and the part on the ground stays
+in place: with the deflection v(x, t) over the contact -a < x < a of a wheel that moves with V, sideways with v_lat, and
+turns with omega_n,
 
     dv/dt = V dv/dx - v_lat - x omega_n,      dv/dx = -v/sigma at x = a
 
-Every point of the contact repeats the leading edge a way later: a delay. Averaged over the contact, the mean deflection
-and the slope of the chord, psi = (v(a) - v(-a))/(2a), fulfil dv/dt = V psi - v_lat *exactly*: they are y (counted the
-other way) and psi of the patch, whose v_C = 0 this is.
+Every point of the contact repeats the leading edge after some distance: a delay. Averaged over the contact, the mean
+deflection and the slope of the chord, psi = (v(a) - v(-a))/(2a), satisfy dv/dt = V psi - v_lat *exactly*: they are y
+(with opposite sign) and psi of the patch, and this equation is v_C = 0.
 
-``string`` takes v as a cubic, v = -y + c_1 P_1 + b P_2 + c_3 P_3 in Legendre's polynomials of x/a (the tau method of
+``string`` takes v as a cubic, v = -y + c_1 P_1 + b P_2 + c_3 P_3 in Legendre polynomials of x/a (the tau method of
 third degree: a rational approximation of the delay). The condition at the leading edge and the definition of psi give
 c_3 = (a y - a (a + sigma) psi - (a + 3 sigma) b)/(5 sigma) and c_1 = a psi - c_3; the first two moments of the equation
-above give those of psi and of the bow b, an unknown of its own. With g_0 = V/S, g_1 = 1/S, S = sqrt(V^2 + v_0^2):
+above give the equations of psi and of the bow b, an additional unknown. With g_0 = V/S, g_1 = 1/S,
+S = sqrt(V^2 + v_0^2):
 
     M = kap {g_0 (psi - y/(sigma + a))
              + g_1 [(a + 3 sigma)/(3 (sigma + a)) (dc_1/dt + a omega_n) + sigma/(sigma + a) db/dt]}
@@ -26,24 +27,24 @@ c (integral of v x + sigma (sigma + a)(v(a) - v(-a))):
 
     F = 2c [(sigma + a) y - sigma b],    aligning moment = 2c [a^2 c_1/3 + sigma (sigma + a) a psi]
 
-Against the exact delay (sigma = 3a) F and moment differ by 0.02 % at waves of 20 contact lengths, 0.3 % at 10 and 1.4 %
-(the moment 9 %) at 5: docs/tyres.md.
+Compared with the exact delay (sigma = 3a), F and moment differ by 0.02 % at wavelengths of 20 contact lengths, 0.3 % at
+10 and 1.4 % (the moment 9 %) at 5: docs/tyres.md.
 
-``straight_tangent`` takes the deflection at the leading edge, whose equation has no delay, for y, and the contact line
-as the tangent there: of first order in the way. F differs by 4 %, the moment by 16 % at waves of 20 contact lengths.
+``straight_tangent`` takes the deflection at the leading edge, whose equation has no delay, as y, and the tangent there
+as the contact line: it is of first order in the distance. F differs by 4 %, the moment by 16 % at wavelengths of 20
+contact lengths.
 
     M = kap {psi - y/sigma + a omega_n V^3/(V^4 + v_0^4)},    F = 1/C y/sigma,    aligning moment = 1/C t y/sigma
 
-Its psi is the slip angle at the leading edge, no twist against a stiffness: as in the law with a relaxation length
+Its psi is the slip angle at the leading edge, not a twist against a stiffness: as in the law with a relaxation length
 (lateral_law.py) a change of psi does not carry the patch along; its kap, sigma/C, only scales the equation.
 
 Both have the cornering stiffness 1/C = 2c (sigma + a)^2 and the pneumatic trail t = a (sigma (sigma + a) +
-a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the patch. They hold for rolling forward;
-backward the other edge would lead.
+a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the patch. They hold for rolling forward; in
+reverse the other edge would lead.
 
-These equations are of a contact line that adheres. Where it slides, dc_1/dt takes the dy/dt that it would have if it
-did not, from the motion of the wheel alone: the own dy/dt would otherwise enter M with nothing against it
-(docs/tyres.md).
+These equations assume that the contact line adheres. Where it slides, dc_1/dt uses the dy/dt of an adhering contact
+line, from the motion of the wheel alone: otherwise dy/dt would enter M with no opposing term (docs/tyres.md).
 """
 
 import numpy as np
@@ -65,7 +66,7 @@ NO_PACE, OF_STRING, OF_TANGENT = 0.0, 1.0, 2.0
 
 
 def prepare_string(law):
-    """Values of the record for a lateral law with a contact length; none for others."""
+    """Return the values of the record for a lateral law with a contact length; {} for other laws."""
     d = law["string"] or law["straight_tangent"]
     if not d:
         return {}
@@ -100,7 +101,7 @@ def _tangent(sigma, a, c):
 
 @kernel
 def pace(p, u):
-    """g_0 and g_1 of the speed u [m/s]."""
+    """Return g_0 and g_1 for the speed u [m/s]."""
     slow = p.least_speed
     size, fast = sqrt(u * u + slow * slow), u * u * u
     string, tangent = p.pace == OF_STRING, p.pace == OF_TANGENT

@@ -1,4 +1,4 @@
-"""What the wheels with a tyre law have in common: deck fields, outputs, energies, modes and events, checks, samples."""
+"""Deck fields, outputs, energies, phases and events, checks and samples shared by wheels with a tyre law."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from mecano.schema import TIRE_LAW, Field
 
 AIR, CONTACT = 0, 1
 PHASES = ("air", "contact")
-MOST_DEFORMATION = 0.5  # of the radius: at the start, of a law that does not say how far it holds
+MOST_DEFORMATION = 0.5  # of the radius: initially, for a law without a range of validity
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
 EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)
 FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
@@ -30,7 +30,7 @@ OUTPUTS = (
 
 
 class Grip(NamedTuple):
-    """What the ground does to a wheel, by the laws of its tyre; 3-vectors in the inertial frame."""
+    """Action of the ground on a wheel, by the laws of its tyre; 3-vectors in the inertial frame."""
 
     radial: float  # F_r [N]
     force: tuple  # of the ground on the wheel, tangential [N]
@@ -42,10 +42,10 @@ class Grip(NamedTuple):
 
 @kernel
 def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
-    """Write OUTPUTS, and to ``e`` the energies of radial force and friction; True if the ground pushes.
+    """Write OUTPUTS, and to ``e`` the energies of radial force and friction; return True if the ground pushes.
 
-    ``contact``: in that mode or in the air; ``g`` Contact of surface.py, ``arm`` (3,) [m] from the centre to the point
-    of contact or the lowest point of the rim, ``spin`` [rad/s], ``grip`` the Grip of the mode "contact".
+    ``contact``: in this phase or in the air; ``g`` Contact of surface.py, ``arm`` (3,) [m] from the centre to the
+    contact point or the lowest point of the rim, ``spin`` [rad/s], ``grip`` the Grip of the phase "contact".
     """
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
     touching = contact and grip.radial > 0.0
@@ -75,14 +75,14 @@ def prepare_wheel(d, nodes, context):
 
 
 def check_wheel(d, nodes):
-    """Texts on an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
+    """Return errors for an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
     place = d["ground"], nodes[0][0], d["axis"]
     texts = check_ground(d["ground"]) + check_axle(*place)
     return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
 
 
 def _check_deformation(law, ground, x, axis):
-    """Texts on a deformation at the start that the tyre law is not meant for."""
+    """Return errors for an initial deformation outside the validity of the tyre law."""
     gap, along_normal = rim_above(ground, law["radius"], x, axis)
     valid = law["valid_deformation"]
     if -gap <= (valid or MOST_DEFORMATION * law["radius"]):
@@ -92,13 +92,13 @@ def _check_deformation(law, ground, x, axis):
 
 
 def range_of_law(d):
-    """The ``limits`` of a wheel: the range of its radial law."""
+    """Return the ``limits`` of a wheel: the range of its radial law."""
     valid = d["tire_law"]["valid_deformation"]
     return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
 
 
 def large_wheel(rng, profile, eps, friction, by_speed, lateral):
-    """For samples: deck values of a wheel that touches the ground, with a ``profile`` or not, from near the origin."""
+    """Return, for samples, the deck values of a wheel that touches the ground, with or without a ``profile``."""
     wave = (("sine", {"amplitude": 0.3, "frequency": 0.03, "phase": 1.0, "offset": 0.0}),)
     ground, normal, level = slope_below(rng, wave if profile else None)
     tire_law = {

@@ -17,13 +17,13 @@ Upright, with friction, this is the paper's vector; leaning, -N (r c) x n is the
 is -(F.v_C + M.omega) + F_r dw/dt: what slip and damping dissipate, never negative, what the slip law exchanges with the
 rolling, and what the radial law stores. dw/dt depends on q and on v.
 
-In mode "air" there is no force. In mode "contact" the tyre law goes on smoothly to w < 0, for the sake of
-steps that end at the lift-off; no accepted step is there. A regularized contact creeps: at rest under a
+In the phase "air" there is no force. In the phase "contact" the tyre law continues smoothly to w < 0, for steps that
+end at the lift-off; no accepted step is there. A regularized contact creeps: at rest under a
 driving force T it slides at about eps T/(2 mu N).
 
-Validity: one contact; where the ground is hollow, its radius of curvature is larger than the wheel's
-radius; the wheel does not lie flat (q > 0: checked at the start, finite at all times). The node is the
-wheel body's: its rotation spins with the wheel.
+Validity: one contact; where the ground is concave, its radius of curvature is larger than the wheel's
+radius; the wheel does not lie flat (q > 0: checked initially, finite at all times). The node is that of
+the wheel body: its rotation spins with the wheel.
 """
 
 from dataclasses import replace
