@@ -67,7 +67,9 @@ NOTES = {  # (targets, what has to be said besides), of words that mean the same
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),
-    "tyre, tire, pneumatic, pacejka, brush": ("wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", ""),
+    "tyre, tire, pneumatic, pacejka, brush": (
+        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
+    ),
     "wheel": ("flexible_wheel adhesive_wheel rigid_wheel paper_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),

@@ -32,6 +32,7 @@ from functools import cache
 from mecano.compiled.kernel import kernel
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.contract import Kind, record
+from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
@@ -82,7 +83,8 @@ def with_law(law):
         return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
 
     return replace(
-        WHEEL, name=f"wheel_{law.name}", dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **law.record),
+        WHEEL, name=f"wheel_{law.name}",
+        dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
         prepare=prepare, residual=residual, observe=observe, variant=None,
     )  # fmt: skip
 
@@ -121,7 +123,7 @@ WHEEL = Kind(
     name="wheel",
     section="elements",
     doc=__doc__,
-    dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION.record),
+    dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **FRICTION.record),
     layout=("x0", "R0"),
     fields=FIELDS,
     outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
