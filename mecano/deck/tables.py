@@ -58,7 +58,7 @@ def table(name, node, wanted, scope):
     name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
     key = (name, wanted.key())
     if key not in scope.tables:
-        source = _source(name, node, scope)
+        source = file_source(name, node, scope)
         scope.tables[key] = _read(source, wanted, scope) if source else None
     return scope.tables[key]
 
@@ -71,7 +71,8 @@ def within(name, node, scope):
     return path
 
 
-def _source(name, node, scope):
+def file_source(name, node, scope):
+    """The Source of a file named in the deck at ``node``, whose digest is kept; None with the problem noted."""
     path = within(name, node, scope)
     if path is None:
         return None

@@ -1,15 +1,12 @@
 """Files .tir of tyres: keys and numbers in sections, with the units of the file, turned into SI units."""
 
 import math
-import os
 import re
 
 from mecano.deck.scalar import number
-from mecano.deck.source import Unreadable, read_source
-from mecano.deck.tables import within
+from mecano.deck.tables import file_source
 from mecano.deck.wording import quoted
 from mecano.elements.wheels.magic_formula import KNOWN
-from mecano.errors import DeckError
 
 LINE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*=\s*('[^']*'|\"[^\"]*\"|[^\s$!]+)")
 UNITS = {  # key of the section [UNITS]: {word: its size in SI units}
@@ -36,18 +33,9 @@ def read_tyre(name, node, scope):
 
     None with the problems noted where it cannot be read, is of another formula or has a number that is none.
     """
-    path = within(name, node, scope)
-    if path is None:
+    source = file_source(name, node, scope)
+    if source is None:
         return None
-    try:
-        source, digest = read_source(path, os.path.join(scope.folder, name))
-    except Unreadable as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
-        return None
-    except DeckError as error:
-        scope.problems.extend(error.problems)
-        return None
-    scope.files[name] = digest
     return _Reading(source, node, name, scope).coefficients()
 
 
