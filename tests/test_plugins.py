@@ -110,7 +110,7 @@ def test_a_run_with_a_plugin(folder):
         recorded = json.loads(results.metadata["plugins"])
     digest = hashlib.sha256((folder / "my_drag.py").read_bytes()).hexdigest()
     assert recorded == {str(folder / "my_drag.py"): {"sha256": digest, "names": ["drag"]}}
-    assert "(drag; " in call("info", "fall.h5")[1]
+    assert re.search(r"plugins +\S+my_drag.py\s+\(drag;", call("info", "fall.h5")[1])
 
 
 def test_it_is_explained_listed_and_part_of_the_grammar(folder):

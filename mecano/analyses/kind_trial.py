@@ -256,4 +256,10 @@ def turned_values(kind, values, Q, shift):
 def _turned_ground(ground, Q, shift):
     plane, profile = ground["plane"], ground.get("profile")
     turned = {"point": Q @ plane["point"] + shift, "normal": Q @ plane["normal"]}
-    return {"plane": turned, "profile": profile and {**profile, "direction": Q @ profile["direction"]}}
+    found = {"plane": turned, "profile": profile and {**profile, "direction": Q @ profile["direction"]}}
+    for name in ("friction", "motion"):
+        if ground.get(name):
+            found[name] = {**ground[name], "direction": Q @ ground[name]["direction"]}
+    if ground.get("motion"):
+        found["motion"]["centre"] = Q @ ground["motion"]["centre"] + shift
+    return found

@@ -30,7 +30,7 @@ class Tyre:
         """SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
         spin = (u[0] - v[0]) / 0.3 if spin is None else spin
         v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
-        return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, v, v, u, Vec3(*omega), spin, lean, T, L, N))
+        return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, 1.0, v, v, u, Vec3(*omega), spin, lean, T, L, N))
 
 
 def tyres(law):

@@ -70,7 +70,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),
     "tyre, tire, pneumatic, pacejka, brush": (
-        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", ""
+        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
     ),
     "wheel": ("flexible_wheel adhesive_wheel rigid_wheel paper_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),

@@ -114,6 +114,8 @@ def check(d, nodes):
     texts = []
     if not wanted:
         texts.append("'wheel' is of no use without 'adhesion' or 'anti_skid'")
+    if wheel["ground"].get("motion"):
+        texts.append("'wheel' stands on a ground that moves: its 'adhesion' and 'anti_skid' are those of one at rest")
     if d["bound"] is not None and d["adhesion"] is not None:
         texts.append("'bound' and 'adhesion' exclude one another")
     if wheel["node"] != d["nodes"][1]:

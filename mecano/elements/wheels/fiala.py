@@ -85,7 +85,7 @@ def forces(p, laws, k):
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     load = at_least(k.N, 0.0)
     G_t, G_l = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V
-    sliding = at_least(at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
+    sliding = at_least(k.grip * at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
     x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
     y = at_most(x, 1.0)
     share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))

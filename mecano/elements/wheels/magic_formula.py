@@ -50,6 +50,7 @@ RANGES = {  # key of the upper bound of a range: output that must be within, key
 OTHERS = {*RANGES, *(low for _, low, _ in RANGES.values()), "FZMIN", "PRESMIN", "PRESMAX", "VXLOW", "FITTYP"}
 KNOWN = {*NEEDED, *DEFAULTS, *OTHERS}
 LEAST_LOAD = 1e-3  # of the nominal load, below which force and moments fall to zero with it
+LEAST_GRIP = 1e-6  # of the friction
 CREEP = 0.1  # of the relaxation length, in which a carcass settles where the force no longer grows with the slip
 
 RECORD = {**dict.fromkeys((*NEEDED, *DEFAULTS), ()), "pressure": (), "least_speed": (), "side": ()}
@@ -173,7 +174,7 @@ def forces(p, laws, k):
     V_sx = dot(k.t, k.v) + (V_x - dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * k.spin
     V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
     lean = atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
-    mu = 1.0 / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
+    mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
     df, dp = N / (p.LFZO * p.FNOMIN) - 1.0, p.pressure / p.NOMPRES - 1.0
     s = Slips(N, df, dp, -V_sx / V, p.side * atan(V_sy / V), p.side * lean)
     F_x, F_y, M_x, M_y, M_z = formula(p, s, mu, V_x)

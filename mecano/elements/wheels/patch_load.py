@@ -6,6 +6,7 @@ The friction F in the ground is left to the kind of wheel: its patch slips, or i
 from typing import NamedTuple
 
 from mecano.constraints.tire_patch import Y, add_patch_force
+from mecano.elements.wheels.ground_surface import surface_at
 from mecano.elements.wheels.lateral_force import Lateral, lateral_law
 from mecano.elements.wheels.slip_law import Slip
 from mecano.elements.wheels.tire_law import elastic_force, radial_force
@@ -31,7 +32,20 @@ def load_of(p, at, k):
     v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
     N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q
     u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
-    slip = Slip(N, w, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n)
+    slip = Slip(
+        N,
+        w,
+        surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip,
+        k.v_C,
+        k.v_0,
+        u,
+        k.omega,
+        dot(k.omega, k.a),
+        k.g.s,
+        t,
+        l,
+        k.g.n,
+    )
     law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(k.g.n, k.omega))
     return Load(radial, N, damping, slip, law)
 

@@ -3,6 +3,7 @@
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y
 from mecano.element_interface import Kind, Output, record
+from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
 from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
 from mecano.elements.wheels.sliding_friction import prepare as prepare_friction
@@ -113,6 +114,8 @@ def check(d, nodes):
     """Texts of a wheel with a tyre law, and on its lateral law."""
     law = d["tire_law"]
     slips = [] if law["friction"] is not None else [f"'tire_law.friction' is missing, which a {d['type']} needs"]
+    if d["ground"].get("motion"):
+        slips.append("'ground.motion' is for the kinds wheel and transient_wheel")
     return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 
@@ -162,7 +165,9 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         section="elements",
         doc=doc,
         display=TYRE_DISPLAY,
-        dtype=record(start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION_RECORD),
+        dtype=record(
+            start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **FRICTION_RECORD
+        ),
         layout=("x0", "R0"),
         scalars=SCALARS,
         massless=massless,

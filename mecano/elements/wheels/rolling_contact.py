@@ -7,6 +7,7 @@ import numpy as np
 
 from mecano.constraints.ground import touch
 from mecano.element_interface import Output
+from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import radial_force
 from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire
@@ -30,6 +31,7 @@ class Rolling(NamedTuple):
     """Contact of a wheel; 3-vectors in the inertial frame."""
 
     g: Contact
+    surface: Surface
     axis: tuple
     w1: float  # dw/dt [m/s]
     F: float  # F_r [N]
@@ -47,9 +49,11 @@ def rolling(p, at, touching):
     v_C, w1 = point - lift * g.n, -lift / g.q
     F = radial_force(p, at.laws, p.radius - g.r, w1)
     t, l = directions(axis, g)
-    u = v - dot(g.n, v) * g.n
-    slip = Slip(F / g.q, p.radius - g.r, v_C, v_C, u, omega, dot(omega, axis), g.s, t, l, g.n)
-    return Rolling(g, axis, w1, F, slip)
+    surface = surface_at(p, at, g.n, x + g.arm)
+    v_C, u = v_C - surface.v, v - dot(g.n, v) * g.n - surface.v
+    turning = omega - surface.omega
+    slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, dot(omega, axis), g.s, t, l, g.n)
+    return Rolling(g, surface, axis, w1, F, slip)
 
 
 @kernel
@@ -70,7 +74,7 @@ def put_rolling(p, at, k, ground, y, e):
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
-        e[3] = ground.given
+        e[3] = ground.given + dot(ground.F, k.surface.v) + dot(M, k.surface.omega)
         forward = dot(t, k.slip.u)
         V = math.sqrt(forward * forward + SLOW * SLOW)
         y[FIRST + 3] = -dot(t, k.slip.v_0) / V

@@ -54,7 +54,7 @@ def forces(p, laws, k):
     speed = norm(k.v)
     mu = at_least(curve(laws, p.friction, norm(k.v_0)), 0.0)
     mu = mu * at_least(curve(laws, p.friction_by_speed, norm(k.u)), 0.0)
-    b = k.N * (mu * sticking(p.slip_regularization, speed))
+    b = k.N * (k.grip * mu * sticking(p.slip_regularization, speed))
     return SlipForces(-b * k.v, ZERO, b * dot(k.v, k.v), 0.0)
 
 

@@ -21,10 +21,11 @@ class Slip(NamedTuple):
 
     N: float  # normal force [N]
     w: float  # radial deformation [m]
-    v: tuple  # slip velocity: of the material of the tyre at the point of contact [m/s]
+    grip: float  # factor on the friction, of the place on the ground
+    v: tuple  # slip velocity: of the material of the tyre at the point of contact against the ground [m/s]
     v_0: tuple  # the same with a patch without mass held in the wheel, v of a wheel without one [m/s]
     u: tuple  # velocity of the axle over the ground [m/s]
-    omega: tuple  # angular velocity of the wheel [rad/s]
+    omega: tuple  # angular velocity of the wheel against the ground [rad/s]
     spin: float  # about its axis [rad/s]
     lean: float  # sine of the camber angle: n.a
     t: tuple  # driving direction

@@ -3,9 +3,12 @@
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
 from mecano.element_interface import Event, Output
+from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
@@ -70,6 +73,7 @@ def prepare_wheel(d, nodes, context):
     return {
         "axis": carried_axis(d, nodes),
         **prepare_ground(d["ground"], context),
+        **prepare_surface(d["ground"], context),
         **prepare_radial(d["tire_law"], context),
     }
 
@@ -77,7 +81,7 @@ def prepare_wheel(d, nodes, context):
 def check_wheel(d, nodes):
     """Return errors for an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
     place = d["ground"], nodes[0][0], d["axis"]
-    texts = check_ground(d["ground"]) + check_axle(*place)
+    texts = check_ground(d["ground"]) + check_surface(d["ground"]) + check_axle(*place)
     return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
 
 
@@ -106,4 +110,12 @@ def large_wheel(rng, profile, eps, friction, by_speed, lateral):
         "radial_damping": 0.02, "friction": friction, "friction_by_speed": by_speed, "slip_regularization": eps,
         "valid_deformation": None, "lateral": lateral,
     }  # fmt: skip
+    across = np.cross(normal, level)
+    if profile:
+        uneven = (("sine", {"amplitude": 0.2, "frequency": 0.05, "phase": 0.3, "offset": 1.0}),)
+        ground["friction"] = {"direction": level + across, "factor": uneven}
+    elif lateral is None:
+        rising = (("linear", {"slope": 0.4, "offset": 0.3}),)
+        centre = ground["plane"]["point"] + 3.0 * across
+        ground["motion"] = {"direction": across, "speed": rising, "rate": 0.2, "centre": centre}
     return {"axis": level + rng.uniform(-0.5, 0.5) * normal, "tire_law": tire_law, "ground": ground}

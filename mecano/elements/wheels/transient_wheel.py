@@ -26,6 +26,7 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, Output, record
+from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import FIRST, add_ground, event_values, law_samples, put_rolling, rolling
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.slip_law import Slip
@@ -66,7 +67,18 @@ def carried(at, slip):
     """The Slip of the contact that moves with its deflection."""
     moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
     return Slip(
-        slip.N, slip.w, slip.v + moved, slip.v_0, slip.u, slip.omega, slip.spin, slip.lean, slip.t, slip.l, slip.n
+        slip.N,
+        slip.w,
+        slip.grip,
+        slip.v + moved,
+        slip.v_0,
+        slip.u,
+        slip.omega,
+        slip.spin,
+        slip.lean,
+        slip.t,
+        slip.l,
+        slip.n,
     )
 
 
@@ -123,7 +135,7 @@ def with_law(law):
         own = {"stiffness": np.array(carcass.stiffness), "creep": np.array(carcass.creep)}
         return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context), **own}
 
-    dtype = record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **RADIAL_RECORD, **law.record)
+    dtype = record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record)
     return replace(
         TRANSIENT_WHEEL, name=f"transient_wheel_{law.name}", dtype=dtype, prepare=prepare, residual=residual,
         observe=observe, variant=None,
@@ -174,7 +186,9 @@ TRANSIENT_WHEEL = Kind(
     section="elements",
     doc=__doc__,
     display=TYRE_DISPLAY,
-    dtype=record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **RADIAL_RECORD, **SLIP_LAWS["fiala"].record),
+    dtype=record(
+        axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **SLIP_LAWS["fiala"].record
+    ),
     layout=("x0", "R0"),
     scalars=SCALARS,
     massless=SCALARS,

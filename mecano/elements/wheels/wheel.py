@@ -31,6 +31,7 @@ from functools import cache
 
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, record
+from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
@@ -83,7 +84,8 @@ def with_law(law):
         return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
 
     return replace(
-        WHEEL, name=f"wheel_{law.name}", dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **law.record),
+        WHEEL, name=f"wheel_{law.name}",
+        dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
         prepare=prepare, residual=residual, observe=observe, variant=None,
     )  # fmt: skip
 
@@ -123,7 +125,7 @@ WHEEL = Kind(
     section="elements",
     doc=__doc__,
     display=TYRE_DISPLAY,
-    dtype=record(axis=3, **GROUND_RECORD, **RADIAL_RECORD, **FRICTION.record),
+    dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **FRICTION.record),
     layout=("x0", "R0"),
     fields=FIELDS,
     outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
