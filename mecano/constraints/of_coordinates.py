@@ -7,7 +7,7 @@ from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.tilt import TILT
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.uses.hold import drive_kind, hold_kind
+from mecano.constraints.uses.hold import drive_kind, hold_kind, release_kind
 from mecano.constraints.uses.law import law_kind, law_values
 from mecano.constraints.uses.stops import end_fields, end_parts, latch_kind, stop_kind
 from mecano.contract import Part
@@ -21,6 +21,13 @@ ORTHOGONAL = hold_kind(
     "moment that keeps two axes perpendicular",
 )  # fmt: skip
 SAME_ANGLE = hold_kind("same_angle", "Same angle: the twist of two nodes stays.", TWIST, "moment that holds the angle")
+RELEASED = {
+    kind: release_kind(
+        f"{kind.name}_release", f"{kind.doc.strip()} Until it is released.", coordinate, kind.multipliers[0].name
+    )
+    for kind, coordinate in ((IN_PLANE, SLIDE), (ORTHOGONAL, TILT), (SAME_ANGLE, TWIST))
+}
+"""The constraints that hold until they are released, by those that always hold."""
 RELATIVE_ANGLE = drive_kind(
     "relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"
 )

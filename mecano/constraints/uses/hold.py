@@ -4,12 +4,18 @@ The multiplier is the force, or the moment, along the coordinate. The difference
 brought to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
 """
 
+from dataclasses import replace
+
+import numpy as np
+
 from mecano.compiled.kernel import kernel
-from mecano.constraints.augmented import add_constraint, put_levels
+from mecano.constraints.augmented import add_constraint, let_go, put_levels
 from mecano.constraints.carried import wrap
 from mecano.contract import Kind, Row, record
 from mecano.laws.table import evaluate_curve
 
+HELD = 0
+RELEASE_MODES = ("held", "free")
 TARGET = {"law": "i", "offset": ()}
 """Of a record; the law first, as numba takes a record that begins as another one, of a hold, for the same."""
 
@@ -69,6 +75,29 @@ def hold_kind(name, doc, coordinate, row):
         levels_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
 
     return _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, levels)
+
+
+def release_kind(name, doc, coordinate, row):
+    """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
+    hold, levels_of = holding(coordinate)
+    multiplier = coordinate.row
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        if at.phase == HELD:
+            hold(p, at, 1.0, p.offset, f, K)
+        else:
+            let_go(f, K, multiplier, at.k, at.q[multiplier])
+
+    @kernel
+    def levels(p, at, g):
+        g[:] = 0.0
+        if at.phase == HELD:
+            levels_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
+
+    kind = _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, levels)
+    ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
+    return replace(kind, modes=RELEASE_MODES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_MODES])
 
 
 def drive_kind(name, doc, coordinate, row):

@@ -26,7 +26,9 @@ from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_rec
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.pair import triads_together
+from mecano.constraints.release import SAMPLE
 from mecano.constraints.uses.friction import LENGTH, radius
+from mecano.constraints.uses.hold import RELEASE_MODES
 from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
@@ -63,6 +65,7 @@ def sample(rng):
         ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
     ]
 
 
