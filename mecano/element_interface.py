@@ -225,7 +225,7 @@ class Kind:
     """(deck values, nodes, Context) -> [Part]"""
     reads: Callable | None = None
     """deck values -> formulas (texts), each the value of one of its ``inputs``; without it those are fields"""
-    measures: dict = field(default_factory=dict)
+    measures: dict = field(default_factory=dict, compare=False)
     """{output: (deck values, nodes, Context) -> Measured, or a Part whose first scalar it is}: what signals can take;
     of a Measured also the output that is declared as its rate"""
     divide: Callable | None = None

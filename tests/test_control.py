@@ -195,3 +195,52 @@ def test_a_delay_longer_than_a_step_and_shorter():
         wanted = np.where(m.time > 0.025, 1.5 * (m.time - 0.025) ** 2, 0.0)
         np.testing.assert_allclose(m["signals/late/value"], wanted, atol=3.0 * h * h / 8.0 + 1e-12)
         assert np.abs(m["signals/late/value"] - wanted).max() > 1e-6
+
+
+class AntiSkid:
+    """The wheel of anti_skid.yaml: speed, spin and pressure, while the valve dumps (demand 0) or applies."""
+
+    m, inertia, k, r_valve, lag, full = 6440.0, 5.0, 1e6, 0.336824, 0.03, 12000.0
+
+    def __init__(self):
+        self.N = self.m * G
+        self.r = 0.4 - self.N / self.k
+
+    def rates(self, t, y, demand):
+        slip = y[0] - self.r * y[1]
+        x = min(abs(slip) / 2.0, 1.0)
+        F = (0.1 + 0.25 * np.exp(-0.08 * abs(slip))) * x * (2.0 - x) * np.sign(slip) * self.N
+        return [-F / self.m, (F * self.r - y[2]) / self.inertia, (demand - y[2]) / self.lag]
+
+    def motion(self, end):
+        """Times of the switches, and the state at the end."""
+        t, y, times, dumps = 0.0, np.array([60.0, 60.0 / self.r_valve, 0.0]), [], False
+        while t < end:
+
+            def event(t, y, _, level=0.06 if dumps else 0.12):
+                return 1.0 - self.r_valve * y[1] / y[0] - level
+
+            event.terminal, event.direction = True, -1.0 if dumps else 1.0
+            sol = solve_ivp(
+                self.rates, (t, end), y, args=(0.0 if dumps else self.full,), events=event, rtol=1e-10, atol=1e-9,
+                method="DOP853", max_step=2e-3,
+            )  # fmt: skip
+            t, y, dumps = sol.t[-1], sol.y[:, -1], not dumps
+            times += [t] if sol.t_events[0].size else []
+        return np.array(times), y
+
+
+def test_anti_skid_keeps_the_slip_in_a_band(verify):
+    switches, (v, _, _) = AntiSkid().motion(2.0)
+    speeds, times = [], []
+    for h in (2e-3, 1e-3):
+        m = RecordedRun(input_deck("anti_skid", "time.end=2", f"time.step={h}"))
+        speeds.append(m["nodes/leg/velocity"][-1, 0])
+        times.append(np.array([h.t for h in m.event_records if h.element == "switch 'valve'"]))
+        slip = m["signals/slip/value"][m.time > 0.2]
+        assert 0.0 < slip.min() and slip.max() < 0.2
+    assert len(switches) > 25
+    verify.second_order(CONTROL, "anti-skid: speed after 2 s [m/s]", *speeds, v, 1e-5, "SciPy")
+    verify.second_order(CONTROL, "anti-skid: times of the valve in 2 s [s]", *times, switches, 1e-5, "SciPy")
+    locked = RecordedRun(input_deck("anti_skid", "time.end=2", "signals.valve.upper=10"))
+    assert locked["signals/slip/value"][-1] > 0.99 and locked["nodes/leg/velocity"][-1, 0] > v + 1.0

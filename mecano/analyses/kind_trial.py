@@ -207,6 +207,7 @@ def expand(kind, values, nodes, phase, gravity, rng):
             p[key][0] = value
         memory = np.zeros(len(of.memory))
         scalars = 0.1 * rng.normal(size=(3, len(of.scalars) + len(of.inputs)))
+        scalars[0, len(of.scalars) :] += 0.3  # inputs of which loads make forces that only push
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, phase_number, memory, laws, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):

@@ -13,6 +13,7 @@ from mecano.constraints.of_coordinates import (
     LEVEL_AXIS,
     ORTHOGONAL,
     RELATIVE_ANGLE,
+    RELEASED,
     SAME_ANGLE,
     SLIDE_LATCH,
     SLIDE_STOP,
@@ -30,6 +31,6 @@ CONSTRAINTS = {
         DISTANCE, DRIVEN_SLIDE, HELD_COORDINATE, IN_PLANE, LEVEL_AXIS, ORTHOGONAL, RELATIVE_ANGLE, SAME_ANGLE,
         RIGID_OFFSET, GEARED_SLIDE, GEAR_MESH,
         BLADE, ROLLING, ROLLING_RADIUS, UPRIGHT_ROLLING, ANGLE_LATCH, ANGLE_STOP, SLIDE_LATCH, SLIDE_STOP, CATCH,
-        *(kind for pair in SENSORS.values() for kind in pair), *NODE_SENSORS.values(),
+        *(kind for pair in SENSORS.values() for kind in pair), *NODE_SENSORS.values(), *RELEASED.values(),
     )
 }  # fmt: skip

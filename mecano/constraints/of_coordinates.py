@@ -1,6 +1,6 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
-from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind
+from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind, release_kind
 from mecano.constraints.along_coordinate.law import law_kind, law_values
 from mecano.constraints.along_coordinate.stops import end_fields, end_parts, latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
@@ -21,6 +21,13 @@ ORTHOGONAL = hold_kind(
     "moment that keeps two axes perpendicular",
 )  # fmt: skip
 SAME_ANGLE = hold_kind("same_angle", "Same angle: the twist of two nodes stays.", TWIST, "moment that holds the angle")
+RELEASED = {
+    kind: release_kind(
+        f"{kind.name}_release", f"{kind.doc.strip()} Until it is released.", coordinate, kind.multipliers[0].name
+    )
+    for kind, coordinate in ((IN_PLANE, SLIDE), (ORTHOGONAL, TILT), (SAME_ANGLE, TWIST))
+}
+"""The constraints that hold until they are released, by those that always hold."""
 RELATIVE_ANGLE = drive_kind(
     "relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"
 )

@@ -48,9 +48,12 @@ def compliance_field(axes):
     return Field("compliance", mapping(*law_fields(axes)), "-", doc, None)
 
 
-def pair_record(place, axes, compliance, context):
-    """Return the owner's record for ``place`` {mu, xi, start}, ``axes`` held, and the deck's ``compliance`` or None."""
-    row, law, next_row = np.full(6, -1), np.zeros(6), FIRST_ROW
+def pair_record(place, axes, compliance, context, first=FIRST_ROW):
+    """Return the owner's record for ``place`` {mu, xi, start}, ``axes`` held, and the deck's ``compliance`` or None.
+
+    ``first``: local index of the first multiplier of its parts.
+    """
+    row, law, next_row = np.full(6, -1), np.zeros(6), first
     for i, axis in enumerate(AXES):
         if given := _law(compliance, axis):
             law[i] = context.laws.add(given)

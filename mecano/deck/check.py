@@ -5,7 +5,7 @@ from dataclasses import replace
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
-from mecano.deck.formulas import check_formulas, drive, formula, signal_entry
+from mecano.deck.formulas import check_formulas, condition, drive, formula, signal_entry
 from mecano.deck.language import LANGUAGE
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
@@ -67,6 +67,7 @@ CHECKS = {
     "law_in_place": law_in_place,
     "drive": drive,
     "formula": formula,
+    "condition": condition,
     "signal_entry": signal_entry,
     "joint": values.named,
     "parameter": parameter,

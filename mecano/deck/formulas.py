@@ -10,7 +10,7 @@ from mecano.deck.parameters import Refused
 from mecano.deck.scope import INVALID, Reference
 from mecano.deck.units import is_quantity
 from mecano.element_interface import SECTIONS
-from mecano.laws.formula import FormulaError, read_formula
+from mecano.laws.formula import FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
 
 
@@ -43,18 +43,30 @@ def formula(node, field, scope):
     return _noted(_read(node.value, node, scope), node, scope)
 
 
+def condition(node, field, scope):
+    """A condition as a text in which parameters are numbers."""
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    text = _with_numbers(node.value, node, scope)
+    if text is INVALID:
+        return INVALID
+    try:
+        found = read_formula(difference_of(text))
+    except FormulaError as error:
+        return scope.refuse(node, f"the condition {node.value!r}: {error.message}")
+    scope.formulas.append((found, node, scope.subject))
+    return text
+
+
 def _as(text, node):
     return Node(text, node.source, node.line, node.column, text)
 
 
 def _read(text, node, scope):
     """The Formula of a text whose parameters have their values, or INVALID with the problem noted."""
-    try:
-        numbers = NAME.sub(lambda match: _number(match, scope), text)
-    except Refused:
+    numbers = _with_numbers(text, node, scope)
+    if numbers is INVALID:
         return INVALID
-    except ExpressionError as error:
-        return scope.refuse_expression(node, error)
     try:
         found = read_formula(numbers)
     except FormulaError as error:
@@ -62,6 +74,16 @@ def _read(text, node, scope):
         message = f"the formula '{text}': {error.message}"
         return scope.refuse_expression(node, ExpressionError(message, error.column if exact else 0))
     return found
+
+
+def _with_numbers(text, node, scope):
+    """The text with the values of its parameters, or INVALID with the problem noted."""
+    try:
+        return NAME.sub(lambda match: _number(match, scope), text)
+    except Refused:
+        return INVALID
+    except ExpressionError as error:
+        return scope.refuse_expression(node, error)
 
 
 def _number(match, scope):

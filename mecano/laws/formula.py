@@ -7,6 +7,7 @@ programs of all formulas, so a new formula compiles nothing.
 
 import ast
 import math
+import re
 from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
@@ -27,6 +28,7 @@ SEVERAL = {"min": MIN, "max": MAX}  # of two arguments or more
 FUNCTIONS = (*UNARY, *BINARY, *SEVERAL)
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
+COMPARISON = re.compile(r"(>=|<=|>|<)")
 
 
 class FormulaError(Exception):
@@ -76,6 +78,20 @@ def read_formula(text):
     except (ValueError, MemoryError, RecursionError):
         raise FormulaError("it cannot be understood") from None
     return _Reader(text, skipped).formula(tree)
+
+
+def difference_of(condition):
+    """Return the formula that rises through zero where a condition, such as ``hinge.angle > 1.5``, becomes true.
+
+    Raises FormulaError.
+    """
+    parts = COMPARISON.split(condition)
+    if len(parts) != 3:
+        raise FormulaError("a condition compares two formulas by > or <, as in 'hinge.angle > 1.5'")
+    left, sign, right = parts
+    for part in (left, right):
+        read_formula(part)
+    return f"({left.strip()}) - ({right.strip()})" if sign[0] == ">" else f"({right.strip()}) - ({left.strip()})"
 
 
 class _Reader:

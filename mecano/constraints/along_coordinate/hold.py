@@ -4,12 +4,18 @@ The multiplier is the force, or the moment, along the coordinate. The difference
 reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
 """
 
-from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
 from mecano.constraints.body_fixed import wrap
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 
+HELD = 0
+RELEASE_MODES = ("held", "free")
 TARGET = {"law": "i", "offset": ()}
 """Fields of a record; law first, as numba does not distinguish a record from one with the same leading fields."""
 
@@ -69,6 +75,29 @@ def hold_kind(name, doc, coordinate, row):
         derivatives_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
 
     return _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, constraint_derivatives)
+
+
+def release_kind(name, doc, coordinate, row):
+    """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
+    hold, derivatives_of = holding(coordinate)
+    multiplier = coordinate.row
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        if at.phase == HELD:
+            hold(p, at, 1.0, p.offset, f, K)
+        else:
+            deactivate(f, K, multiplier, at.k, at.q[multiplier])
+
+    @kernel
+    def constraint_derivatives(p, at, g):
+        g[:] = 0.0
+        if at.phase == HELD:
+            derivatives_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
+
+    kind = _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, constraint_derivatives)
+    ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
+    return replace(kind, phases=RELEASE_MODES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_MODES])
 
 
 def drive_kind(name, doc, coordinate, row):

@@ -3,9 +3,10 @@ r"""Brake: a torque about the axle of a wheel against a reference node, the leg 
 With the axis a fixed in the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
 wheel's node, the torque that opposes W is
 
-    tau = min(T(t), B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
+    tau = min(T, B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
 
-A bound B keeps the wheel from skidding. For friction mu_0 exp(-kappa u), of which a fraction sigma <= 1 is used, it is
+T is a law of the time or a formula of signals, such as an anti-skid controller. A bound B keeps the wheel from
+skidding. For friction mu_0 exp(-kappa u), of which sigma <= 1 is used, it is
 
     B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
     B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
@@ -17,19 +18,19 @@ m < T it creeps at about eps m/(2 T).
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.forces.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, select, sqrt
 from mecano.maths.vector import add_vec, dot, mat, vec
-from mecano.schema import CURVE, DIRECTION, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
+from mecano.schema import CURVE, DIRECTION, DRIVE, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
 
 RECORD = record(
-    axis=3, torque="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
+    axis=3, law="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
     least_speed=(), **GROUND_RECORD, **RADIAL_RECORD,
 )  # fmt: skip
 SMOOTH = 0.02  # s of the smooth minimum
@@ -46,42 +47,37 @@ def _least(T, B):
 
 
 @kernel
-def _torque(p, at):
-    """Return the torque [N m] at full rate, and the Bound."""
-    T, bound = at_least(curve(at.laws, p.torque, at.t), 0.0), bound_of(p, at)
-    return bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B)), bound
-
-
-@kernel
 def _sign(rate, eps):
     """Return the smooth sign of the rate."""
     x = at_most(abs(rate) / eps, 1.0)
     return select(rate < 0.0, -1.0, 1.0) * x * (2.0 - x)
 
 
-@kernel
-def _braking(p, at):
-    """Return torque [N m], relative rate W [rad/s], axis in the axes of the reference node, and the Bound."""
-    b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
-    rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
-    T, bound = _torque(p, at)
-    return T * _sign(rate, p.rate_regularization), rate, b, bound
+def _functions(demand):
+    """Return ``residual`` and ``observe`` of a brake with this demanded torque."""
 
+    @kernel
+    def braking(p, at):
+        """Torque [N m], relative rate W [rad/s], axis in the axes of the reference node, the Bound."""
+        b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
+        rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
+        T, bound = at_least(demand(p, at), 0.0), bound_of(p, at)
+        T = bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B))
+        return T * _sign(rate, p.rate_regularization), rate, b, bound
 
-@kernel
-def residual(p, at, f):
-    """Add moments to both nodes."""
-    tau, _, b, _ = _braking(p, at)
-    add_vec(f, SPIN, tau, vec(p.axis, 0))
-    add_vec(f, REFERENCE, -tau, b)
+    @kernel
+    def residual(p, at, f):
+        tau, _, b, _ = braking(p, at)
+        add_vec(f, SPIN, tau, vec(p.axis, 0))
+        add_vec(f, REFERENCE, -tau, b)
 
+    @kernel
+    def observe(p, at, F, y, e):
+        tau, rate, _, bound = braking(p, at)
+        y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
+        e[2] = tau * rate
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write torque, bound, relative rate, power, slip ratio."""
-    tau, rate, _, bound = _braking(p, at)
-    y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
-    e[2] = tau * rate
+    return residual, observe
 
 
 def prepare(d, nodes, context):
@@ -90,7 +86,7 @@ def prepare(d, nodes, context):
     law = d["bound"] if d["bound"] is not None else d["adhesion"]
     values = {
         "axis": carried_axis(d, nodes[1:]),
-        "torque": int(context.laws.add(d["torque"])),
+        "law": law_of(d["torque"], context),
         "bound": int(context.laws.add(law)) if bounded else 0,
         "bounded": bounded,
         "rate_regularization": d["rate_regularization"],
@@ -145,7 +141,8 @@ def sample(rng):
     skid = {"slip": -6.0, "width": 20.0, "least_speed": 2.0}
     nodes = {"nodes": ["leg", "hub"]}
     cases = [
-        ({"axis": rng.normal(size=3), "torque": rising, "bound": bound, "rate_regularization": eps, **nodes}, 2, "")
+        ({"axis": rng.normal(size=3), "torque": T, "bound": bound, "rate_regularization": eps, **nodes}, 2, "")
+        for T in (rising, "command")
         for bound, eps in ((falling, 0.1), (None, 0.1), (falling, 50.0))
     ]
     for height, bounds in ((wave, {"adhesion": falling}), (None, {"bound": falling, "anti_skid": skid}),
@@ -169,38 +166,46 @@ ANTI_SKID = mapping(
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
 )
 
-BRAKE = Kind(
-    name="brake",
-    section="loads",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("R0", "x1", "R1"),
-    fields=(
-        Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
-        Field("axis", DIRECTION, "-", "axle at the start, inertial"),
-        Field("torque", CURVE, "N m", "torque, a curve of the time; nothing where negative"),
-        Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
-        Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
-        Field(
-            "adhesion",
-            CURVE,
-            "-",
-            "never above this curve of the speed [m/s], times radial force and loaded radius of the wheel",
-            None,
+
+def _kind(demand):
+    residual, observe = _functions(demand)
+    return Kind(
+        name="brake",
+        section="loads",
+        doc=__doc__,
+        dtype=RECORD,
+        layout=("R0", "x1", "R1"),
+        fields=(
+            Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
+            Field("axis", DIRECTION, "-", "axle at the start, inertial"),
+            Field("torque", DRIVE, "N m", "torque: a function of time [s], or a formula; none where negative"),
+            Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
+            Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
+            Field(
+                "adhesion",
+                CURVE,
+                "-",
+                "never above this curve of the speed [m/s], times radial force and loaded radius of the wheel",
+                None,
+            ),
+            Field("anti_skid", ANTI_SKID, "-", "lets the brake go while the slip ratio of the wheel is large", None),
+            Field(
+                "rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive
+            ),
         ),
-        Field("anti_skid", ANTI_SKID, "-", "lets the brake go while the slip ratio of the wheel is large", None),
-        Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
-    ),
-    outputs=(
-        Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
-        Output("bound", "N m", "upper bound at present, without the anti-skid; zero without one"),
-        Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
-        Output("power", "W", "power taken from the wheel"),
-        Output("slip_ratio", "-", "slip ratio that the anti-skid counts; zero without 'wheel'"),
-    ),
-    prepare=prepare,
-    check=check,
-    residual=residual,
-    observe=observe,
-    sample=sample,
-)
+        outputs=(
+            Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
+            Output("bound", "N m", "upper bound at present, without the anti-skid; zero without one"),
+            Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
+            Output("power", "W", "power taken from the wheel"),
+            Output("slip_ratio", "-", "slip ratio that the anti-skid counts; zero without 'wheel'"),
+        ),
+        prepare=prepare,
+        check=check,
+        residual=residual,
+        observe=observe,
+        sample=sample,
+    )
+
+
+BRAKE = on_demand(_kind, "torque", 9)

@@ -15,9 +15,11 @@ constraints. Force and moment are those of what holds b; laws and friction have 
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
+from mecano.constraints.along_coordinate.hold import RELEASE_MODES
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_places
+from mecano.constraints.release import SAMPLE
 from mecano.elements.joints.lower_pair import Friction, LowerPair, lower_pair
 
 RADIUS = radius("radius", "radius at which turning slides", 0.0)
@@ -33,6 +35,7 @@ def sample(rng):
         ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
         ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
     ]
 
 

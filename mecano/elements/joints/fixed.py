@@ -2,13 +2,14 @@ r"""Fixed joint: two nodes share position and rotation (Boolean identification: 
 
 With ``compliance`` laws hold b along and about the axes that a carries; what has no law is held by a multiplier each.
 :math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For stiffness that
-couples the axes see ``bushing``.
+couples the axes see ``bushing``. With ``release`` it holds b by multipliers until then.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.hold import RELEASE_MODES
 from mecano.constraints.joint_frame import NODES, not_across, not_at_one_place, not_flipped, not_parallel
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import (
@@ -23,6 +24,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
 )  # fmt: skip
+from mecano.constraints.release import FIRST_ROW, RELEASE, SAMPLE, check_release, releasable
 from mecano.element_interface import Display, Kind, Output, nothing
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
@@ -59,7 +61,7 @@ def parts_held(d, nodes, context):
 
 def variant(d):
     """The joint that shares all, or the one whose axes are held by parts."""
-    return FIXED_HELD if d["compliance"] else FIXED
+    return FIXED_RELEASE if d["release"] else FIXED_HELD if d["compliance"] else FIXED
 
 
 def shares(d, nodes):
@@ -69,7 +71,7 @@ def shares(d, nodes):
 
 def check(d, nodes):
     """The nodes start at one place with one rotation."""
-    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d, nodes)
+    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d, nodes) + check_release(d, ("compliance",))
 
 
 def sample(rng):
@@ -81,6 +83,7 @@ def sample(rng):
         ({}, [node, node], ""),
         ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
         ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
+        *((SAMPLE, [node, node], phase) for phase in RELEASE_MODES),
     ]
 
 
@@ -95,6 +98,7 @@ FIXED = Kind(
         Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
         AXIS_1,
         compliance_field(AXES),
+        RELEASE,
     ),
     outputs=(
         Output("force", "N", "force of a on b, inertial axes", (3,)),
@@ -118,3 +122,10 @@ FIXED_HELD = replace(
     observe=observe_held,
     admissible=not_flipped,
 )
+
+
+def _prepare_release(d, nodes, context):
+    return pair_record(_place(d, nodes, context), AXES, None, context, FIRST_ROW)
+
+
+FIXED_RELEASE = replace(releasable(FIXED_HELD, parts_held), prepare=_prepare_release, admissible=None)

@@ -21,11 +21,13 @@ outputs of their own.
 import numpy as np
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
+from mecano.constraints.along_coordinate.hold import RELEASE_MODES
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.pair import triads_together
+from mecano.constraints.release import SAMPLE
 from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
@@ -63,6 +65,7 @@ def sample(rng):
         ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
     ]
 
 

@@ -46,6 +46,7 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
+from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
 from mecano.element_interface import Display, Kind, Measured, Part
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, Field
@@ -111,8 +112,10 @@ def sharing_pair(name, doc, pair, sample):
         p = pair.place(d, nodes, context)
         return pair_parts(p, pair.shared.held, None, context) + pair.options(d, p, context)
 
+    released = _released(apart, pair)
+
     def variant(d):
-        return apart if d["friction"] or d["compliance"] else together
+        return released if d["release"] else apart if d["friction"] or d["compliance"] else together
 
     together = replace(
         apart, name=name, dtype=AXES_RECORD, prepare=pair.place, shares=pair.shared.unknowns, parts=parts,
@@ -134,9 +137,9 @@ def lower_pair(name, doc, pair, sample):
 
     def check(d, nodes):
         together = pair.shared.check(nodes) if pair.shared else []
-        return together + not_across(d, nodes) + check_friction(d)
+        return together + not_across(d, nodes) + check_friction(d) + check_release(d, _others(pair))
 
-    return Kind(
+    kind = Kind(
         name=name, section="joints", doc=doc, dtype=PAIR_RECORD, layout=("x0", "R0", "x1", "R1"),
         display=Display(support=not pair.slides, pictures=pair.pictures, force="force", along_axes=True),
         fields=_fields(pair), outputs=(*TURNING * pair.turns, *SLIDING * pair.slides, *REACTIONS),
@@ -144,6 +147,8 @@ def lower_pair(name, doc, pair, sample):
         prepare=prepare, parts=parts, check=check, observe=_observed(pair, _all_held),
         commit=follow_turning if pair.turns else None, admissible=not_flipped, sample=sample, measures=_measures(pair),
     )  # fmt: skip
+    released = _released(kind, pair)
+    return replace(kind, variant=lambda d: released if d["release"] else kind)
 
 
 def _measures(pair):
@@ -160,13 +165,31 @@ def _measures(pair):
     return {**({"angle": angle} if pair.turns else {}), **({"displacement": displacement} if pair.slides else {})}
 
 
+def _released(kind, pair):
+    """Return the variant of a lower pair with a release."""
+
+    def prepare(d, nodes, context):
+        return pair_record(pair.place(d, nodes, context), pair.held, None, context, FIRST_ROW)
+
+    def parts(d, nodes, context):
+        return pair_parts(pair.place(d, nodes, context), pair.held, None, context)
+
+    return replace(releasable(kind, parts), prepare=prepare, admissible=None)
+
+
+def _others(pair):
+    """Names of the options that a joint with a release cannot have."""
+    laws = ("turning_law",) * pair.turns + ("sliding_law",) * pair.slides
+    return (*laws, "latch", "stops", "friction", "compliance")
+
+
 def _fields(pair):
     ends = ANGLE_END_FIELDS if pair.ends is TWIST else SLIDE_END_FIELDS
     axis = Field("axis", DIRECTION, "-", pair.axis)
     laws = (*TURNING_FIELDS * pair.turns, *SLIDING_FIELDS * pair.slides)
     return (
         NODES, axis, *pair.fields, AXIS_1, *laws, *ends, friction_fields(*pair.friction.fields),
-        compliance_field(pair.held),
+        compliance_field(pair.held), RELEASE,
     )  # fmt: skip
 
 

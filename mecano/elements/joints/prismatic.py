@@ -15,10 +15,12 @@ Force and moment are those of what holds b; law and friction have outputs of the
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH
+from mecano.constraints.along_coordinate.hold import RELEASE_MODES
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
 from mecano.constraints.joint_frame import not_parallel, one_rotation
 from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
+from mecano.constraints.release import SAMPLE
 from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
@@ -48,6 +50,7 @@ def sample(rng):
         ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
         ({**d, **SLIDE_ENDS}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
     ]
 
 

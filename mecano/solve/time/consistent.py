@@ -43,7 +43,7 @@ class Consistent:
         system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
         data = system.data.copy()
         diagonal = data[system.diagonal[: system.n_q]]
-        loose = diagonal <= 0.0
+        loose = (diagonal <= 0.0) | system.signals  # signals may not be known yet
         self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]

@@ -15,9 +15,10 @@ def settle_signals(system, s, dt):
 
     The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
     former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises AssemblyError
-    where signals that need one another do not determine one another.
+    where signals are not finite, or need one another in a circle that does not determine them.
     """
     solve_signals(system, s)
+    _refuse_undetermined(system, s)
     s.a[: system.n_q][system.signals] = 0.0
     along = s.copy()
     along.a[:] = 0.0
@@ -28,22 +29,34 @@ def settle_signals(system, s, dt):
 
 
 def solve_signals(system, s):
-    """Solve the equations of the signals of ``s`` in place, as far as it has some; the same state."""
-    own = np.flatnonzero(system.signals)
-    is_state = system.states[own]
-    for _ in range(ITERATIONS if len(own) else 0):
-        J = _tangent(system, s, own, is_state)
-        change = _solution(system, J, system.residual[own], own, s.t)
+    """Solve the equations of the signals of ``s`` in place, as far as it has some that can be solved; the same state.
+
+    What is not finite waits until what it reads is known: all signals are zero at first, and may stand below a fraction
+    line. Before the velocities of a start are known, it may stay as it is.
+    """
+    signals = np.flatnonzero(system.signals)
+    for _ in range(ITERATIONS if len(signals) else 0):
+        J, r = _equations(system, s, signals)
+        known = _finite(J, r)
+        own, is_state = signals[known], system.states[signals[known]]
+        U, sigma, Vt = np.linalg.svd(J[np.ix_(known, known)])
+        if not len(own) or sigma[-1] <= SINGULAR * sigma[0]:
+            break
+        change = Vt.T @ ((U.T @ r[known]) / sigma)
         s.z[own] -= np.where(is_state, 0.0, change)
         s.v[own] -= np.where(is_state, change, 0.0)
         size = np.maximum(np.abs(np.where(is_state, s.v[own], s.z[own])), SMALL)
-        if np.all(np.abs(change) <= TOLERANCE * size):
+        if known.all() and np.all(np.abs(change) <= TOLERANCE * size):
             break
     return s
 
 
-def _tangent(system, s, own, is_state):
-    """Residual, and its derivatives (n, n) by the values of the signals, or by the rates of those with a state."""
+def _finite(J, r):
+    return np.isfinite(r) & np.all(np.isfinite(J), axis=1)
+
+
+def _equations(system, s, own):
+    """Derivatives (n, n) by the values of the signals, or by the rates of those with a state; residual (n,)."""
     place = np.full(system.n, -1)
     place[own] = np.arange(len(own))
     rows, columns = place[system.rows], place[system.cols]
@@ -52,13 +65,17 @@ def _tangent(system, s, own, is_state):
     for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
         system.assemble(s, 1.0, 0.0, *weights, 0.0)
         J[i, rows[entries], columns[entries]] = system.data[:-1][entries]
-    return np.where(is_state, J[1], J[0])
+    return np.where(system.states[own], J[1], J[0]), system.residual[own].copy()
 
 
-def _solution(system, J, r, own, t):
-    U, sigma, Vt = np.linalg.svd(J)
-    if not np.all(np.isfinite(r)) or sigma[-1] <= SINGULAR * sigma[0]:
-        worst = own[int(np.argmax(np.abs(Vt[-1]) if np.all(np.isfinite(r)) else ~np.isfinite(r)))]
-        what = "is not determined: signals need one another in a circle" if np.all(np.isfinite(r)) else "is not finite"
-        raise AssemblyError(f"at t = {t:.9g} s the signal {system.numbering.name[worst]} {what}", Failure.SINGULAR)
-    return Vt.T @ ((U.T @ r) / sigma)
+def _refuse_undetermined(system, s):
+    own = np.flatnonzero(system.signals)
+    J, r = _equations(system, s, own)
+    if not np.all(known := _finite(J, r)):
+        worst, what = np.argmin(known), "is not finite"
+    else:
+        _, sigma, Vt = np.linalg.svd(J)
+        if sigma[-1] > SINGULAR * sigma[0]:
+            return
+        worst, what = np.argmax(np.abs(Vt[-1])), "is not determined: signals need one another in a circle"
+    raise AssemblyError(f"at t = {s.t:.9g} s {system.numbering.name[own[worst]]} {what}", Failure.SINGULAR)

@@ -1,0 +1,59 @@
+"""Release of a joint, at a time or when a condition becomes true: its constraints hold until then, and never again.
+
+The trigger is an input of the joint, a formula that rises through zero. Constraints that cease to hold change no
+velocity: nothing is lost, and accelerations jump.
+"""
+
+from dataclasses import replace
+
+from mecano.constraints.along_coordinate.hold import RELEASE_MODES
+from mecano.constraints.of_coordinates import RELEASED
+from mecano.element_interface import Event
+from mecano.jit.kernel import kernel
+from mecano.laws.formula import difference_of
+from mecano.schema import CONDITION, NUMBER, Field, mapping
+
+TRIGGER = 12  # local unknown of a pair of nodes with positions and rotations, behind these
+FIRST_ROW = TRIGGER + 1
+EVENT = Event("releases", "held", "free", "the joint is released")
+FIELDS = (
+    Field("time", NUMBER, "s", "when it is released", None),
+    Field("when", CONDITION, "-", "condition of signals, outputs and motions with which it is released", None),
+)
+RELEASE = Field("release", mapping(*FIELDS), "-", "from when on it holds nothing: {time: ...} or {when: ...}", None)
+SAMPLE = {"release": {"time": 0.3, "when": None}}
+
+
+@kernel
+def event_values(p, at, g):
+    """Write the trigger."""
+    g[0] = at.q[TRIGGER]
+
+
+def trigger_of(d):
+    """Return the formula that rises through zero when a joint with these deck values is released."""
+    release = d["release"]
+    return f"time - ({release['time']!r})" if release["when"] is None else difference_of(release["when"])
+
+
+def releasable(kind, parts):
+    """Return the ``kind`` of a joint, all of whose axes are held by ``parts``, with a release; see FIRST_ROW."""
+
+    def held(d, nodes, context):
+        return [replace(part, kind=RELEASED[part.kind]) for part in parts(d, nodes, context)]
+
+    return replace(
+        kind, name=f"{kind.name}_release", phases=RELEASE_MODES, events=(EVENT,), event_values=event_values,
+        inputs=("release",), reads=lambda d: [trigger_of(d)], parts=held, variant=None,
+    )  # fmt: skip
+
+
+def check_release(d, options):
+    """Texts on a release without a time or condition, or with ``options`` of the joint that would go on to act."""
+    if d["release"] is None:
+        return []
+    given = [name for name in options if d[name]]
+    found = [f"'release' and {name!r} exclude one another" for name in given]
+    if (d["release"]["time"] is None) == (d["release"]["when"] is None):
+        found.append("'release' needs either 'time' or 'when'")
+    return found
