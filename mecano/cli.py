@@ -10,7 +10,7 @@ import warnings
 import click
 
 from mecano import __version__
-from mecano.commands import decks, results, shell, solving, studies
+from mecano.commands import decks, results, shell, solving, studies, viewing
 from mecano.process.interrupt import stopped_by
 from mecano.process.lifeline import watch_parent
 from mecano.process.memory import is_lack_of_memory
@@ -29,6 +29,7 @@ def commands():
     \b
     mecano check deck.yaml          check a deck without running it
     mecano run deck.yaml            solve it and write deck.h5
+    mecano view deck.yaml           show the model in a browser before it runs
     mecano modes deck.yaml          modes about its start or equilibrium
     mecano sweep study.yaml         run a deck many times with varied values
     mecano post deck.h5             draw the standard plots
@@ -52,7 +53,7 @@ for _command in (
     decks.check, decks.check_kind, decks.list_, decks.explain, decks.schema, decks.new, decks.example,
     solving.run, solving.modes, solving.reduce_,
     studies.sweep, studies.warmup,
-    results.post, results.export, results.info, results.verify,
+    viewing.view, results.post, results.export, results.info, results.verify,
     shell.completion,
 ):  # fmt: skip
     commands.add_command(_command)

@@ -17,6 +17,7 @@ from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
 from mecano.post import draw_panel, figure, plans, sheets, style, wire
+from mecano.post.draw_events import EventLegend
 from mecano.post.extremes import telling
 from mecano.post.info import info
 from mecano.post.look import Look
@@ -44,6 +45,11 @@ def runs(path):
 @pytest.fixture(scope="module")
 def shown(runs):
     return {sheet.name: sheet for sheet in sheets.default_sheets(runs)}
+
+
+def upright_lines(ax):
+    """Lines of events: upright, and not their marks."""
+    return [line for line in ax.lines if line.get_linestyle() != "None" and len(set(line.get_xdata())) == 1]
 
 
 def values(run, name):
@@ -95,21 +101,22 @@ def test_slip_has_gaps_where_the_wheel_is_in_the_air(shown, runs):
     assert np.isfinite(find(runs[0].results, "one_wheel.longitudinal_slip")[0].values).all()
 
 
-def test_names_of_events_say_of_what_only_where_several_meet_the_same():
-    def names(*marks):
-        return [name for _, name in draw_panel._names([EventMark(t, who, what, 0) for t, who, what in marks], 0.0, 1.0)]
-
-    assert names((0.0, "wheel", "touch down"), (0.5, "strut", "stop closes")) == ["touch down", "stop closes"]
-    assert names((0.0, "left", "touch down"), (0.5, "right", "touch down")) == ["left: touch down", "right: touch down"]
-    assert names((0.5, "left", "touch down"), (2.0, "a_long_name_later", "touch down")) == ["touch down"]
-
-
-def test_names_of_late_events_do_not_leave_their_panel(runs):
+def test_each_event_of_each_element_has_a_mark_of_its_own_or_each_event_where_these_are_too_many(runs):
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     panel = Panel("force", (Curve(time_of(force), force, 0, "a"),))
-    for time, side in ((0.1, "left"), (1.9, "right")):
-        (ax,) = figure.sheet_figure(Sheet("s", "", (panel,), (EventMark(time, "a", "locks", 0),)), "").axes
-        assert [t.get_ha() for t in ax.texts if t.get_text() == "locks"] == [side]
+
+    def legend(*events):
+        sheet = Sheet("s", "", (panel,), tuple(EventMark(t, who, what, 0) for t, who, what in events))
+        found = EventLegend(sheet, Look(sheet))
+        handles = found.handles()
+        assert len({handle.get_marker() for handle in handles}) == len(handles)
+        assert all(found.marker(mark) in {handle.get_marker() for handle in handles} for mark in sheet.events[:1])
+        return [handle.get_label() for handle in handles]
+
+    assert legend((0.5, "left", "lands"), (0.1, "right", "lands")) == ["right: lands", "left: lands"]
+    assert legend((0.5, "left", "lands"), (9.0, "right", "lands")) == ["left: lands"]  # beyond the panel
+    assert legend(*((0.1, f"e{i}", "locks") for i in range(20)), (0.2, "e1", "opens")) == ["locks", "opens"]
+    assert legend(*((0.1, "e", f"event {i}") for i in range(10)))[-1] == "2 other events"
 
 
 def test_strut_force_is_shown_over_its_stroke(shown, runs):
@@ -168,8 +175,10 @@ def test_a_peak_that_the_saved_times_miss_is_marked(tmp_path, monkeypatch):
     marked = {}
     for ax, panel in zip(figure.sheet_figure(wheels, "title").axes, wheels.panels, strict=True):
         marked[panel.label] = [(*line.get_xdata(), *line.get_ydata()) for line in ax.lines if line.get_marker() == "o"]
-    assert marked.pop("radial force") == [(0.51, 10.0)]
-    assert not any(marked.values())
+    assert marked["radial force"] == [(0.51, 10.0)]
+    for panel in wheels.panels:
+        shown = [curve for curve in panel.curves if curve.peak] if len(panel.curves) <= draw_panel.MARKED else []
+        assert sorted(marked[panel.label]) == sorted((time, value) for value, time in (curve.peak for curve in shown))
 
 
 def test_curves_of_very_different_size_do_not_share_a_panel(tmp_path, monkeypatch):
@@ -222,24 +231,27 @@ def test_every_axis_says_what_it_shows_and_its_unit(shown):
                 assert "[" in ax.get_xlabel()
 
 
-def test_events_are_lines_named_where_there_is_room(tmp_path):
+def test_events_are_lines_with_marks_that_a_legend_explains(tmp_path):
     events = ((0.5, "touch_down"), (0.501, "lift_off"), (1.0, "touch_down"))
     runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
     wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
-    upright = [line.get_xdata()[0] for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
-    assert upright == [0.5, 0.501, 1.0]
-    texts = [[t.get_text() for t in ax.texts if t.get_rotation()] for ax in drawn.axes]
-    assert texts == [["touch down + 1", "touch down"]] * 2 + [[]] * 4
+    assert [line.get_xdata()[0] for line in upright_lines(drawn.axes[0])] == [0.5, 0.501, 1.0]
+    [legend] = drawn.legends
+    assert [text.get_text() for text in legend.get_texts()][-2:] == ["one_wheel: touch down", "one_wheel: lift off"]
+    markers = [handle.get_marker() for handle in legend.legend_handles[-2:]]
+    for ax, panel in zip(drawn.axes, wheels.panels, strict=True):
+        marks = {line.get_marker(): list(line.get_xdata()) for line in ax.lines if line.get_marker() in markers}
+        assert marks == ({markers[0]: [0.5, 1.0], markers[1]: [0.501]} if panel.over_time else {})
+        assert not any(text.get_rotation() for text in ax.texts)
 
 
-def test_many_events_are_lines_without_names(tmp_path):
+def test_many_events_are_lines_and_marks(tmp_path):
     events = tuple((0.1 * i, "touch_down") for i in range(1, 10))
     runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
     wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
-    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
-    assert len(upright) == 9 and not any(t.get_rotation() for ax in drawn.axes for t in ax.texts)
+    assert len(upright_lines(drawn.axes[0])) == 9
 
 
 def test_many_events_at_once_do_not_become_bars(tmp_path):
@@ -248,7 +260,7 @@ def test_many_events_at_once_do_not_become_bars(tmp_path):
     runs = open_runs([every_kind.write(tmp_path / "many.h5", events=events)])
     wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
-    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    upright = upright_lines(drawn.axes[0])
     assert 2 <= len(upright) <= 4
 
 
@@ -258,7 +270,7 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
     runs = open_runs([every_kind.write(tmp_path / "rug.h5", events=events)])
     wheels = next(sheet for sheet in sheets.default_sheets(runs) if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
-    upright = [line for line in drawn.axes[0].lines if len(set(line.get_xdata())) == 1]
+    upright = upright_lines(drawn.axes[0])
     assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
 
 
@@ -310,7 +322,7 @@ def test_panels_show_the_events_of_their_own_elements(tmp_path):
     drawn = figure.overview_figure(replace(whole, events=(*whole.events, *other)), "title", "facts")
     panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
     upright = {
-        panel.subjects: [line.get_xdata()[0] for line in ax.lines if len(set(line.get_xdata())) == 1]
+        panel.subjects: [line.get_xdata()[0] for line in upright_lines(ax)]
         for ax, panel in zip(drawn.axes, panels, strict=True)
     }
     assert upright[("one_wheel",)] == [0.5, 1.5]
@@ -449,7 +461,7 @@ def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
     shown = sheets.default_sheets(runs)
     wheels = next(sheet for sheet in shown if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
-    assert [text.get_text() for text in drawn.legends[0].get_texts()] == [run.label for run in runs]
+    assert [text.get_text() for text in drawn.legends[0].get_texts()][:2] == [run.label for run in runs]
     look = Look(wheels)
     colours = [look.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
     assert colours == list(style.COLOURS[:2])
@@ -493,7 +505,7 @@ def test_an_overview_of_several_runs_says_whose_sketch_it_shows_and_keeps_events
     chosen = [sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("mechanism", "wheels")]
     first, *axes = figure.overview_figure(sheets.overview(chosen), "title", "").axes
     assert first.get_title(loc="left") == "wave = 0.5"
-    upright = [line for ax in axes for line in ax.lines if len(set(line.get_xdata())) == 1]
+    upright = [line for ax in axes for line in upright_lines(ax)]
     assert upright and max(max(line.get_ydata()) for line in upright) < 0.1
 
 

@@ -1,10 +1,13 @@
-"""Side views of mechanisms: shapes, plane, instants, ground."""
+"""Views of mechanisms: shapes, plane or eye, instants, ground."""
 
 import every_kind
 import numpy as np
 import pytest
 
+from mecano.elements import KINDS
 from mecano.post.draw_sketch import hull, zigzag
+from mecano.post.eye import direction, projection
+from mecano.post.ground import ground_patch
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
 from mecano.post.sketch import _axes, _instants, _shift, sketch
@@ -20,9 +23,23 @@ def runs(path):
     return open_runs([path])
 
 
+@pytest.fixture(scope="module")
+def flat_run(tmp_path_factory):
+    """A mechanism in the plane of x and z."""
+    kinds = {name: KINDS[name] for name in ("wheel", "spring_damper", "hinge")}
+    return open_runs([every_kind.write(tmp_path_factory.mktemp("flat") / "flat.h5", kinds=kinds)])[0]
+
+
+def test_what_is_in_a_plane_is_seen_from_the_side_and_all_else_in_space(runs, flat_run):
+    assert sketch(flat_run).axes == (0, 2) and sketch(flat_run).in_place
+    found = sketch(runs[0])
+    assert found.axes == () and found.in_place
+    np.testing.assert_allclose(found.projection @ found.projection.T, np.eye(2), atol=1e-12)
+    assert found.projection[0, 2] == pytest.approx(0.0, abs=1e-12) and found.projection[1, 2] > 0.8  # z is up
+
+
 def test_shapes_of_the_mechanism(runs):
     found = sketch(runs[0])
-    assert found.axes == (0, 2) and found.in_place
     styles = {shape.name: shape.style for shape in found.shapes if shape.style != SUPPORT}
     assert styles["one_rigid_body"] == BODY and styles["one_spring_damper"] == SPRING
     assert styles["one_wheel"] == WHEEL and styles["one_hinge"] == JOINT
@@ -41,10 +58,14 @@ def test_the_rim_turns_with_its_node(runs):
     assert np.allclose(spokes, turned, atol=1e-12)
 
 
-def test_the_ground_is_its_profile(runs):
-    (line,) = sketch(runs[0]).grounds
+def test_the_ground_is_its_profile(runs, flat_run):
+    (line,) = sketch(flat_run).grounds
     assert np.allclose(line[:, 1], every_kind.WAVE * np.sin(np.pi * line[:, 0]), atol=1e-12)
     assert len(line) > 20
+    points = np.array([[0.0, -1.0, 2.0], [3.0, 1.0, 2.0]])
+    outline = ground_patch(runs[0].deck, runs[0].deck["grounds"]["runway"], points)
+    assert np.allclose(outline[:, 2], every_kind.WAVE * np.sin(np.pi * outline[:, 0]), atol=1e-12)
+    assert np.all(outline.min(axis=0)[:2] < (0.0, -1.0)) and np.all(outline.max(axis=0)[:2] > (3.0, 1.0))
 
 
 def test_a_tyre_is_flat_on_flat_ground(path):
@@ -67,10 +88,16 @@ def test_what_travels_far_is_shown_side_by_side():
     points[:, 1, 0] = 2.0  # 2 m wide
     points[:, :, 0] += np.array([[0.0], [50.0], [100.0]])
     shape = Shape(BODY, "body", points)
-    left = points[:, 0, 0] + _shift([shape], 0)
+    side = np.eye(3)[[0, 2]]
+    left = points[:, 0, 0] + _shift([shape], side, None)[:, 0]
     assert np.allclose(np.diff(left), 1.25 * 2.0)
+    up, view = np.array([0.0, 0.0, 1.0]), projection(direction(-1.0, 0.4))
+    points[:, :, 2] += np.array([[0.0], [0.5], [0.0]])
+    placed = points[:, 0] @ view.T + _shift([shape], view, up)
+    np.testing.assert_allclose(placed[:, 1] - placed[0, 1], [0.0, 0.5 * np.cos(0.4), 0.0], atol=1e-12)  # it rises
+    points[:, :, 2] = 0.0
     points[:, :, 0] = [[0.0, 2.0], [5.0, 7.0], [11.0, 13.0]]
-    assert not _shift([shape], 0).any()
+    assert not _shift([shape], side, None).any()
 
 
 def test_instants_follow_the_motion():

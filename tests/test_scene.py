@@ -10,8 +10,8 @@ from mecano.post.deformation import flexible_parts, quaternions, rigid_fit
 from mecano.post.eye import direction, eye, projection
 from mecano.post.forces import arrows
 from mecano.post.runs import open_runs
-from mecano.post.scene import scene_of, vertical
-from mecano.post.shapes import ROD, Motion, Shape
+from mecano.post.scene import scene_of
+from mecano.post.shapes import ROD, Motion, Shape, vertical
 
 
 def run(folder, name, *overrides):

@@ -5,6 +5,7 @@ import os
 import click
 
 from mecano.commands import overrides, plugins, show
+from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, again, seconds
 
 
@@ -18,10 +19,11 @@ from mecano.process.interrupt import Interruption, again, seconds
     "--checkpoint", "interval", type=click.FloatRange(0), metavar="SECONDS",
     help="Wall-clock time between checkpoints; default: 30.",
 )  # fmt: skip
+@click.option("--live", is_flag=True, help="Show the motion in a browser while it is computed; prints the address.")
 @click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 @overrides
 @plugins
-def run(deck, output, force, resume, limit, interval, quiet, overrides):
+def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
     """Solve a deck and write a results file.
 
     SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
@@ -36,7 +38,8 @@ def run(deck, output, force, resume, limit, interval, quiet, overrides):
 
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
-    solve(checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption)
+    with shown(path, live):
+        solve(checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption)
 
 
 @click.command()

@@ -12,7 +12,8 @@ FAINTEST = 0.12  # opacity of the first instant if instants are superimposed
 COILS = 5
 MOST_NAMES = 8
 NARROW, WIDE = 3.7, 8.0  # inches, of axes
-MOST_DOTS = 60  # joints drawn as dots; more dots would hide the mechanism
+LABEL_WIDTH = 0.6  # inches, of the time of an instant
+MOST_DOTS = 60  # joints drawn as dots; more would hide the mechanism
 MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
@@ -22,28 +23,31 @@ def draw_sketch(ax, sketch, title="", named=True):
 
     ``named``: with a legend and the span of the instants.
     """
-    right, up = sketch.axes
     colours = _colours(sketch)
     for line in sketch.grounds:
-        _draw_ground(ax, line)
+        _draw_ground(ax, line) if sketch.axes else _draw_patch(ax, line)
     for path in sketch.paths:
         ax.plot(*path.T, color=PALE, linewidth=0.8, zorder=1)
     count = len(sketch.times)
     few = sum(shape.style == JOINT for shape in sketch.shapes) <= MOST_DOTS
     for i in range(count):
         opacity = FAINTEST + (1.0 - FAINTEST) * (i / max(count - 1, 1)) ** 2 if sketch.in_place else 1.0
-        placed = [(shape, shape.points[i][:, (right, up)] + (sketch.shift[i], 0.0)) for shape in sketch.shapes]
+        placed = [(shape, sketch.flat(shape.points[i], i)) for shape in sketch.shapes]
         for shape, points in placed:
             if shape.style in DRAW and (few or shape.style != JOINT):
                 DRAW[shape.style](ax, points, colours.get(shape.name, INK), opacity)
         _draw_rods(ax, [(points, colours[shape.name]) for shape, points in placed if shape.style in RODS], opacity)
     ax.set_aspect("equal", adjustable="datalim" if sketch.in_place else "box")
     ax.margins(0.05, 0.08)
-    ax.set_ylabel(f"{LETTERS[up]} [m]")
+    if sketch.axes:
+        ax.set_ylabel(f"{LETTERS[sketch.axes[1]]} [m]")
+    else:
+        _draw_compass(ax, sketch.projection)
     taken = _name(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
-        ax.set_xlabel(f"{LETTERS[right]} [m]")
+        if sketch.axes:
+            ax.set_xlabel(f"{LETTERS[sketch.axes[0]]} [m]")
         unit = sketch.axis[1]
         span = f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g}"
         text = f"{span}{' ' * bool(unit)}{unit}, later is darker"
@@ -67,15 +71,36 @@ def _name(ax, colours, sketch):
 
 
 def _label_instants(ax, sketch):
-    """Label the instants of a side-by-side view with their times instead of a horizontal axis."""
-    right = sketch.axes[0]
-    for i, t in enumerate(sketch.times):
-        x = np.concatenate([shape.points[i][:, right] for shape in sketch.shapes]) + sketch.shift[i]
-        place = (0.5 * (x.min() + x.max()), 0.0)
+    """The side-by-side view has times instead of a horizontal coordinate, as many as have room."""
+    middles = []
+    for i in range(len(sketch.times)):
+        x = np.concatenate([sketch.flat(shape.points[i], i)[:, 0] for shape in sketch.shapes])
+        middles.append(0.5 * (x.min() + x.max()))
+    pitch = ax.get_figure().get_figwidth() / len(middles) * min(1.0, 1.0 / max(sketch.aspect, 1e-9))
+    every = max(1, int(np.ceil(LABEL_WIDTH / pitch)))
+    for i, t in list(enumerate(sketch.times))[::every]:
+        place = (middles[i], 0.0)
         ax.annotate(f"{t:.3g} {sketch.axis[1]}", place, xycoords=ax.get_xaxis_transform(), xytext=(0, -4),
                     textcoords="offset points", ha="center", va="top", fontsize=8)  # fmt: skip
     ax.set_xticks([])
     ax.spines["bottom"].set_visible(False)
+
+
+def _draw_patch(ax, outline):
+    ax.fill(*outline.T, color="#efe9dd", zorder=0.5, linewidth=0)
+    ax.plot(*outline.T, color="#d8cdb8", zorder=0.6, linewidth=0.7)
+
+
+def _draw_compass(ax, projection):
+    """The inertial axes in the corner of a view in space, which has no coordinates of its own."""
+    ax.set_axis_off()
+    for letter, end in zip(LETTERS, projection.T, strict=True):
+        ax.annotate(letter, (0.0, 0.0), xycoords="axes fraction", xytext=(20 + 22 * end[0], 20 + 22 * end[1]),
+                    textcoords="offset points", ha="center", va="center", fontsize=8, color=GREY)  # fmt: skip
+        ax.annotate("", (0.0, 0.0), xycoords="axes fraction", xytext=(20, 20), textcoords="offset points")
+        arrow = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        ax.annotate("", (20 + 16 * end[0], 20 + 16 * end[1]), xycoords="axes points", xytext=(20, 20),
+                    textcoords="axes points", arrowprops=arrow)  # fmt: skip
 
 
 def _draw_ground(ax, line):

@@ -5,6 +5,7 @@ import math
 import matplotlib
 from matplotlib.figure import Figure
 
+from mecano.post.draw_events import EventLegend
 from mecano.post.draw_panel import draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.look import Look
@@ -69,15 +70,21 @@ def save(figure, target, kind=""):
 
 
 def _room(sheet, look, cells, width):
-    """Return the height [inches] of legends and names of events above the rows, and of the common legend below."""
-    named = min((row for (row, _), panel in zip(cells, sheet.panels, strict=True) if _over_time(panel)), default=None)
+    """Inches for the legends above each row of panels, and for the legend of all below."""
     rows = {}
     for (row, _), panel in zip(cells, sheet.panels, strict=True):
         if isinstance(panel, Panel):
-            rows[row] = max(rows.get(row, 0.0), room_above(panel, sheet.events, look, row == named))
-    handles = look.handles()
-    lines = -(-len(handles) // min(legend_columns(handles, width), MOST_COLUMNS)) if handles else 0
-    return sum(rows.values()) + LINE_OF_TEXT / 72 * lines
+            rows[row] = max(rows.get(row, 0.0), room_above(panel, look))
+    return sum(rows.values()) + LINE_OF_TEXT / 72 * sum(_lines(some, width) for some in _legends(sheet, look))
+
+
+def _legends(sheet, look):
+    """Lists of entries of the legends below all: of curves, and of events."""
+    return [handles for handles in (look.handles(), EventLegend(sheet, look).handles()) if handles]
+
+
+def _lines(handles, width):
+    return -(-len(handles) // min(legend_columns(handles, width), MOST_COLUMNS))
 
 
 def _sketches(sheet, title):
@@ -114,20 +121,16 @@ def _fit(text, inches):
         text.set_text("\n".join([line[:kept].rstrip() + CUT, *below]))
 
 
-def _over_time(panel):
-    return isinstance(panel, Panel) and panel.over_time
-
-
 def _fill(figure, sheet, places, look):
-    """Draw the panels, with names of events in the first row that has panels over time."""
-    rows = [place.rowspan.start for place, panel in zip(places, sheet.panels, strict=True) if _over_time(panel)]
+    """Draw the panels, and the legends below them all."""
+    legend = EventLegend(sheet, look)
     for place, panel in zip(places, sheet.panels, strict=True):
         ax = figure.add_subplot(place)
-        if not isinstance(panel, Panel):
+        if isinstance(panel, Panel):
+            draw_panel(ax, panel, look, sheet.events, legend)
+        else:
             draw_sketch(ax, panel, panel.label if sheet.run_labels else "")
-            continue
-        draw_panel(ax, panel, look, sheet.events, place.rowspan.start == min(rows, default=None))
-    handles = look.handles()
+    handles = [handle for some in _legends(sheet, look) for handle in some]
     if handles:
         columns = min(legend_columns(handles, figure.get_figwidth()), MOST_COLUMNS)
         figure.legend(handles=handles, loc="outside lower center", ncols=columns, **LEGEND)

@@ -5,7 +5,8 @@ import numpy as np
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
 POINTS_OF_WAY = 500
-BESIDE = 3.0  # radii beyond the path
+BESIDE = 3.0  # radii beyond the way
+ROUND = 0.15  # of its size: a patch is wider than what stands on it
 
 
 def ground_line(deck, ground, axes, centre, half_width):
@@ -24,6 +25,25 @@ def ground_line(deck, ground, axes, centre, half_width):
     points[:, right] += np.linspace(-half_width, half_width, len(points))
     points[:, up] -= (points - point) @ normal / normal[up]
     return _raised(deck, profile, points, point, normal)[:, axes]
+
+
+def ground_patch(deck, ground, points):
+    """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), on all sides a little wider."""
+    normal = np.array(ground["plane"]["normal"], float)
+    normal /= np.linalg.norm(normal)
+    profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
+    first = np.eye(3)[np.argmin(np.abs(normal))]
+    first -= (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    axes = np.stack([first, np.cross(normal, first)])
+    low, high = (points @ axes.T).min(axis=0), (points @ axes.T).max(axis=0)
+    room = ROUND * (high - low).max()
+    (a, b), (c, d) = low - room, high + room
+    s = np.linspace(0.0, 1.0, POINTS)[:, None]
+    corners = np.array([(a, b), (c, b), (c, d), (a, d), (a, b)])
+    outline = np.concatenate([p + s * (q - p) for p, q in zip(corners[:-1], corners[1:], strict=True)]) @ axes
+    outline += (point @ normal) * normal
+    return _raised(deck, profile, outline, point, normal)
 
 
 def ground_path(deck, ground, centres, radius):

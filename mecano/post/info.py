@@ -7,16 +7,19 @@ from textwrap import wrap
 
 import numpy as np
 
+from mecano.element_interface import Display
 from mecano.errors import UnknownNameError
 from mecano.post.event_groups import groups
 from mecano.post.extremes import named, telling
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
+from mecano.post.verdict import verdict
 from mecano.results.reader import open_results
 from mecano.results.writer import WRITING
 
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
+MOST_NAMES = 6  # of what has the same outputs
 WIDTH = 100
 NOTICED = 0.01  # s, least compile time reported
 RESUME = "--resume"
@@ -36,7 +39,7 @@ def info(path, pattern=None, every_event=False):
         if pattern is not None:
             return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])
         events = _events(results, every_event)
-        return "\n".join([*_run(results), "", *_holds(results), "", *events, "", *_extremes(results)])
+        return "\n".join([*_run(results), "", *events, "", *_holds(results), "", *_extremes(results)])
 
 
 def one_line(runs):
@@ -44,9 +47,7 @@ def one_line(runs):
     if len(runs) > 1:
         return f"{len(runs)} runs: {', '.join(run.results.path.name for run in runs)}"
     results = runs[0].results
-    return "; ".join(
-        [_status(results).partition(";")[0], count(results), f"mecano {results.metadata['version_mecano']}"]
-    )
+    return "; ".join([verdict(results), count(results), f"mecano {results.metadata['version_mecano']}"])
 
 
 def facts(results):
@@ -121,7 +122,7 @@ def _energy(results):
 
 
 def _status(results):
-    status = ENDS.get(results.status, results.status)
+    status = ENDS.get(results.status, verdict(results))
     reason = results.reason.strip().partition("\n")[0]
     return f"{status}: {reason}" if reason else status
 
@@ -169,12 +170,22 @@ def _holds(results):
     groups = {}
     for (section, kind, owner), names in owners.items():
         groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
-    lines = ["Outputs (units and meanings: mecano info FILE --names)"]
-    for (section, kind, names), members in groups.items():
-        shown = ", ".join(members[:6]) + (f" and {len(members) - 6} more" if len(members) > 6 else "")
+    lines = ["Outputs (units and meanings, and all names: mecano info FILE --names)"]
+    ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0]))
+    for (section, kind, names), members in ranked:
+        shown = ", ".join(members[:MOST_NAMES]) + (
+            f" and {len(members) - MOST_NAMES} more" if len(members) > MOST_NAMES else ""
+        )
         head = f"  {section}{f', {kind}' if kind else ''}" + (f": {shown}" if members != [section] else "")
         lines += wrap(f"{head}: {', '.join(names)}", WIDTH, initial_indent="  ", subsequent_indent="      ")
     return lines
+
+
+def _rank(results, section, kind, names):
+    """Where outputs stand: joints, wheels, other elements, loads, then nodes and all else."""
+    order = ("joints", "wheels", "elements", "loads", "nodes")
+    wheel = "wheels" in results.displays.get(kind, Display()).pictures
+    return order.index("wheels" if wheel else section) if section in order else len(order)
 
 
 def _events(results, every):

@@ -102,7 +102,7 @@ def _sketch(run, file, mode):
     extent = np.ptp(positions, axis=0) + MOTION_COUNTS * amplitude * np.abs(moves).max(axis=0)
     first, second = sorted(np.argsort(-extent, kind="stable")[:2])
     drawn = tuple(shapes(ModeMotion(run, file, mode, amplitude)))
-    return Sketch("", (int(first), int(second)), np.degrees(PHASES), drawn, np.zeros(len(PHASES)), (), ())
+    return Sketch("", (int(first), int(second)), np.degrees(PHASES), drawn, np.zeros((len(PHASES), 2)), (), ())
 
 
 def _title(file, mode):

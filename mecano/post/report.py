@@ -13,6 +13,7 @@ from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import ENERGIES, count, facts, one_line
 from mecano.post.pictures import asked_sheets
 from mecano.post.sheets import default_sheets, overview
+from mecano.post.verdict import sound, verdict
 
 MOST_EVENTS = 200
 MOST_EXTREMES = 400
@@ -60,10 +61,11 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report: title, status of the run and its reason, sections."""
+    """A whole report: title, verdict, whether it is sound, why the run ended, sections."""
 
     title: str
-    status: str
+    verdict: str
+    sound: bool
     reason: str
     sections: tuple
 
@@ -78,6 +80,7 @@ def report_of(run, title=None, plots=(), spectra=()):
         raise ResultsError(f"{results.path}: no saved times yet")
     asked, sheets = asked_sheets(plots, spectra, [run]), default_sheets([run])
     sections = (
+        Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
         Section("Run", tuple(_run(results))), Section("Solution", tuple(_health(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
@@ -85,7 +88,8 @@ def report_of(run, title=None, plots=(), spectra=()):
         Section("Deck", tuple(_deck(results))),
     )  # fmt: skip
     reason = results.reason.strip()
-    return Report(title or run.title, results.status, reason, tuple(s for s in sections if s.parts))
+    kept = tuple(section for section in sections if section.parts)
+    return Report(title or run.title, verdict(results), sound(results), reason, kept)
 
 
 def number(value):
@@ -104,8 +108,6 @@ def _model(run):
         rows.append((name.replace("_", " "), f"{value:.6g} kg" if name == "mass" else f"{value:g}"))
     rows.append(("gravity", ", ".join(number(g) for g in run.deck.get("gravity") or (0.0,) * 3) + " m/s2"))
     yield Table(("", ""), rows, 2)
-    for text in run.results.warnings:
-        yield Text(f"Warning: {text}")
 
 
 def _run(results):

@@ -42,7 +42,8 @@ def page_of(report):
     """Return the page of a Report as text."""
     template = resources.files("mecano.post").joinpath("report.html").read_text(encoding="utf-8")
     filled = {
-        "title": escape(report.title), "status": escape(report.status), "reason": escape(report.reason),
+        "title": escape(report.title), "verdict": escape(report.verdict), "reason": escape(report.reason),
+        "soundness": "sound" if report.sound else "",
         "contents": "".join(f'<a href="#{_anchor(s)}">{escape(s.heading)}</a>' for s in report.sections),
         "sections": "\n".join(_section(s) for s in report.sections),
     }  # fmt: skip

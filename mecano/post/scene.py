@@ -10,7 +10,7 @@ from mecano.post.deformation import flexible_parts
 from mecano.post.eye import eye
 from mecano.post.forces import arrows
 from mecano.post.ground import ground_path
-from mecano.post.shapes import BODY, GUIDE, JOINT, SUPPORT, WHEEL, Motion, shapes
+from mecano.post.shapes import BODY, GUIDE, JOINT, SUPPORT, WHEEL, Motion, radius_of, shapes, vertical, wheel_of
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
@@ -114,14 +114,6 @@ def scene_of(run, most):
     )  # fmt: skip
 
 
-def vertical(gravity):
-    """Return the inertial axis (3,) that points up, against most of the gravity; z without any."""
-    if gravity is None or not any(gravity):
-        return np.array([0.0, 0.0, 1.0])
-    axis = int(np.argmax(np.abs(gravity)))
-    return -np.sign(gravity[axis]) * np.eye(3)[axis]
-
-
 def _deck_of(run, shape):
     """Path and deck values of what a shape is of; ("", {}) of a node. Joints and elements may have the same name."""
     sections = ("joints", "elements") if shape.style in (JOINT, SUPPORT, GUIDE) else ("elements", "joints")
@@ -169,7 +161,7 @@ def _orientation(motion, shape):
     """The Orientation of wheels, bodies and joints with an axis."""
     path, d = _deck_of(motion.run, shape)
     if shape.style == WHEEL:
-        return Orientation(motion.turn(d["node"]), motion.turned(d["node"], d["axis"]), _radius(shape.points[0]))
+        return Orientation(motion.turn(d["node"]), motion.turned(d["node"], d["axis"]), wheel_of(shape)[2])
     if shape.style == BODY:
         return Orientation(motion.turn(shape.nodes[0]))
     axis = d.get("axis") if path.startswith("joints/") and shape.style == JOINT else None
@@ -181,18 +173,9 @@ def _orientation(motion, shape):
 
 def _eye(drawn, cloud, up):
     """The direction to the eye, by some instants."""
-    wheels = [
-        (shape.points[0, -1], np.cross(*(shape.points[0, [0, 12]] - shape.points[0, -1])), _radius(shape.points[0]))
-        for shape in drawn
-        if shape.style == WHEEL
-    ]
+    wheels = [wheel_of(shape) for shape in drawn if shape.style == WHEEL]
     some = np.unique(np.linspace(0, len(cloud) - 1, LOOKED_AT).round().astype(int))
     return eye(cloud[some], wheels, up)
-
-
-def _radius(points):
-    """Radius [m] of a wheel whose points (n, 3) end with its centre."""
-    return float(np.linalg.norm(points[:-1] - points[-1], axis=1).max())
 
 
 def _colours(run, shape, rows):
@@ -224,5 +207,5 @@ def _grounds(run, drawn):
     for ground, points in wheels.items():
         centres = np.stack([one[:, -1] for one in points])
         yield list(
-            ground_path(run.deck, run.deck["grounds"][ground], centres, max(map(_radius, (p[0] for p in points))))
+            ground_path(run.deck, run.deck["grounds"][ground], centres, max(radius_of(one[0]) for one in points))
         )

@@ -75,6 +75,25 @@ class Motion:
         )
 
 
+def vertical(gravity):
+    """Return the inertial axis (3,) that points up, against most of the gravity; z without any."""
+    if gravity is None or not any(gravity):
+        return np.array([0.0, 0.0, 1.0])
+    axis = int(np.argmax(np.abs(gravity)))
+    return -np.sign(gravity[axis]) * np.eye(3)[axis]
+
+
+def wheel_of(shape):
+    """Return centre (3,), axis (3,) and radius [m] of the Shape of a wheel at its first instant."""
+    points = shape.points[0]
+    return points[-1], np.cross(*(points[[0, RIM_POINTS // 4]] - points[-1])), radius_of(points)
+
+
+def radius_of(points):
+    """Return the radius [m] of a wheel whose points (n, 3) end with its centre."""
+    return float(np.linalg.norm(points[:-1] - points[-1], axis=1).max())
+
+
 def apart(points):
     """Return whether ``points`` (instants, n, 3) [m] are apart at any instant."""
     return np.ptp(points, axis=1).max(initial=0.0) > 1e-9

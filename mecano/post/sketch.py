@@ -1,37 +1,39 @@
-"""Side view of the mechanism at several instants: choice of plane and instants, shapes in the plane."""
+"""A view of the mechanism at several instants: from the side, or from where it is seen best."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.post.ground import ground_line
-from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes
+from mecano.post.eye import eye, projection
+from mecano.post.ground import ground_line, ground_patch
+from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes, vertical, wheel_of
 
 MOST_ROWS = 300  # saved times considered
 INSTANTS = 7
 FAR = 6.0  # widths: a mechanism that travels farther is shown side by side, not in place
 PITCH = 1.25  # spacing side by side, in widths
 PATHS = 12  # most paths of points shown
-STILL = 1e-3  # of the size of the picture: points that move less have no path
-ALIKE = 0.99  # ratio above which two extents count as equal
+STILL = 1e-3  # of the size of the picture: a point that moves less has no path
+ALIKE = 0.99  # two extents that differ by less count as equal
+FLAT = 1e-3  # of the size: what extends less along an axis is in a plane
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """Shapes in the plane of two inertial axes.
+    """Shapes projected onto a plane.
 
     Attributes
     ----------
     label : str
         Label of the run.
     axes : (int, int)
-        Inertial axes (0, 1, 2) to the right and up.
+        Inertial axes (0, 1, 2) that point to the right and up; empty for a view in space.
     times : (n,) array
         Instants [s].
     shapes : tuple of Shape
-        Shapes with points (n, k, 3) [m].
-    shift : (n,) array
-        Shift of the horizontal coordinates at each instant [m]; zeros if shown in place.
+        With points (n, k, 3) [m].
+    shift : (n, 2) array
+        To be added to the coordinates in the picture at each instant [m]; zeros where all is shown in its place.
     paths : tuple of (m, 2) arrays
         Paths of points [m].
     grounds : tuple of (k, 2) arrays
@@ -48,6 +50,16 @@ class Sketch:
     paths: tuple
     grounds: tuple
     axis: tuple = ("time", "s")
+    view: np.ndarray | None = None  # (2, 3) of a view in space: to the right and up of the picture
+
+    @property
+    def projection(self):
+        """Matrix (2, 3): inertial positions to the right and up of the picture."""
+        return np.eye(3)[list(self.axes)] if self.view is None else self.view
+
+    def flat(self, points, instant):
+        """Points (k, 3) [m] in the picture (k, 2), with the shift of an instant."""
+        return points @ self.projection.T + self.shift[instant]
 
     @property
     def in_place(self):
@@ -56,8 +68,8 @@ class Sketch:
 
     @property
     def aspect(self):
-        """Height over width of all shapes."""
-        points = [s.points[..., self.axes] + np.stack([self.shift, 0.0 * self.shift], -1)[:, None] for s in self.shapes]
+        """Height over width of all that is shown."""
+        points = [s.points @ self.projection.T + self.shift[:, None] for s in self.shapes]
         width, height = np.ptp(np.concatenate([some.reshape(-1, 2) for some in points]), axis=0)
         return height / width if width > 0.0 else 1.0
 
@@ -72,15 +84,34 @@ def sketch(run):
     points = np.concatenate([np.zeros((0, 3)), *(s.points.reshape(-1, 3) for s in moving)])
     if not points.size or not np.ptp(points, axis=0).any():
         return None
-    axes = _axes(points, run.deck.get("gravity"))
     cloud = _cloud(moving)
+    axes, view = _seen(run, moving, cloud)
     instants = _instants(run.results.time[rows], cloud)
     drawn = tuple(replace(s, points=s.points[instants]) for s in moving)
-    shift = _shift(drawn, axes[0])
-    paths = () if shift.any() else _paths(cloud[..., axes])
-    times = run.results.time[rows[instants]]
-    grounds, axis = tuple(_grounds(run, drawn, axes, shift)), run.results.axis
-    return Sketch(run.label or run.title, axes, times, drawn, shift, paths, grounds, (axis.path, axis.unit))
+    matrix = np.eye(3)[list(axes)] if view is None else view
+    shift = _shift(drawn, matrix, None if view is None else vertical(run.deck.get("gravity")))
+    paths = () if shift.any() else _paths(cloud @ matrix.T)
+    times, axis = run.results.time[rows[instants]], run.results.axis
+    if view is None:
+        grounds = tuple(_grounds(run, drawn, axes, shift[:, 0]))
+    else:
+        grounds = tuple(_patches(run, drawn, matrix, shift))
+    return Sketch(run.label or run.title, axes, times, drawn, shift, paths, grounds, (axis.path, axis.unit), view)
+
+
+def _seen(run, moving, cloud):
+    """Axes of the plane of a motion and None; or no axes and the matrix (2, 3) of a view in space."""
+    relative = cloud - 0.5 * (cloud.min(axis=1, keepdims=True) + cloud.max(axis=1, keepdims=True))
+    gravity, points = run.deck.get("gravity"), np.concatenate([s.points.reshape(-1, 3) for s in moving])
+    wheels = [wheel_of(shape) for shape in moving if shape.style == WHEEL]
+    extents = np.ptp(relative.reshape(-1, 3), axis=0)
+    # a wheel by itself is seen from the side, whichever way it leans
+    if len(wheels) < 2 and (extents.min() <= FLAT * extents.max() or not extents.any()):
+        return _axes(points, gravity), None
+    if not extents.any() or np.count_nonzero(extents > FLAT * extents.max()) < 2:
+        return _axes(points, gravity), None
+    up = vertical(gravity)
+    return (), projection(eye(relative[:: max(1, len(relative) // INSTANTS)], wheels, up), up)
 
 
 def _axes(points, gravity):
@@ -112,14 +143,35 @@ def _instants(times, cloud):
     return np.unique(np.searchsorted(course, np.linspace(0.0, course[-1], INSTANTS)).clip(max=len(times) - 1))
 
 
-def _shift(drawn, right):
-    """Return the horizontal shift (n,) [m]: zeros, or side by side if the mechanism travels far."""
-    x = np.concatenate([s.points[..., right] for s in drawn], axis=1)
-    low, high = x.min(axis=1), x.max(axis=1)
-    width, middle = np.max(high - low), 0.5 * (low + high)
-    if np.ptp(middle) <= FAR * width or not width:
-        return np.zeros(len(x))
-    return PITCH * width * np.arange(len(x)) - middle
+def _shift(drawn, matrix, up):
+    """Shift (n, 2) of each instant: zeros, or side by side when the mechanism travels far.
+
+    In a view in space, which has a vertical ``up``, travel along the ground moves all up or down: that is taken off.
+    """
+    flat = np.concatenate([s.points @ matrix.T for s in drawn], axis=1)
+    low, high = flat.min(axis=1), flat.max(axis=1)
+    width, middle = np.max((high - low)[:, 0]), 0.5 * (low + high)
+    shift = np.zeros((len(flat), 2))
+    if np.ptp(middle, axis=0).max() <= FAR * width or not width:
+        return shift
+    shift[:, 0] = PITCH * width * np.arange(len(flat)) - middle[:, 0]
+    if up is not None:
+        points = np.concatenate([s.points for s in drawn], axis=1)
+        travel = 0.5 * (points.min(axis=1) + points.max(axis=1))
+        travel -= travel[0]
+        shift[:, 1] = -(travel - np.outer(travel @ up, up)) @ matrix[1]
+    return shift
+
+
+def _patches(run, drawn, matrix, shift):
+    """Outlines (k, 2) of the ground around the mechanism, at each instant or, where all is in its place, at all."""
+    for name in dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d):
+        ground = run.deck["grounds"][name]
+        spans = [[i] for i in range(len(shift))] if shift.any() else [range(len(shift))]
+        for span in spans:
+            points = np.concatenate([s.points[i] for s in drawn for i in span])
+            outline = ground_patch(run.deck, ground, points)
+            yield outline @ matrix.T + shift[span[0]]
 
 
 def _paths(cloud):

@@ -23,7 +23,10 @@ from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
-_KEPT = tuple("time events steps extremes resolved displays metadata automatic model warnings checkpoint".split())
+MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
+_KEPT = tuple(
+    "_table time events steps extremes resolved displays metadata automatic model warnings checkpoint".split()
+)
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
 
@@ -224,11 +227,26 @@ class Results:
         start = 1 + self._layout.slices[series.path].start
         times, rows = self.time[rows], slice(*rows.indices(self._rows))
         if component is not None:
-            values = self._read("storage/output", (rows, start + component))
+            values = self._columns(rows, start + component)
             return Trace(series.scalars[component], series.unit, series.doc, (), times, values)
-        values = self._read("storage/output", (rows, slice(start, start + series.width)))
+        values = self._columns(rows, slice(start, start + series.width))
         shaped = values.reshape(-1, *series.shape)
         return Trace(series.path, series.unit, series.doc, series.components, times, shaped)
+
+    def _columns(self, rows, columns):
+        """Return some columns of the saved rows, a new array."""
+        table = self._table
+        return self._read("storage/output", (rows, columns)) if table is None else table[rows, columns].copy()
+
+    @cached_property
+    def _table(self):
+        """All saved rows, read at once: a column alone takes as many chunks. None where they are many or damaged."""
+        if self._rows * (1 + self._layout.size) > MOST_NUMBERS:
+            return None
+        try:
+            return self._read("storage/output", (slice(self._rows), slice(None)))
+        except ResultsError:
+            return None
 
     def __getitem__(self, name):
         """Return the same as ``find``."""

@@ -260,7 +260,7 @@ function listen() {
 // Ask for results that have come since; until the run has ended.
 async function poll() {
   try {
-    const answer = await fetch(`${data.live}&have=${motion.count}`);
+    const answer = await fetch(`${data.live}&key=${encodeURIComponent(data.key)}`);
     if (answer.status === 200) load(await answer.json());
     if (data.growing) setTimeout(poll, 500);
   } catch {
@@ -290,7 +290,7 @@ function start() {
   listen();
   const asked = new URLSearchParams(location.hash.slice(1)).get("t"); // page.html#t=1.5
   show(asked === null ? 0 : motion.frameAt(Number(asked)));
-  if (data.live) poll();
+  if (data.live && data.growing) poll();
   requestAnimationFrame(tick);
 }
 start();

@@ -1,0 +1,30 @@
+"""The model of a deck before it runs: its assembled positions, as a results file of one saved time."""
+
+from mecano.analyses.prepare import model_facts, prepare
+from mecano.model.sampler import Sampler, StaticSample
+from mecano.results.layout import Layout, Series
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+
+EXCHANGED = ("N", "N m", "Pa", "W", "J", "1/s2", "m/s2")  # units of what only a run finds
+ASSEMBLED = "before the run: positions as assembled, no forces yet"
+
+
+def preview(deck, path):
+    """Write the assembled positions of a checked deck into the results file ``path``.
+
+    Raises AssemblyError where the positions cannot be assembled, ResultsError for the file.
+    """
+    prepared = prepare(deck)
+    sampler = Sampler(prepared.system)
+    kept = [column for column in sampler.columns if column.unit not in EXCHANGED]
+    prepared.system.assemble(prepared.state, 1.0, 0.0, 0.0, 0.0, 0.0)
+    prepared.system.observe(prepared.state)
+    row = sampler.take(StaticSample(prepared.state))
+    source = Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        model=model_facts(prepared),
+    )  # fmt: skip
+    with Writer.create(path, Layout([Series(c.path, c.unit, c.doc, c.shape) for c in kept]), source) as writer:
+        writer.append(prepared.state.t, [x for c in kept for x in row[c.start : c.start + c.size]])
+        writer.close("complete", ASSEMBLED)

@@ -1,0 +1,96 @@
+"""Commands that show a model or a motion in a browser."""
+
+import os
+import sys
+from contextlib import contextmanager, suppress
+
+import click
+
+from mecano.commands import overrides, plugins
+
+UNTIL = "mecano: {} (until Ctrl-C)"
+
+
+@click.command()
+@click.argument("file", type=click.Path())
+@click.option("--wait", is_flag=True, help="Wait for a results file that does not exist yet.")
+@overrides
+@plugins
+def view(file, wait, overrides):
+    """Show a deck before it runs, or the motion of a results file, in a browser.
+
+    Of a deck: the model as it is assembled, with the axes of its joints; names are shown under the pointer. Of results:
+    the page of `mecano post --animate`, which follows a run that goes on. The address that is printed is one of this
+    machine alone, and has a token; Ctrl-C ends it.
+    """
+    with suppress(KeyboardInterrupt):
+        if wait or _is_results(file):
+            if overrides:
+                raise click.BadParameter("is about a deck", param_hint="--set")
+            _refuse_missing(file, wait)
+            _serve(file)
+        else:
+            _view_deck(file, overrides)
+
+
+def _is_results(file):
+    """True where a file is HDF5, or has the name of one."""
+    with suppress(OSError), open(file, "rb") as content:
+        return content.read(8) == b"\x89HDF\r\n\x1a\n"
+    return os.path.splitext(file)[1] == ".h5"
+
+
+def _refuse_missing(file, wait):
+    """Raise ResultsError before anything is served, unless the file is yet to come."""
+    if not wait:
+        from mecano.results.checked import blaming
+        from mecano.results.reader import open_results
+
+        with blaming(file), open_results(file):
+            pass
+
+
+def _view_deck(file, overrides):
+    from mecano.deck.read import read_deck
+
+    checked = read_deck(file, overrides)
+    from tempfile import TemporaryDirectory
+
+    from mecano.analyses.preview import ASSEMBLED, preview
+    from mecano.analyses.progress import SweepProgress
+
+    SweepProgress(False, file).announce_compiling()
+    with TemporaryDirectory(prefix="mecano-") as folder:
+        path = os.path.join(folder, "model.h5")
+        preview(checked, path)
+        _serve(path, checked.values["title"] or os.path.basename(file), ASSEMBLED)
+
+
+def _serve(path, title=None, status=None):
+    from mecano.post.serve import Source, serve
+
+    serve(Source(path, title, status), lambda address: click.echo(UNTIL.format(address)))
+
+
+@contextmanager
+def live(path, wanted):
+    """Show the results file ``path`` in a page while the block writes it and, when it is complete, until Ctrl-C.
+
+    The page is served by a process of its own, which ends with this one: the run imports nothing of it.
+    """
+    if not wanted:
+        yield
+        return
+    import subprocess
+
+    from mecano.process.lifeline import tied
+
+    command = [sys.executable, "-m", "mecano", "view", "--wait", os.fspath(path)]
+    server = subprocess.Popen(command, **tied())
+    try:
+        yield
+        with suppress(KeyboardInterrupt):
+            server.wait()
+    finally:
+        server.terminate()
+        server.wait()

@@ -1,0 +1,84 @@
+"""Events in panels over time: a line at each, a mark over the axes, a legend of the marks."""
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from mecano.post.sheet import Panel
+from mecano.post.style import COLOURS, GREY, PALE
+
+MARKERS = "v^sDoPX*"
+OTHERS = "|"  # the mark of what has none of its own
+MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer to one another
+LINE_ROOM = 0.01  # the same of lines
+MANY = 8  # events from which on lines that are close are left out
+MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
+SIZE = 4.5  # points
+
+
+class EventLegend:
+    """Which marks stand for which events of a sheet.
+
+    Each event of each element has a mark, or each event alone where these are too many; of still more, the others share
+    one.
+    """
+
+    def __init__(self, sheet, look):
+        self._look = look
+        marks = [m for panel in sheet.panels if _over_time(panel) for m in self.of(panel, sheet.events)]
+        pairs = list(dict.fromkeys((mark.element, mark.text) for mark in sorted(marks, key=lambda mark: mark.time)))
+        self._apart = len(pairs) <= len(MARKERS)
+        self._keys = pairs if self._apart else list(dict.fromkeys(text for _, text in pairs))
+
+    def of(self, panel, events):
+        """Events within the time of a panel: of its elements, of all where they have none."""
+        times = np.concatenate([curve.x.values for curve in panel.curves])
+        own = [mark for mark in events if mark.element in self._look.owners(panel)] or events
+        return [mark for mark in own if times.min() <= mark.time <= times.max()]
+
+    def marker(self, mark):
+        """The mark of an event."""
+        number = self._keys.index((mark.element, mark.text) if self._apart else mark.text)
+        return MARKERS[number] if number < len(MARKERS) else OTHERS
+
+    def handles(self):
+        """Entries of the legend."""
+        names = [": ".join(key) if self._apart else key for key in self._keys]
+        handles = [_handle(marker, name) for marker, name in zip(MARKERS, names, strict=False)]
+        return handles + [_handle(OTHERS, f"{len(names) - len(MARKERS)} other events")] * (len(names) > len(MARKERS))
+
+
+def draw_events(ax, marks, factor, look, legend):
+    """Draw lines and marks at the times over ``factor``; lines of very many, and of several runs, only at the axis."""
+    low, high = ax.get_xlim()
+    for run in dict.fromkeys(mark.run for mark in marks):
+        own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
+        lines = thinned(own, LINE_ROOM * (high - low) * factor if len(own) > MANY else 0.0)
+        rug = bool(look.runs) or len(lines) > MOST_LINES
+        if rug:
+            lines = thinned(own, RUG_ROOM * (high - low) * factor)
+        colour = COLOURS[run % len(COLOURS)] if look.runs else GREY
+        for mark in lines:
+            ax.axvline(mark.time / factor, ymax=RUG if rug else 1.0, color=colour if rug else PALE, linewidth=0.7,
+                       alpha=0.4 if look.runs else 1.0, zorder=1)  # fmt: skip
+        for marker in dict.fromkeys(legend.marker(mark) for mark in own):
+            alike = [mark for mark in own if legend.marker(mark) == marker]
+            times = [mark.time / factor for mark in thinned(alike, MARK_ROOM * (high - low) * factor)]
+            ax.plot(times, [1.0] * len(times), marker, transform=ax.get_xaxis_transform(), color=colour,
+                    markersize=SIZE, markeredgewidth=0.5, clip_on=False, zorder=5)  # fmt: skip
+
+
+def thinned(marks, room):
+    """Marks that are at least ``room`` [s] apart, the first of those that are closer."""
+    kept = []
+    for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
+        if not kept or mark.time - kept[-1].time >= room:
+            kept.append(mark)
+    return kept
+
+
+def _over_time(panel):
+    return isinstance(panel, Panel) and panel.over_time
+
+
+def _handle(marker, name):
+    return Line2D([], [], marker=marker, linestyle="", color=GREY, markersize=SIZE, markeredgewidth=0.5, label=name)

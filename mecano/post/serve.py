@@ -1,0 +1,127 @@
+"""A page of results, served on the loopback address to whoever knows its token, as long as the program runs.
+
+The page asks again and again for what a running writer has added. Only requests that carry the token are answered, and
+only under a name of this machine: other pages in the same browser, which may send requests here, know neither.
+"""
+
+import hmac
+import json
+import secrets
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Lock
+from urllib.parse import parse_qs, urlsplit
+
+from mecano.errors import ResultsError
+from mecano.post.animation import page_data, page_text
+from mecano.post.runs import open_runs
+
+LOOPBACK = "127.0.0.1"
+SHARE = 0.1  # of one processor, at most, for data that change while a run goes on
+WAITING = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" content="1"><title>mecano</title>{}'
+
+
+class Source:
+    """The data of a page from the results file ``path``, made anew when the file has changed, but not too often."""
+
+    def __init__(self, path, title=None, status=None):
+        self.path, self.title, self.status = Path(path), title, status
+        self._lock, self._key, self._data, self._next = Lock(), None, None, 0.0
+
+    def data(self):
+        """Return the data of the page as they are now, with a key that changes with them. Raises ResultsError."""
+        with self._lock:
+            begun = time.monotonic()
+            if self._data is None or (begun >= self._next and self._key != self._state()):
+                self._read()
+                now = time.monotonic()
+                self._next = now + (now - begun) / SHARE
+            return self._data
+
+    def _state(self):
+        """What changes whenever the file does."""
+        found = self.path.stat()
+        return [found.st_ino, found.st_size, found.st_mtime_ns]
+
+    def _read(self):
+        key = self._state()
+        [run] = open_runs([self.path])
+        with run.results as results:
+            data = page_data(run, title=self.title)
+            growing = results.status == "running"
+        self._key, self._data = key, data | {"growing": growing, "key": "-".join(map(str, key))}
+        if self.status:
+            self._data["status"] = self.status
+
+
+class Server(ThreadingHTTPServer):
+    """Serves one page at ``address``, on a free port of the loopback address."""
+
+    daemon_threads = True
+
+    def __init__(self, source):
+        super().__init__((LOOPBACK, 0), _Handler)
+        self.source, self.token = source, secrets.token_urlsafe(18)
+        self.hosts = {f"{name}:{self.server_port}" for name in (LOOPBACK, "localhost")}
+
+    @property
+    def address(self):
+        """Where a browser finds the page, with the token."""
+        return f"http://{LOOPBACK}:{self.server_port}/?token={self.token}"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    def do_GET(self):
+        asked = urlsplit(self.path)
+        query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
+        answers = {"/": self._page, "/data": self._data}
+        if self.headers.get("Host") not in self.server.hosts or not self._knows(query.get("token", "")):
+            self._answer(403, "text/plain", "mecano: this page is for the address that the program printed\n")
+        elif asked.path not in answers:
+            self._answer(404, "text/plain", "mecano: there is nothing here\n")
+        else:
+            answers[asked.path](query)
+
+    def _knows(self, token):
+        return hmac.compare_digest(token.encode(), self.server.token.encode())
+
+    def _page(self, query):
+        try:
+            data = self.server.source.data() | {"live": f"/data?token={self.server.token}"}
+        except (ResultsError, OSError) as error:
+            text = str(error).replace("&", "&amp;").replace("<", "&lt;")
+            self._answer(200, "text/html", WAITING.format(f"<p>Waiting for the first saved times: {text}"))
+            return
+        self._answer(200, "text/html", page_text(data))
+
+    def _data(self, query):
+        try:
+            data = self.server.source.data()
+        except (ResultsError, OSError):
+            data = {"key": query.get("key")}  # between two files: as if nothing had changed
+        if query.get("key") == data["key"]:
+            self._answer(204, "application/json", "")
+        else:
+            self._answer(200, "application/json", json.dumps(data))
+
+    def _answer(self, code, kind, text):
+        body = text.encode()
+        self.send_response(code)
+        self.send_header("Content-Type", f"{kind}; charset=utf-8")
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_):
+        """Say nothing: the terminal belongs to the run."""
+
+
+def serve(source, announce):
+    """Serve the page of a Source until a signal ends the program; ``announce`` gets the address."""
+    with Server(source) as server:
+        announce(server.address)
+        server.serve_forever()

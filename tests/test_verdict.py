@@ -1,0 +1,72 @@
+"""The verdict: a run that warns is not praised, in no picture and on no page."""
+
+import every_kind
+import pytest
+
+from mecano.elements import KINDS
+from mecano.post.animation import page_data
+from mecano.post.info import info, one_line
+from mecano.post.report_page import write_report
+from mecano.post.runs import open_runs
+from mecano.results.provenance import Source
+from mecano.results.writer import Writer
+
+KIND = {name: KINDS[name] for name in ("hinge", "wheel", "spring_damper", "force")}
+CASES = {  # warnings before, status, reason -> verdict, whether it is sound
+    "sound": ((), "complete", "the end was reached", "complete", True),
+    "warned before": (("a pole is near",), "complete", "the end was reached", "complete with warnings", False),
+    "warned at the end": ((), "complete", "the end was reached; energy is off", "complete with warnings", False),
+    "failed": ((), "failed", "no way on from t = 1 s", "failed", False),
+    "failed, warned": (("a pole is near",), "failed", "no way on", "failed with warnings", False),
+}
+
+
+def written(path, warnings, status, reason):
+    declared = every_kind.layout(KIND)
+    source = Source(every_kind.DECK_TEXT, every_kind.deck(KIND), "each.yaml", "One of each", warnings=warnings)
+    with Writer.create(path, declared, source) as writer:
+        for t in every_kind.TIMES:
+            writer.extremes.take(t, every_kind.row(declared, t))
+            writer.append(t, every_kind.row(declared, t))
+        writer.append_event(0.5, "wheel 'one_wheel'", "touch_down", "air", "contact")
+        writer.close(status, reason)
+    return path
+
+
+@pytest.mark.parametrize(("warnings", "status", "reason", "words", "sound"), CASES.values(), ids=CASES)
+def test_all_pages_and_pictures_say_the_same(tmp_path, warnings, status, reason, words, sound):
+    path = written(tmp_path / "each.h5", warnings, status, reason)
+    text = write_report(path, tmp_path / "report.html").read_text()
+    assert f'<b class="{"sound" if sound else ""}">{words}</b>{reason}' in text
+    assert ("<h2>Warnings</h2>" in text) == bool(warnings) and all(remark in text for remark in warnings)
+    assert f"status      {words}: {reason}" in info(path)
+    [run] = open_runs([path])
+    assert one_line([run]).startswith(f"{words}; ")
+    data = page_data(run)
+    assert (data["status"], data["sound"]) == (words, sound)
+
+
+def test_info_begins_with_what_one_looks_for(tmp_path):
+    """Events, then outputs of joints, wheels, other elements, loads and nodes."""
+    text = info(written(tmp_path / "each.h5", (), "complete", "the end was reached"))
+    order = ["Events: 1", "joints, hinge", "elements, wheel", "elements, spring_damper", "loads, force", "nodes: ",
+             "energy: ", "Extremes"]  # fmt: skip
+    places = [text.index(one) for one in order]
+    assert places == sorted(places)
+
+
+def test_info_says_how_to_see_what_it_cuts(tmp_path):
+    names = [f"{number}th" for number in range(9)]
+    kinds = {name: KINDS["spring_damper"] for name in names}
+    deck = every_kind.deck({"spring_damper": KINDS["spring_damper"]})
+    one = deck["elements"].pop("one_spring_damper")
+    deck["elements"] = {name: one for name in kinds}
+    declared = every_kind.layout({"spring_damper": KINDS["spring_damper"]})
+    series = [s for s in declared.series if "one_spring_damper" not in s.path]
+    from mecano.results.layout import Layout, Series
+
+    series += [Series(f"elements/{name}/force", "N", "force") for name in names]
+    with Writer.create(tmp_path / "many.h5", Layout(series), Source("mecano: 1\n", deck)) as writer:
+        writer.append(0.0, [0.0] * Layout(series).size)
+    text = info(tmp_path / "many.h5")
+    assert "and 3 more" in text and "all names: mecano info FILE --names" in text
