@@ -47,7 +47,7 @@ TIMES = np.linspace(0.0, 2.0, 41)
 
 def deck(kinds):
     """The resolved deck: of each kind one, named "one_<kind>"."""
-    sections = {"elements": {}, "joints": {}, "loads": {}}
+    sections = {"elements": {}, "joints": {}, "loads": {}, "signals": {}}
     for kind in kinds.values():
         fields = {field.name for field in kind.fields}
         given = {key: value for key, value in VALUES.items() if key in fields}

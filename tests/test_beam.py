@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from test_elements import close, slope
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.kind_tests import close, slope
 from mecano.analyses.kind_trial import Motion, expand, samples, seed_of
 from mecano.analyses.static import run
 from mecano.deck.build import build

@@ -117,7 +117,7 @@ def test_wrong_signals(signal, message, hint):
         ("joint: rail, value: trust", "unknown law or signal 'trust'", "'thrust'"),
         ("joint: rial, value: thrust", "unknown joint 'rial'", "'rail'"),
         ("joint: rail, value: 2*cart.velocity.w", "'velocity.w' of 'cart' cannot be measured", "velocity"),
-        ("joint: rail, value: {damper: {coefficient: 2}}", "must be a number", ""),
+        ("joint: rail, value: {damper: {coefficient: 2}}", "is required here", ""),
     ],
 )
 def test_wrong_loads(load, message, hint):

@@ -358,17 +358,17 @@ def test_runs_of_one_layout_begin_with_a_copy(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "folder", lambda: kept)
     monkeypatch.setattr(empty_file, "MOST_KEPT", 2)
     layouts = [Layout([Series(f"elements/e{i}/force", "N", "force", (3,))]) for i in range(4)]
-    first = empty_file.blank(layouts[0])
-    assert [path.read_bytes() for path in kept.iterdir()] != [first] and empty_file.blank(layouts[0]) == first
+    first = empty_file.empty_file(layouts[0])
+    assert [path.read_bytes() for path in kept.iterdir()] != [first] and empty_file.empty_file(layouts[0]) == first
     (path,) = kept.iterdir()
     path.write_bytes(path.read_bytes()[:-9])
-    anew = empty_file.blank(layouts[0])
-    assert empty_file.blank(layouts[0]) == anew and _contents(anew) == _contents(first)
+    anew = empty_file.empty_file(layouts[0])
+    assert empty_file.empty_file(layouts[0]) == anew and _contents(anew) == _contents(first)
     for layout in layouts[1:]:
-        assert _contents(empty_file.blank(layout)) != _contents(first)
+        assert _contents(empty_file.empty_file(layout)) != _contents(first)
     assert len(list(kept.iterdir())) == 2
     monkeypatch.setattr(store, "folder", lambda: tmp_path / "not there")
-    assert _contents(empty_file.blank(layouts[0])) == _contents(first)
+    assert _contents(empty_file.empty_file(layouts[0])) == _contents(first)
 
 
 def test_many_series_have_no_views_but_are_read(tmp_path):

@@ -15,7 +15,7 @@ from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 
 WIDTH = 96
-GROUPS = {"elements": "Elements", "joints": "Joints", "loads": "Loads"}
+GROUPS = {"elements": "Elements", "joints": "Joints", "loads": "Loads", "signals": "Signals"}
 
 
 def pages(decks):

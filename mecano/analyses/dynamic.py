@@ -206,5 +206,5 @@ class Ongoing:
         if t >= self.deck.values["time"]["end"]:
             self._complete()
             return
-        self._checkpoint_writer.keep(self.state)
+        self._checkpoint_writer.write(self.state)
         self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")

@@ -179,8 +179,9 @@ def _verdict(code, said, whole, command):
 def subjects(folder):
     """The Subjects of the repository, in a new folder: a finished run, a killed one with a checkpoint, modes."""
     sys.path[:0] = [str(HERE.parent), str(HERE.parent.parent)]
-    from surviving import ended, forked, keeper
+    from surviving import ended, forked
 
+    from mecano.analyses import checkpoint_writer
     from mecano.analyses.dynamic import run
     from mecano.analyses.modal import modes
     from mecano.deck.read import read_deck
@@ -193,7 +194,7 @@ def subjects(folder):
     run(checked, made / "finished.h5")
 
     def run_and_die():
-        keeper.SHARE = 0
+        checkpoint_writer.SHARE = 0
         run(checked, made / "killed.h5", interval=0.0, observers=(lambda a: a.run.steps < 200 or os._exit(9),))
 
     assert ended(forked(run_and_die)) == 9

@@ -16,7 +16,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import DIRECTION, DRIVE, NODE_PAIR, Field
 
-RECORD = record(law="i", axis=3)
+RECORD = record(axis=3, law="i")
 
 
 def _functions(demand):

@@ -49,7 +49,7 @@ def _load(name, what, coordinate, field, prepare, check, sample):
         residual, observe = _functions(coordinate, demand)
         return Kind(
             name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}",
-            dtype=record(law="i", **coordinate.axes), layout=coordinate.layout,
+            dtype=record(**coordinate.axes, law="i"), layout=coordinate.layout,
             fields=(
                 field, Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals"),
             ),

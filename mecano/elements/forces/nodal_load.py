@@ -21,7 +21,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import DIRECTION, DRIVE, NODE, Field
 
-RECORD = record(law="i", direction=3)
+RECORD = record(direction=3, law="i")
 EQUATIONS = __doc__.partition("\n\n")[2]
 
 
