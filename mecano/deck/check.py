@@ -95,6 +95,8 @@ def written_out(root, sections, scope):
     if copies.incomplete:
         known = dict.fromkeys(f.name for f in (*sections, *LANGUAGE))
         filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, known)
+        if not scope.problems:
+            scope.refuse(copies.without_value, "this needs a number: a value of 'repeat' or of 'place' in it is none")
         raise DeckError(scope.problems, UNCHECKED)
     return root
 

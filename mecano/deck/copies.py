@@ -52,7 +52,7 @@ class Copies:
         self.scope = scope
         self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
         self.problems = len(scope.problems)
-        self.without_value = False  # a parameter refused elsewhere is needed here
+        self.without_value = None  # Node that needs a parameter without a value, which is refused elsewhere
         self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
         self.count = self.count_placed = 0
@@ -60,7 +60,7 @@ class Copies:
     @property
     def incomplete(self):
         """True if anything was refused."""
-        return self.without_value or len(self.scope.problems) > self.problems
+        return self.without_value is not None or len(self.scope.problems) > self.problems
 
     def written_out(self, root):
         """Return the tree of the deck without templates, places and repeats."""
@@ -114,7 +114,7 @@ class Copies:
         """Return the Parameters of each copy of an entry."""
         values = rows(node.value["repeat"][1], self.scope, MOST_VALUES - self.count)
         if values is INVALID:
-            self.without_value = True
+            self.without_value = key
             return []
         if len(values) > 1 and "$" not in key.value:
             how = f"put a value of 'repeat' into it, as in '{key.value}$({next(iter(values[0]))})'"
@@ -150,7 +150,7 @@ class Copies:
                 node.value = inserted(text, scope.parameters)
                 return node
         except Refused:
-            self.without_value = True
+            self.without_value = node
             return node
         except ExpressionError as error:
             scope.refuse_expression(node, error)
@@ -160,7 +160,7 @@ class Copies:
             return Word(word.value, node, word.rise if type(word) is Word else 0)
         value = scope.evaluated(node)
         if value is INVALID:
-            self.without_value = True
+            self.without_value = node
             return node
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
@@ -174,7 +174,7 @@ class Copies:
             self.scope.owner = key
             values = place_values(node, self.scope)
             if values is INVALID:
-                self.without_value = True
+                self.without_value = key
                 return {}
             template = self.templates.body(values["template"], node.value["template"][1])
             if template is None:

@@ -9,6 +9,7 @@ from mecano.deck.laws import law_or_name
 from mecano.deck.parameters import Refused
 from mecano.deck.scope import INVALID, Reference
 from mecano.deck.units import is_quantity
+from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.laws.formula import FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
@@ -71,7 +72,7 @@ def _read(text, node, scope):
         found = read_formula(numbers)
     except FormulaError as error:
         exact = numbers == text
-        message = f"the formula '{text}': {error.message}"
+        message = f"the formula {quoted(text)}: {error.message}"
         return scope.refuse_expression(node, ExpressionError(message, error.column if exact else 0))
     return found
 
