@@ -29,6 +29,7 @@ NAMING = (
     "grounds",
     "tire_laws",
     "sections",
+    "signals",
     "templates",
     "place",
 )
