@@ -11,7 +11,7 @@ G = 9.81
 
 
 @pytest.fixture(scope="module")
-def integrate():
+def recorded():
     return [RecordedRun(input_deck("release", f"time.step={h}")) for h in (4e-3, 2e-3)]
 
 

@@ -83,10 +83,10 @@ def live(path, wanted):
         return
     import subprocess
 
-    from mecano.process.lifeline import tied
+    from mecano.process.lifeline import popen_options
 
     command = [sys.executable, "-m", "mecano", "view", "--wait", os.fspath(path)]
-    server = subprocess.Popen(command, **tied())
+    server = subprocess.Popen(command, **popen_options())
     try:
         yield
         with suppress(KeyboardInterrupt):
