@@ -23,6 +23,7 @@ from numba.extending import intrinsic, overload, register_model
 from mecano.jit import memory, methods, symbols
 from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
 from mecano.jit.entry import Array
+from mecano.jit.library import not_loaded
 from mecano.jit.null_matrix import NullMatrix, wanted
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
@@ -43,12 +44,17 @@ FATAL = b"an error in compiled code of mecano, which should have none\0"
 
 
 class PlainDispatcher(types.Dispatcher):
-    """A function that is compiled once for all constants with which it is called, not for each of them."""
+    """A function that is compiled once for all constants with which it is called, not for each of them.
+
+    It is compiled for each type of record: numba would also consider the code for a record with fewer fields.
+    """
 
     def get_call_type(self, context, arguments, keywords):
         """Return the signature of a call."""
         plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
-        return super().get_call_type(context, [types.unliteral(kind) for kind in arguments], plain)
+        plain_arguments = [types.unliteral(kind) for kind in arguments]
+        _, python_signature, given, _ = self.dispatcher.get_call_template(plain_arguments, plain)
+        return self.dispatcher.overloads[tuple(given)].signature.replace(pysig=python_signature)
 
 
 NUMERIC = (types.Number, types.Boolean)
@@ -133,8 +139,9 @@ def _machine_code(signature, function):
 
 def _code_of(signature, function):
     _learn_methods()
-    function = cfunc(signature, error_model="numpy")(function)
-    module = llvm.parse_assembly(function.inspect_llvm())
+    with not_loaded():
+        function = cfunc(signature, error_model="numpy")(function)
+    module = function._library.optimized(function.native_name)
     missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
     if missing - ERRORS:
         needs = ", ".join(sorted(missing - ERRORS))
