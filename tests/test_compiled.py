@@ -297,7 +297,7 @@ class TestStore:
         assert trust.secret() != trust.secret()
 
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
-        script = "from mecano.jit import store; store.before_compiling(lambda: print('compiling'))\n"
+        script = "from mecano.jit import store; store.while_compiling(lambda done, n: print('compiling'))\n"
         script += textwrap.dedent(SCRIPT)
         assert run_script(script, tmp_path).stdout.split()[0] == "compiling"
         assert "compiling" not in run_script(script, tmp_path).stdout

@@ -216,7 +216,7 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, reported):
 def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
     """As a run does: nothing else is said for a minute or two."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mecano.analyses.progress.before_compiling", lambda listener: listener())
+    monkeypatch.setattr("mecano.analyses.progress.while_compiling", lambda listener: listener(0, 1))
     for quiet in ((), ("-q",)):
         commands(["modes", str(INPUTS / "pendulum.yaml"), *options, "--force", *quiet], standalone_mode=False)
         assert ("mecano: compiling elements used for the first time" in capsys.readouterr().err) == (not quiet)

@@ -99,8 +99,10 @@ def record(path, monkeypatch):
 
 
 def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
-    """Kill after a change of the file or between the pages of one: after each at first, near checkpoints and at the end,
-    after every seventh of the others, which repeat what the first ones do."""
+    """Kill after changes of the file, and between the pages of each.
+
+    After each change at first, near checkpoints and at the end, and after every seventh of the others, which repeat.
+    """
     path = tmp_path / "r.h5"
     log, start, acknowledged, kept = record(path, monkeypatch)
     monkeypatch.undo()

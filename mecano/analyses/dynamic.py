@@ -4,6 +4,7 @@ from contextlib import closing, contextmanager
 from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
+from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
 from mecano.analyses.initial_state import bring_to_start
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
@@ -48,7 +49,7 @@ def begun(
 @contextmanager
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """``begun`` while no other process writes the file."""
-    prepared = prepare(deck)
+    prepared = prepare(deck, compile_time_integration)
     found = abandonable(bring_to_start, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
@@ -121,7 +122,7 @@ def _resume(deck, path, *around):
 
 def _go_on(deck, left, observers, reporters, announce, interruption, interval):
     """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
-    prepared = prepare(deck)
+    prepared = prepare(deck, compile_time_integration)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start, recorded = restore(left.checkpoint["run"], integrator)
     layout = layout_of(sampler)

@@ -53,17 +53,19 @@ class Prepared:
         return redundant_groups(self.system, self.state, self.length, self.analysis)
 
 
-def prepare(deck):
+def prepare(deck, compile_ahead=lambda system: None):
     """Build the model of a checked deck, assemble its positions, and return a Prepared.
 
-    A signal may interrupt it. Raises AssemblyError, and DeckError for a model without degrees of freedom.
+    ``compile_ahead(system)`` may compile what is needed later. A signal may interrupt it. Raises AssemblyError, and
+    DeckError for a model without degrees of freedom.
     """
-    return abandonable(_prepare, deck)
+    return abandonable(_prepare, deck, compile_ahead)
 
 
-def _prepare(deck):
+def _prepare(deck, compile_ahead):
     system = System(build(deck))
     _refuse_fixed(deck, system)
+    compile_ahead(system)
     of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)

@@ -6,7 +6,7 @@ import sys
 import time
 from textwrap import wrap
 
-from mecano.jit.store import before_compiling, compile_time
+from mecano.jit.store import compile_time, while_compiling
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
@@ -24,11 +24,18 @@ class Progress:
         self.quiet, self.terminal = quiet, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
         self.compiled = compile_time()
-        self.tenths, self.marching = 0, None
+        self.tenths, self.marching, self.announced = 0, None, False
 
     def announce_compiling(self):
-        """Print a note before the first function is compiled, if any has to be."""
-        before_compiling(lambda: self.note(COMPILING))
+        """Print a note before the first function is compiled, if any has to be, and show how many are ready."""
+        while_compiling(self._show_compiling)
+
+    def _show_compiling(self, done, n):
+        if not self.announced:
+            self.announced = True
+            self.note(COMPILING)
+        if self.terminal and not self.quiet and n > 1:
+            self._say(f"\r[{_bar(done / n)}] compiled {done} of {n}\x1b[K" if done < n else "\r\x1b[K")
 
     def note(self, text):
         """Print a text on separate lines."""
@@ -48,9 +55,7 @@ class Progress:
         self.marching = self.marching or (now, share)
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
-            filled = int(BAR * share)
-            bar = "#" * filled + "." * (BAR - filled)
-            self._say(f"\r[{bar}] {self._numbers(run, now, share)}\x1b[K")
+            self._say(f"\r[{_bar(share)}] {self._numbers(run, now, share)}\x1b[K")
         elif not self.terminal and int(LINES * share) > self.tenths:
             self.tenths = int(LINES * share)
             self._say(f"{self._numbers(run, now, share)}\n")
@@ -88,6 +93,11 @@ class Progress:
         except OSError:
             self.quiet = True
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+def _bar(share):
+    filled = int(BAR * share)
+    return "#" * filled + "." * (BAR - filled)
 
 
 class StaticProgress(Progress):

@@ -7,6 +7,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from mecano import constraints, elements
+from mecano.analyses.compilation import TIME_INTEGRATION
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
@@ -15,7 +16,8 @@ from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.element_interface import Kind
 from mecano.errors import ResultsError
 from mecano.jit import store
-from mecano.model.loops import PURPOSES, loop_of
+from mecano.jit.ahead import compile_ahead
+from mecano.model.loops import PURPOSES, code_of
 
 STEPS = 3
 BETWEEN = 0.7  # steps between two saved times, which are then interpolated
@@ -81,9 +83,10 @@ def _longer(time):
 
 
 def _compile(kinds):
-    for kind in kinds:
-        for purpose in PURPOSES:
-            loop_of(kind, purpose)
+    codes = [code for kind in kinds for purpose in PURPOSES if (code := code_of(kind, purpose))]
+    compile_ahead([*(entry.code for entry in TIME_INTEGRATION), *codes])
+    for code in codes:
+        store.address(code)
 
 
 def _begin(deck):

@@ -8,6 +8,7 @@ from functools import partial
 import click
 
 from mecano.commands import overrides, plugins, show
+from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption, seconds
 
 
@@ -70,7 +71,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     from mecano.analyses.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
-    run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or perform.cores())
+    run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
     if cases:
         perform.compile_first(deck, progress.note)
     interruption.raise_if_asked("before the cases were begun")
@@ -124,13 +125,11 @@ def warmup(decks, overrides, share):
 
     Compiled code is kept on disk, in the folder printed. For clusters see docs/cluster.md.
     """
-    from mecano.analyses.progress import COMPILING
+    from mecano.analyses.progress import SweepProgress
     from mecano.analyses.warmup import share as copy_to
     from mecano.analyses.warmup import warmup as compile_all
-    from mecano.jit.store import before_compiling
 
-    before_compiling(lambda: click.echo(f"mecano: {COMPILING}", err=True))
-
+    SweepProgress(False, "").announce_compiling()
     for text in compile_all(decks, overrides):
         show(text)
     if share:

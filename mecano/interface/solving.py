@@ -14,6 +14,7 @@ from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Deck, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
 from mecano.interface.solve import solve
+from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
 
 
@@ -226,7 +227,7 @@ def sweep(
         if cases:
             perform.compile_first(deck, progress.note)
         interruption.raise_if_asked("before the cases were begun")
-        run_cases = partial(run_here, limits=Limits(), jobs=jobs or perform.cores())
+        run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
         perform.perform(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
     progress.done(len(cases))
     return Study(read_table(place.table))

@@ -15,7 +15,7 @@ import numpy as np
 
 from mecano.jit.closure import digest
 from mecano.jit.kernel import Kernel
-from mecano.jit.store import address
+from mecano.jit.store import Code, address
 
 
 class Array(NamedTuple):
@@ -85,8 +85,13 @@ class Entry(Kernel):
     @cached_property
     def address(self):
         """The address of the C function."""
+        return address(self.code)
+
+    @property
+    def code(self):
+        """The C function as a Code of the store."""
         name, depends = f"{self.__module__}.{self.__qualname__}", digest(self.__wrapped__)
-        return address(name, depends, lambda compiler: compiler.entry_code(self))
+        return Code(name, depends, lambda compiler: compiler.entry_code(self))
 
     def is_written(self, place):
         """Return True if the function writes this argument, which is an array whose name ends in "_out"."""

@@ -13,17 +13,24 @@ import shutil
 import sys
 import tempfile
 import time
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 import llvmlite
 import llvmlite.binding as llvm
 
 from mecano.jit import trust
 
-COMPILER = ("array_object", "compiler", "entry", "kernel", "memory", "methods", "null_matrix", "symbols")
+try:
+    import fcntl
+except ImportError:  # not a POSIX system
+    fcntl = None
+
+COMPILER = ("array_object", "compiler", "entry", "kernel", "library", "memory", "methods", "null_matrix", "symbols")
 """Modules that generate code."""
 DAY = 86400.0  # s
 UNUSED = 90 * DAY  # files that have not been used for this long are removed when one is added
@@ -32,7 +39,7 @@ SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder written by `mec
 
 _kept = []  # keeps alive the code that LLVM has loaded
 _times = []  # wall-clock time of each compilation of this process [s]
-_listeners = []  # called before the first compilation
+_listeners = []  # called before and while something is compiled
 
 
 @cache
@@ -98,35 +105,98 @@ def _remove_old(paths):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-def address(name, depends, code):
-    """Return the address of a C function; ``depends`` is the digest of everything that its code depends on.
+class Code(NamedTuple):
+    """A C function that the store may contain."""
 
-    ``code(compiler) -> (symbol, machine code)`` compiles the function if no store contains it.
-    """
-    file = f"{name}-{depends}.o"
-    found = read(file)
+    name: str
+    depends: str  # digest of everything that its code depends on
+    generate: Callable  # generate(compiler) -> (symbol, machine code)
+
+    @property
+    def file(self):
+        """The name of its file."""
+        return f"{self.name}-{self.depends}.o"
+
+
+def address(code):
+    """Return the address of a Code, compiled if no store contains it."""
+    found = read(code.file)
     if found is None:
-        while _listeners:
-            _listeners.pop()()
-        begun = time.monotonic()
-        from mecano.jit import compiler
-
-        symbol, machine_code = code(compiler)
-        found = symbol.encode() + b"\n" + machine_code
-        write(file, found)
-        _times.append(time.monotonic() - begun)
+        with compiling(1):
+            found = compile_code(code)
     symbol, machine_code = found.split(b"\n", 1)
-    return _load(name, symbol.decode(), machine_code)
+    return _load(code.name, symbol.decode(), machine_code)
 
 
-def before_compiling(listener):
-    """Call ``listener()`` once, before this process compiles its first function."""
+def compile_code(code):
+    """Compile a Code, or wait for another process that does, and return the contents of its file."""
+    with _locked(code.file):
+        found = read(code.file)
+        if found is None:
+            from mecano.jit import compiler
+
+            symbol, machine_code = code.generate(compiler)
+            found = symbol.encode() + b"\n" + machine_code
+            write(code.file, found)
+    return found
+
+
+def holds(file):
+    """Return whether the shared or the own store has a file of this name; its signature may be invalid."""
+    shared = shared_folder()
+    return (folder() / file).exists() or (shared is not None and (shared / file).exists())
+
+
+@contextmanager
+def compiling(n):
+    """Count the wall-clock time of the block as compile time, and report the compilation of ``n`` codes.
+
+    Yields a function to be called after each of them. A listener gets (0, n) before and (done, n) after each.
+    """
+    begun, done = time.monotonic(), 0
+
+    def report():
+        nonlocal done
+        done += 1
+        for listener in _listeners:
+            listener(done, n)
+
+    for listener in _listeners:
+        listener(0, n)
+    try:
+        yield report
+    finally:
+        _times.append(time.monotonic() - begun)
+
+
+def while_compiling(listener):
+    """Call ``listener(done, n)`` before this process compiles ``n`` functions at once, and after each of them."""
     _listeners[:] = [listener]
 
 
 def compile_time():
     """Return the wall-clock time [s] that this process has spent compiling."""
     return sum(_times)
+
+
+@contextmanager
+def _locked(file):
+    """Keep other processes from compiling the same file, where the file system can lock it."""
+    path = folder() / f"{file}.lock"
+    try:
+        descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
+    except OSError:
+        yield
+        return
+    try:
+        if fcntl:
+            with suppress(OSError):
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        with suppress(OSError):
+            path.unlink()
+        os.close(descriptor)
 
 
 def size():

@@ -17,7 +17,7 @@ from mecano.jit.closure import digest
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items
 from mecano.jit.null_matrix import NULL_MATRIX
-from mecano.jit.store import address
+from mecano.jit.store import Code, address
 from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, skew, vec
 
@@ -378,19 +378,28 @@ PURPOSES = {
 
 def loop_of(kind, template):
     """Return the address of the compiled loop ``template`` for a kind, or None if the kind has no such function."""
+    code = code_of(kind, template)
+    return None if code is None else _address(code)
+
+
+def code_of(kind, template):
+    """Return the Code of the loop ``template`` for a kind, or None if the kind has no such function."""
     if kind.residual is not None:
         duals = {tangent: dual_tangent, residual: plain_residual}
         if kind.velocity_constraints is not None:
             duals[constraint_derivatives] = dual_constraint_derivatives
         template = duals.get(template, template)
     function = getattr(kind, PURPOSES[template])
-    return None if function is None else _compiled(template, function, kind.dtype, kind.of_rates, kind.name)
+    return None if function is None else _code(template, function, kind.dtype, kind.of_rates, kind.name)
 
 
 @cache
-def _compiled(template, function, parameters, of_rates, kind_name):
-    """Return the address of the loop; kinds that differ only in the number of unknowns (Kind.variant) share one."""
+def _code(template, function, parameters, of_rates, kind_name):
+    """Return the Code of the loop; kinds that differ only in the number of unknowns (Kind.variant) share one."""
     values = {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates}
     name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(template.__code__, values, name)
-    return address(name, digest(bound), lambda compiler: compiler.loop_code(bound))
+    return Code(name, digest(bound), lambda compiler: compiler.loop_code(bound))
+
+
+_address = cache(address)

@@ -9,7 +9,7 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.batch import batches
 from mecano.model.instances import expand
-from mecano.model.loops import SYSTEM, loop_of, record
+from mecano.model.loops import PURPOSES, SYSTEM, code_of, loop_of, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, number
@@ -108,6 +108,11 @@ class System:
             n_slots=self.n_slots, n_data=len(self.data), n_transmitted=len(self.transmitted), n_constraints=self.n_l,
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
+
+    def codes(self):
+        """Return the Codes of all loops of the model."""
+        found = [code_of(b.kind, template) for b in self.batches for template in PURPOSES]
+        return [code for code in found if code is not None]
 
     def loops(self, template, chosen=lambda kind: True):
         """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""

@@ -1,6 +1,5 @@
 """Execution of a study: selection of the cases, their run here, by Slurm or by Dask, and the final table."""
 
-import os
 import subprocess
 
 from mecano.analyses.progress import COMPILING
@@ -10,11 +9,6 @@ from mecano.process.lifeline import popen_options
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table
-
-
-def cores():
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def due(folder, *, resume=False, failed=False, force=False):
