@@ -25,6 +25,7 @@ from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
 from mecano.jit.null_matrix import NullMatrix, wanted
+from mecano.jit.store import processor
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
 
@@ -173,11 +174,9 @@ def _ending(functions, variables):
 
 
 def _target():
-    features = llvm.get_host_cpu_features().flatten()
+    name, features = processor()
     of = llvm.Target.from_default_triple()
-    return of.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=3, reloc="default", codemodel="jitdefault"
-    )
+    return of.create_target_machine(cpu=name, features=features, opt=3, reloc="default", codemodel="jitdefault")
 
 
 @intrinsic

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import llvmlite
 import llvmlite.binding as llvm
 
-from mecano.jit import trust
+from mecano.jit import shipped, trust
 
 try:
     import fcntl
@@ -82,6 +82,12 @@ def shared_folder():
 
 
 @cache
+def _trusted_folders():
+    """Return the folders that others may have written, and whose files are trusted all the same."""
+    return [found for found in (shared_folder(), shipped.folder(_sources())) if found is not None]
+
+
+@cache
 def _secret():
     return trust.secret()
 
@@ -89,12 +95,28 @@ def _secret():
 @cache
 def _key():
     """Return a key that identifies compiler, processor and Python."""
+    numba = Path(find_spec("numba").origin).with_name("_version.py").read_bytes()
+    versions = [llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", "")]
+    depends = " ".join([_sources(), *versions, llvm.get_process_triple(), *processor()])
+    return hashlib.sha256(numba + depends.encode()).hexdigest()[:16]
+
+
+def processor():
+    """Return the name and the features of the processor for which functions are compiled, in the words of LLVM.
+
+    It is this one, unless numba's variables NUMBA_CPU_NAME and NUMBA_CPU_FEATURES name another.
+    """
+    given = os.environ.get("NUMBA_CPU_NAME"), os.environ.get("NUMBA_CPU_FEATURES")
+    return given if all(text is not None for text in given) else (
+        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    )  # fmt: skip
+
+
+@cache
+def _sources():
+    """Return the digest of the modules that generate code."""
     here = Path(__file__).parent
-    files = [here / f"{name}.py" for name in COMPILER]
-    files.append(Path(find_spec("numba").origin).with_name("_version.py"))
-    processor = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    depends = " ".join([llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", ""), *processor])
-    return hashlib.sha256(b"".join(path.read_bytes() for path in files) + depends.encode()).hexdigest()[:16]
+    return hashlib.sha256(b"".join((here / f"{name}.py").read_bytes() for name in COMPILER)).hexdigest()
 
 
 def _remove_old(paths):
@@ -143,8 +165,7 @@ def compile_code(code):
 
 def holds(file):
     """Return whether the shared or the own store has a file of this name; its signature may be invalid."""
-    shared = shared_folder()
-    return (folder() / file).exists() or (shared is not None and (shared / file).exists())
+    return any((place / file).exists() for place in (*_trusted_folders(), folder()))
 
 
 @contextmanager
@@ -217,9 +238,11 @@ def put(path, data):
 
 def read(file):
     """Return the contents of a file of the shared or own store, or None if it is missing or has no valid signature."""
-    shared = shared_folder()
-    found = _read(shared / file, b"", trust.is_trusted) if shared else None
-    return _read(folder() / file, _secret(), lambda _: True) if found is None else found
+    for trusted in _trusted_folders():
+        found = _read(trusted / file, b"", trust.is_trusted)
+        if found is not None:
+            return found
+    return _read(folder() / file, _secret(), lambda _: True)
 
 
 def _read(path, key, is_trusted):
@@ -267,6 +290,23 @@ def share(base):
     Raises OSError if it cannot be written.
     """
     target = Path(base).absolute() / f"mecano-{_key()}"
+    return target, _copy_to(target)
+
+
+def ship(level):
+    """Copy the objects of the own store, compiled for a ``level`` of processors, into the package.
+
+    Returns the folder and its size [bytes]. Raises ValueError if this process compiles for other processors, OSError if
+    the package cannot be written.
+    """
+    if processor() != (level, ""):
+        raise ValueError(f"this process compiles for {processor()[0]}: set NUMBA_CPU_NAME={level} NUMBA_CPU_FEATURES=")
+    target = shipped.place(_sources(), level)
+    return target, _copy_to(target)
+
+
+def _copy_to(target):
+    """Copy the objects of the own store to a folder that others read; return its size [bytes]."""
     target.mkdir(parents=True, exist_ok=True, mode=0o755)
     trust.refuse_untrusted(target)
     for path in sorted(folder().glob("*.o")):
@@ -274,7 +314,7 @@ def share(base):
         if data is not None:
             _write(target / path.name, b"", data)
             (target / path.name).chmod(0o644)
-    return target, sum(path.stat().st_size for path in target.iterdir())
+    return sum(path.stat().st_size for path in target.iterdir())
 
 
 @cache

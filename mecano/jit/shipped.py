@@ -1,0 +1,35 @@
+"""Machine code that comes with an installed package, for all processors of one level of x86-64.
+
+Such code needs neither numba nor its version: only mecano's own modules, Python, and the instructions of the processor.
+It is trusted as a shared store is: nobody but those who installed the package could have written it (trust.py).
+"""
+
+import hashlib
+import sys
+from functools import cache
+from pathlib import Path
+
+import llvmlite.binding as llvm
+
+OBJECTS = Path(__file__).with_name("objects")  # of the package; empty in a clone
+LEVELS = {
+    "x86-64-v3": "avx avx2 bmi bmi2 f16c fma lzcnt movbe xsave cx16 sahf popcnt sse3 sse4.1 sse4.2 ssse3",
+    "x86-64-v2": "cx16 sahf popcnt sse3 sse4.1 sse4.2 ssse3",
+}
+"""Instructions that a processor of a level has (System V ABI for x86-64), best level first."""
+
+
+@cache
+def folder(sources):
+    """Return the folder with machine code for this processor, made from these ``sources`` (digest), or None."""
+    if not OBJECTS.is_dir():
+        return None
+    features = llvm.get_host_cpu_features()
+    levels = (level for level, needed in LEVELS.items() if all(features.get(name) for name in needed.split()))
+    return next((path for level in levels if (path := place(sources, level)).is_dir()), None)
+
+
+def place(sources, level):
+    """Return where the code for a level of processors belongs that was made from ``sources`` (digest)."""
+    depends = " ".join([sources, sys.implementation.cache_tag, getattr(sys, "abiflags", ""), llvm.get_process_triple()])
+    return OBJECTS / f"{level}-{hashlib.sha256(depends.encode()).hexdigest()[:16]}"
