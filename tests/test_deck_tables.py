@@ -1,7 +1,9 @@
 """Tables from CSV files beside the deck."""
 
 import hashlib
+import json
 import os
+import tracemalloc
 
 import pytest
 from deck_samples import FAKE, VALID
@@ -33,10 +35,25 @@ def read_table(folder, data):
 def test_tables_are_read(tmp_path, data):
     deck = read_table(tmp_path, data)
     ((term, values),) = deck.values["loads"]["push"]["value"]
-    assert term == "table" and values["points"] == [[0.0, 0.0], [1.0, 1000.0]] and values["file"] is None
+    assert term == "table" and values["points"].tolist() == [[0.0, 0.0], [1.0, 1000.0]] and values["file"] is None
     assert deck.files == {"tables/push.csv": hashlib.sha256(data.encode()).hexdigest()}
     assert deck.sha256 == hashlib.sha256(DECK.encode()).hexdigest()
-    assert deck.resolved()["loads"]["push"]["value"]["table"]["points"] == [[0.0, 0.0], [1.0, 1000.0]]
+    assert json.loads(deck.resolved_text())["loads"]["push"]["value"]["table"]["points"] == [[0.0, 0.0], [1.0, 1000.0]]
+
+
+def test_a_long_table_takes_little_memory(tmp_path):
+    """Two numbers of 8 bytes for each row; Python's lists of floats take 128."""
+    rows, data = 20_000, "0,0\n1,1e3\n"
+    read_table(tmp_path, data)
+    long = "".join(f"{i},{i % 7}\n" for i in range(rows))
+    tracemalloc.start()
+    try:
+        deck = read_table(tmp_path, long)
+        kept, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert len(deck.values["loads"]["push"]["value"][0][1]["points"]) == rows
+    assert kept < 30 * rows
 
 
 @pytest.mark.parametrize(
@@ -122,7 +139,7 @@ def read_columns(folder, data, more):
     (folder / "push.csv").write_text(data)
     deck = read_deck(str(folder / "deck.yaml"), **FAKE)
     assert "file" not in deck.resolved()["loads"]["push"]["value"]["table"]
-    return deck.values["loads"]["push"]["value"][0][1]["points"]
+    return deck.values["loads"]["push"]["value"][0][1]["points"].tolist()
 
 
 WIDE = "time [ms], note, load (kN), speed (of the head) [km/h]\n0, a, 1, 36\n500, b, 2.5, 72\n"

@@ -4,6 +4,8 @@ import json
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from mecano.element_interface import SECTIONS
 
 
@@ -14,7 +16,7 @@ class Deck:
     ``values`` is a tree of dicts and lists in SI units with all sections and all defaults filled in. An element is
     {"type": name of its kind, and all fields of the kind}. Names of nodes stay names; names of laws, grounds and tire
     laws are replaced by the objects of their sections. A law is a tuple of (term, {field: value}); tables from CSV
-    files are lists of points.
+    files are arrays of points (n, 2).
     """
 
     file: str  # as given by the user
@@ -79,7 +81,7 @@ def _written(value, names):
         return [_plain(item, names) for item in value]
     if isinstance(value, dict):
         return {key: _plain(item, names) for key, item in value.items() if not _absent(item)}
-    return value
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _absent(value):

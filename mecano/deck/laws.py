@@ -97,7 +97,7 @@ def _with_points(values, term, node, scope):
     if found is None:
         return False
     values |= {"file": None, "columns": None, "units": None, "points": found.points}
-    text = points.check(found.points)
+    text = points.check(values["points"])
     if text:
         match = POINT_NUMBER.search(text)
         scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")

@@ -10,6 +10,8 @@ import re
 from array import array
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from mecano.deck.compose import Node
 from mecano.deck.include import confined
 from mecano.deck.scalar import number
@@ -26,11 +28,16 @@ SEPARATED = "columns are separated by ',', ';' or tabs"
 
 @dataclass
 class Table:
-    """Points [x, y] of a file in SI units, with the line of each."""
+    """Points (x, y) of a file in SI units, with the line of each."""
 
     source: object
-    points: list = field(default_factory=list)
+    numbers: array = field(default_factory=lambda: array("d"))  # x, y of each point in turn
     rows: array = field(default_factory=lambda: array("q"))  # line number of each point, from 0
+
+    @property
+    def points(self):
+        """Return the points, (n, 2)."""
+        return np.array(self.numbers).reshape(-1, 2)
 
     def place(self, i):
         """Return a node at the line of point i."""
@@ -92,7 +99,7 @@ def _read(source, wanted, scope):
     before, subject = len(scope.problems), scope.subject
     scope.subject = ""
     found = _Reading(source, wanted, scope).table()
-    if not found.points and len(scope.problems) == before:
+    if not found.rows and len(scope.problems) == before:
         scope.refuse(Node(None, source), "the table has no points")
     scope.subject = subject
     return found if len(scope.problems) == before else None
@@ -180,7 +187,7 @@ class _Reading:
     def _add(self, cells, line):
         point = self._plain(cells) or self._checked(cells, line)
         if point:
-            self.found.points.append(point)
+            self.found.numbers.extend(point)
             self.found.rows.append(line)
 
     def _plain(self, cells):

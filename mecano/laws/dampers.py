@@ -6,6 +6,8 @@ chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A 
 :math:`A_o` a function of the stroke.
 """
 
+import numpy as np
+
 from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
@@ -56,7 +58,7 @@ def metering_pin(a, i, s, v):
 def pack_metering_pin(values):
     """Return the numbers of the term."""
     c = values["density"] * values["piston_area"] ** 3 / (2 * values["discharge_coefficient"] ** 2)
-    return [c, *pack_points(values["points"], values["interpolation"], "hold")]
+    return np.append(c, pack_points(values["points"], values["interpolation"], "hold"))
 
 
 def no_force_at_rest(values):
@@ -73,7 +75,7 @@ def opposes_motion(values):
         return problems
     if not any(x == 0 and y == 0 for x, y in values["points"]):
         return ["'points' must hold the point [0, 0]: a damper gives no force at rest (see 'preload')"]
-    wrong = [[x, y] for x, y in values["points"] if x * y < 0]
+    wrong = [[float(x), float(y)] for x, y in values["points"] if x * y < 0]
     return [f"'points' must oppose the motion: force and rate have different signs at {wrong}"] if wrong else []
 
 

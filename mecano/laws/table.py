@@ -5,6 +5,7 @@ and these numbers. The first entry of the table is 0.0: a law that starts there 
 """
 
 import math
+from array import array
 from numbers import Real
 
 import numpy as np
@@ -20,7 +21,7 @@ class LawTable:
     """Collects the laws of a model."""
 
     def __init__(self):
-        self._numbers = [0.0]
+        self._numbers = array("d", [0.0])  # a list of Python's floats takes four times the memory
 
     def add(self, law):
         """Append a checked law, a number (a constant) or None (no law: 0); return its start in the table."""
@@ -30,14 +31,15 @@ class LawTable:
         start = len(self._numbers)
         self._numbers.append(float(len(law)))
         for name, values in law:
-            numbers = [float(number) for number in TERMS[name].pack(values)]
-            self._numbers += [float(CODES[name]), float(len(numbers)), *numbers]
+            numbers = np.asarray(TERMS[name].pack(values), float)
+            self._numbers.extend((float(CODES[name]), float(len(numbers))))
+            self._numbers.frombytes(numbers.tobytes())
         return start
 
     def append(self, numbers):
         """Append numbers that are not a law, for elements whose data exceed a record; return their start."""
         start = len(self._numbers)
-        self._numbers += np.asarray(numbers, float).ravel().tolist()
+        self._numbers.frombytes(np.asarray(numbers, float).tobytes())
         return start
 
     def array(self):

@@ -115,7 +115,7 @@ def pack_points(points, interpolation, beyond):
         d = monotone_slopes(x, y)
         bulge = h**2 / 12 * (d[:-1] - d[1:])
     area = np.concatenate([[0.0], np.cumsum(h * (y[:-1] + y[1:]) / 2 + bulge)])
-    return [float(interpolation == "linear"), float(beyond == "hold"), len(x), *x, *y, *d, *area]
+    return np.concatenate([[interpolation == "linear", beyond == "hold", len(x)], x, y, d, area])
 
 
 def pack_table(values):
@@ -129,10 +129,11 @@ def two_increasing(points):
         return None
     if len(points) < 2:
         return "must hold at least 2 points"
-    for i in range(1, len(points)):
-        if not points[i][0] > points[i - 1][0]:
-            return f"must have strictly increasing x: point {i + 1} has {points[i][0]} after {points[i - 1][0]}"
-    return None
+    rising = np.diff(np.asarray(points, float)[:, 0]) > 0.0
+    if rising.all():
+        return None
+    i = int(np.argmin(rising)) + 1
+    return f"must have strictly increasing x: point {i + 1} has {points[i][0]} after {points[i - 1][0]}"
 
 
 def some_points(values):
