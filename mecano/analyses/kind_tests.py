@@ -53,15 +53,16 @@ def close(actual, expected, rtol, **labels):
 def slope(instance, t, state, array, column):
     """df/dq, df/dv or df/da of one unknown, (n_local,)."""
     return difference(
-        lambda h: instance.force(t, displaced(instance, state, column, h, array), K_SCALE, PENALTY)[0], 1e-4
+        lambda h: instance.residual(t, displaced(instance, state, column, h, array), K_SCALE, PENALTY), 1e-4
     )
 
 
 def check_tangents(kind):
-    """Tangents are the derivatives of the force."""
+    """Tangents are the derivatives of the force, which is the same where it is computed alone."""
     for sample, instance in elements(kind):
         t, state = sample.motion.t, instance.local(sample.motion)
-        tangents = instance.force(t, state, K_SCALE, PENALTY)[1:]
+        f, *tangents = instance.force(t, state, K_SCALE, PENALTY)
+        np.testing.assert_array_equal(instance.residual(t, state, K_SCALE, PENALTY), f)
         n = instance.kind.n_local
         end = n - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)
         for array, tangent in enumerate(tangents):
@@ -143,7 +144,7 @@ def check_multiplier_rows(kind):
             continue
         t, state = sample.motion.t, instance.local(sample.motion)
         value, rate, _ = instance.constraint_derivatives(t, state).T
-        f = instance.force(t, state, K_SCALE, 0.0)[0]
+        f = instance.residual(t, state, K_SCALE, 0.0)
         held = -K_SCALE * np.where(value != 0.0, value, rate)
         expected = -instance.multipliers if lets_go(instance) else held
         np.testing.assert_allclose(f[-n:], expected, rtol=1e-12, atol=1e-14)
@@ -176,7 +177,7 @@ def check_power(kind):
             if not instance.kind.acts:
                 continue
             state, n = instance.local(motion), len(instance.kind.multipliers)
-            f = instance.force(motion.t, state)[0]
+            f = instance.residual(motion.t, state)
             terms = (f * state[1])[: len(f) - n]
             if instance.kind.of_signals:
                 continue  # signals are no coordinates
@@ -269,7 +270,7 @@ def force_on_nodes(instances, motion, penalty=PENALTY):
     for instance in instances:
         if not instance.kind.acts:
             continue
-        f = instance.force(motion.t, instance.local(motion), 1.0, penalty)[0]
+        f = instance.residual(motion.t, instance.local(motion), 1.0, penalty)
         for i, slot in enumerate(instance.kind.layout):
             (force if slot[0] == "x" else moment)[instance.nodes[int(slot[1:])]] += f[3 * i : 3 * i + 3]
         end = len(f) - len(instance.kind.multipliers) - len(instance.kind.coupled_multipliers)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
+from mecano.jit.null_matrix import NULL_MATRIX
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
@@ -100,6 +101,15 @@ class Instance:
         out = (np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)))
         self.run("force", t, state, *out, k=k, penalty=penalty)
         return out
+
+    def residual(self, t, state, k=1.0, penalty=0.0):
+        """Return f alone, as the model computes it where no tangents are needed."""
+        f = np.zeros(self.kind.n_local)
+        if self.kind.residual is not None:
+            self.run("residual", t, state, f, k=k, penalty=penalty)
+        else:
+            self.run("force", t, state, f, NULL_MATRIX, NULL_MATRIX, NULL_MATRIX, k=k, penalty=penalty)
+        return f
 
     def _dual_force(self, t, state, k, penalty):
         """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
