@@ -1,5 +1,6 @@
 """Runs that cannot go on: what the user is told, in the words of the deck, and what is kept."""
 
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -11,6 +12,7 @@ from time_runs import RecordedRun, deck, in_python, input_deck
 
 import mecano
 import mecano.analyses.prepare
+from mecano.analyses.dynamic import begun
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
 from mecano.solve.diagnostics.failure import worst_equations
@@ -103,6 +105,39 @@ def test_energies_that_are_not_finite(tmp_path):
     assert "what to try: laws that stay finite near this state" in said
     assert len(results.time) == len(results.steps) + 1 > 10 and 1.0 < results.time[-1] < 4.0
     assert all(np.isfinite(results[name].values).all() for name in results.names())
+
+
+NOT_FINITE = """\
+mecano: 1
+gravity: [0, 0, -9.81]
+sections:
+  rod: {type: circle, diameter: 0.02, E: 2.0e11, nu: 0.3, density: 7800}
+nodes:
+  top: {position: [0, 0, 0], fixed: true}
+  tip: {position: [1, 0, 0]}
+elements:
+  rod: {type: beam, nodes: [top, tip], section: rod, mesh: 4}
+  ball: {type: rigid_body, node: tip, mass: 1.0, inertia: [0.1, 0.1, 0.1]}
+time: {end: 0.1, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "field", "name"), [("rigid_body", "c", "rigid_body 'ball'"), ("beam", "E", "beam 'rod.3'")]
+)
+def test_the_element_that_is_not_finite_is_named(tmp_path, kind, field, name):
+    """A number of one element becomes NaN during the run, as a law may give it: this element alone is at fault.
+
+    The forces of the body make all others NaN within the same step; the modulus of the rod is that of its stresses.
+    """
+    with begun(deck(NOT_FINITE), tmp_path / "r.h5", False) as run:
+        run.advance(0.05)
+        batch = next(b for b in run.recorder.sampler.system.batches if b.kind.name == kind)
+        batch.p[field][batch.names.index(name)] = np.nan
+        with pytest.raises(NonFiniteError) as error:
+            run.advance(0.1)
+    first, second, *_ = str(error.value).splitlines()
+    assert re.findall(r"\w+ '[^']+'", f"{first} {second}") == [name] and "t = 0.0" in first
 
 
 def test_joints_are_among_what_acts(tmp_path):

@@ -122,9 +122,11 @@ class Recorder:
     def _not_finite(self, t, i):
         """Return the error that names the output of number ``i`` of the row, which is not finite."""
         column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
-        section, name, output = [*column.path.split("/"), ""][:3]
-        entry = self.deck.values.get(section, {}).get(name)
-        owner = f"{entry.get('type', 'node')} '{name}': {output}" if entry else column.path
+        path, _, output = column.path.rpartition("/")
+        section, _, name = path.partition("/")
+        of_nodes = {path: f"node '{name}'"} if section == "nodes" else {}
+        titles = of_nodes | {b.paths[e][0]: b.names[e] for b in self.sampler.system.batches for e in range(len(b.p))}
+        owner = f"{titles[path]}: {output}" if path in titles else column.path
         return NonFiniteError(
             f"no way on from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this state; "
             "a smaller time.step or time.adaptive, if the motion so far is not what it should be"

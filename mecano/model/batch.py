@@ -10,6 +10,10 @@ import numpy as np
 from mecano.maths.dual import DUAL
 from mecano.model.loops import BATCH, record
 
+OF_ELEMENTS = (
+    "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries", "event_values", "y", "e"
+)  # fmt: skip
+
 
 @dataclass
 class Batch:
@@ -63,6 +67,16 @@ class Batch:
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
+
+    def record_of(self, e):
+        """Return the record BATCH of the element number ``e`` alone."""
+        out = self.record()
+        for name in OF_ELEMENTS:
+            array = getattr(self, name)
+            out[name] += e * array.strides[0]
+        out["n"], out["first_phase"] = 1, self.first_phase + e
+        out["first_memory"] += e * len(self.kind.memory)
+        return out
 
 
 def batches(instances, of, n_slots, partition):

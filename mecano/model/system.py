@@ -211,6 +211,21 @@ class System:
         else:
             self._assemble(*_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
 
+    def not_finite(self, s):
+        """Return the names of the elements whose own forces or tangents at ``s`` are not finite.
+
+        Overwrites the results of the last ``assemble``.
+        """
+        found = []
+        for b in self.batches:
+            loop = loop_of(b.kind, loops.tangent)
+            for e in range(len(b.p) if loop is not None else 0):
+                alone = assembly_driver.assemble.bind(np.array([loop], np.int64), b.record_of(e), self.record)
+                alone(*_motion(s), self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
+                if not (np.isfinite(self.force).all() and np.isfinite(self.data).all()):
+                    found.append(b.names[e])
+        return list(dict.fromkeys(found))
+
     def add_constraints(self, s, k, penalty, data, rates=True):
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``.
 

@@ -58,6 +58,24 @@ def not_finite(system, data, t):
     return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
 
 
+def with_sources(error, system, s):
+    """Return the NonFiniteError ``error`` with the elements whose own forces or tangents are not finite at ``s``.
+
+    ``s`` is the last accepted state: behind it one such element makes all others so.
+    """
+    found = system.not_finite(s)
+    if not found:
+        return error
+    more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
+    first, _, rest = str(error).partition("\n")
+    named = NonFiniteError(
+        f"{first}\nalready not finite at t = {s.t:.9g} s: {', '.join(found[:NAMED])}{more}"
+        + (f"\n{rest}" if rest else "")
+    )
+    named.elements = tuple(found)
+    return named
+
+
 def unresisted(system):
     """Return as text the motions and reactions that the singular tangent of the last assembly leaves undetermined.
 

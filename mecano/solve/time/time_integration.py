@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mecano.errors import AssemblyError
+from mecano.errors import AssemblyError, NonFiniteError
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.events import EventMonitor, locate
 from mecano.solve.events.shocks import Shocks
@@ -77,6 +77,8 @@ class TimeIntegrator:
             return self._to(end, run)
         except AssemblyError as error:
             raise failure.no_restart(error, self._before.motion.t) from error
+        except NonFiniteError as error:
+            raise failure.with_sources(error, self.system, self._before.motion) from error
 
     def _to(self, end, run):
         if run.compliance is not self.method.compliance:
