@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 import slurm
-from process import COMMAND, mecano_process
+from process import COMMAND
 from time_runs import INPUTS
 
 import mecano
+from mecano.errors import ResultsError
 from mecano.results.study_file import read_study
 
 pytestmark = [
@@ -25,11 +26,16 @@ SCRIPTS = dict(
     (re.search(r"--job-name=(\w+)", text)[1], text)
     for text in re.findall(r"```bash\n(#!/bin/bash\n.*?)```", PAGE.read_text(), re.DOTALL)
 )
-SHORT = ("--time=1", "--signal=B:USR1@25")  # 5 to 35 s after the start: Slurm looks every 30 s
 LONG = {
     "end: 4.0": "end: 30.0",
     "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null",
-}  # more than 35 s
+}  # 300,000 steps, 14 s of processor time: enough to send a signal after the first of them
+IDLE = """\
+#!/bin/sh
+[ "$1" = info ] && exit 5
+trap 'exit 75' USR1
+while :; do sleep 1; done
+"""
 STUDY = """\
 study: 1
 deck: gear.yaml
@@ -97,13 +103,41 @@ def test_the_page_has_three_scripts():
     assert set(SCRIPTS) == {"long", "speeds", "pictures"}
 
 
+def signalled(number, path):
+    """Signal a job as Slurm does before its end, as soon as its run has written rows to ``path``."""
+    slurm.waited(lambda: written(path) > 10, 600.0)
+    slurm.reported("scancel", "--batch", "--signal=USR1", number)
+
+
+def written(path):
+    """How many rows a results file has, 0 as long as there is none."""
+    try:
+        with mecano.open_results(path) as results:
+            return len(results.time)
+    except ResultsError:
+        return 0
+
+
 def test_a_long_run_goes_back_into_the_queue_until_it_is_complete(folder):
-    number = submitted("long", *SHORT)
+    number = submitted("long")
+    signalled(number, "long.h5")
     assert set(ended(number).values()) == {"COMPLETED"}
-    assert restarts(number) >= 1
+    assert restarts(number) == 1
     with mecano.open_results("long.h5") as results:
         assert results.status == "complete" and results.time[-1] == 30.0
         assert any(text.startswith("resumed at") for text in results.warnings)
+
+
+def test_a_run_that_makes_no_step_in_its_time_is_not_requeued(folder, tmp_path, monkeypatch):
+    """Slurm itself sends the signal, 10 to 40 s after the start, to a program that never gets anywhere."""
+    program = tmp_path / "mecano"
+    program.write_text(IDLE)
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    number = submitted("long", "--time=1", "--signal=B:USR1@20", "--output=idle.log")
+    assert set(ended(number).values()) == {"FAILED"} and restarts(number) == 0
+    assert "ExitCode=2:0" in slurm.reported("scontrol", "show", "job", number)
+    assert "no step was made in this allocation" in (folder / "idle.log").read_text()
 
 
 def test_an_array_and_pictures_of_it(folder):
@@ -115,13 +149,18 @@ def test_an_array_and_pictures_of_it(folder):
 
 
 def test_a_study_with_a_failing_case_and_one_that_needs_more_time(folder):
-    words = ["sweep", "study.yaml", "--executor", "slurm", "--sbatch", " ".join(SHORT), "--wait"]
-    code, out, err = mecano_process(*words)
+    words = ["sweep", "study.yaml", "--executor", "slurm", "--wait"]
+    before = set(slurm.states())
+    with subprocess.Popen([*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        slurm.waited(lambda: set(slurm.states()) - before, 600.0)
+        number = min(set(slurm.states()) - before).partition("_")[0]
+        signalled(f"{number}_4", "study_runs/0004.h5")
+        out, err = process.communicate(timeout=900.0)
+    code = process.returncode
     assert code == 3 and "3 complete, 1 failed" in out, (out, err)
     table = read_study("study_runs/table.h5")
     assert table["case/status"].tolist() == ["complete", "failed", "complete", "complete"]
     assert table["case/exit_code"].tolist() == [0.0, 2.0, 0.0, 0.0]
     with mecano.open_results("study_runs/0004.h5") as results:
         assert any(text.startswith("resumed at") for text in results.warnings)
-    states = slurm.states()
-    assert sorted(states.values()).count("FAILED") == 1
+    assert sorted(ended(number).values()).count("FAILED") == 1 and restarts(f"{number}_4") == 1

@@ -25,7 +25,7 @@ from mecano.errors import DeckError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.results.study_file import read_study as read_table
-from mecano.study import dask
+from mecano.study import dask, slurm
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.perform import due
 from mecano.study.pool import Limits
@@ -332,6 +332,48 @@ def test_the_script_of_an_array(folder):
     text = script(Folder("runs", found), found.cases[1:], Limits(60, 10**9))
     assert "#SBATCH --array=2-3\n" in text and "--time-limit 60" in text and "--memory-limit 1000" in text
     assert subprocess.run(["bash", "-n"], input=text, text=True).returncode == 0
+
+
+REQUEUED = """\
+#!/bin/sh
+[ "$1" = info ] && {{ cat steps 2>/dev/null; exit; }}
+echo '  run         {steps} steps, 0 rejected' > steps
+exit {code}
+"""
+
+
+def script_of_the_page():
+    """The script of a long run in docs/cluster.md."""
+    page = (INPUTS.parent / "docs" / "cluster.md").read_text()
+    return next(text for text in re.findall(r"```bash\n(.*?)```", page, re.DOTALL) if "=long" in text)
+
+
+@pytest.mark.parametrize("of_page", (True, False), ids=("page", "array"))
+@pytest.mark.parametrize(
+    ("before", "code", "ended", "requeued"),
+    [(0, 75, 75, True), (7, 75, 2, False), (0, 138, 138, True), (7, 152, 2, False), (7, 3, 3, False), (7, 0, 0, False)],
+)
+def test_a_task_without_progress_is_not_requeued(folder, monkeypatch, of_page, before, code, ended, requeued):
+    """A program that always reports 7 steps at its end, and a queue that notes what is put into it."""
+    monkeypatch.setattr(slurm, "PROGRAM", ("mecano",))
+    text = (
+        script_of_the_page()
+        if of_page
+        else script(Folder("runs", found := study(folder, "grid: {time.end: [1]}")), found.cases, Limits())
+    )
+    for name, own in (("mecano", REQUEUED.format(steps=7, code=code)), ("scontrol", '#!/bin/sh\necho "$@" > queue\n')):
+        (folder / name).write_text(own)
+        (folder / name).chmod(0o755)
+    (folder / "steps").write_text(f"  run         {before} steps, 0 rejected\n")
+    own = {
+        "PATH": f"{folder}:{os.environ['PATH']}",
+        "SLURM_JOB_ID": "5",
+        "SLURM_ARRAY_JOB_ID": "5",
+        "SLURM_ARRAY_TASK_ID": "1",
+    }
+    done = subprocess.run(["bash"], input=text, text=True, env=own, capture_output=True)
+    assert done.returncode == ended and (folder / "queue").exists() == requeued
+    assert ("no step was made" in done.stderr) == (ended == 2)
 
 
 def test_the_cases_as_tasks_of_dask(folder):

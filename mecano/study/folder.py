@@ -40,6 +40,10 @@ class Folder:
         """Return the path of a file of a case."""
         return self.path / f"{case.number:0{self.digits}d}{ending}"
 
+    def pattern(self, ending):
+        """Return the absolute path of these files for `printf`, with a place for the number of the case."""
+        return f"{self.path.absolute()}/".replace("%", "%%") + f"%0{self.digits}d{ending}"
+
     def record(self, case):
         """Return the Record of a case. Raises UsageError if it belongs to other values, ResultsError if unreadable."""
         try:

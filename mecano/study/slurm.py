@@ -21,12 +21,18 @@ SCRIPT = """\
 #SBATCH --output={output}
 trap 'asked=yes; [ -n "$run" ] && kill -USR1 $run' USR1
 cd {directory} || exit 5
+steps() {{ {info} "$(printf {results} "$SLURM_ARRAY_TASK_ID")" 2>/dev/null | grep '^  run '; }}
+before=$(steps)
 {command} "$SLURM_ARRAY_TASK_ID" &
 run=$!
 [ -n "$asked" ] && kill -USR1 $run # the signal came before the case had begun
 wait $run; code=$?
 while kill -0 $run 2>/dev/null; do wait $run; code=$?; done # the signal ended the first wait
 case $code in 75 | 138 | 152) # stopped in time, while it began, or by its limit of processor time: into the queue again
+    if [ "$(steps)" = "$before" ]; then
+        echo "mecano: no step was made in this allocation; the task is not requeued: give it more --time" >&2
+        exit 2
+    fi
     for attempt in 1 2 3 4 5; do # a busy controller may refuse
         scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}" && break
         sleep 5
@@ -42,6 +48,7 @@ def script(folder, cases, limits):
     return SCRIPT.format(
         name=shlex.quote(folder.path.name), numbers=ranges([case.number for case in cases]), notice=NOTICE,
         output=folder.path.absolute() / "%4a.slurm", directory=shlex.quote(os.getcwd()), command=command,
+        info=shlex.join([*PROGRAM, "info"]), results=shlex.quote(folder.pattern(".h5")),
     )  # fmt: skip
 
 
