@@ -61,6 +61,8 @@ def test_slopes(text):
         ("__import__('os')", "no function", 0),
         ("+".join(["(a*b)"] * 101), "at most 500 characters", 0),
         ("a+(a+(a+(a+(a+(a+(a+(a+(a+a))))))))", "too many levels", 0),
+        ("a - 1e999", "number that is not finite", 4),
+        ("a*" + "9" * 400, "number that is not finite", 2),
     ],
 )
 def test_wrong_formulas(text, message, column):
@@ -96,6 +98,8 @@ def test_parameters_are_numbers_in_formulas():
         ("2*trust", "there is no signal 'trust'", "'thrust'"),
         ("cart.position", "'position' of 'cart' cannot be measured; measured can be position.x", ""),
         ("body.mass", "'mass' of 'body' cannot be measured; nothing of it can be measured", ""),
+        (".inf", "must be finite", ""),
+        ("9" * 400, "must be finite", ""),
         ("2*$q", "unknown parameter 'q'", "k, minus"),
         ("{type: lag, input: rail.displacement, time_constant: -1}", "greater than zero", ""),
         ("{type: lagg, input: rail.displacement}", "unknown type 'lagg'", "'lag'"),

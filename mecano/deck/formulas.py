@@ -9,10 +9,12 @@ from mecano.deck.laws import law_or_name
 from mecano.deck.parameters import Refused
 from mecano.deck.scope import INVALID, Reference
 from mecano.deck.units import is_quantity
+from mecano.deck.values import number
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.laws.formula import FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
+from mecano.schema import NUMBER
 
 
 def signal_entry(node, field, scope):
@@ -38,7 +40,8 @@ def drive(node, field, scope):
 def formula(node, field, scope):
     """A formula as a text in which parameters are numbers."""
     if type(node.value) in (int, float):
-        return repr(float(node.value))
+        value = number(node, replace(field, type=NUMBER), scope)
+        return INVALID if value is INVALID else repr(value)
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     return _noted(_read(node.value, node, scope), node, scope)

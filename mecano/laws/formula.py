@@ -145,7 +145,7 @@ class _Reader:
     def _leaf(self, tree):
         """A number, the time, a constant, or the name of a quantity."""
         if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
-            self.program.append((NUMBER, float(tree.value)))
+            self.program.append((NUMBER, self._number(tree)))
         elif isinstance(tree, ast.Name) and tree.id in CONSTANTS:
             self.program.append((NUMBER, CONSTANTS[tree.id]))
         elif isinstance(tree, ast.Name) and tree.id == "time":
@@ -155,6 +155,15 @@ class _Reader:
             self.references.setdefault(name, self._column(tree))
             self.program.append((INPUT, float(list(self.references).index(name))))
         return 1
+
+    def _number(self, tree):
+        try:
+            x = float(tree.value)
+        except OverflowError:  # a whole number of more than 308 digits
+            x = math.inf
+        if not math.isfinite(x):
+            raise FormulaError("it has a number that is not finite", self._column(tree))
+        return x
 
     def _name(self, tree):
         if isinstance(tree, ast.Name):

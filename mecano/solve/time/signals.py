@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.errors import AssemblyError, Failure
+from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.solve.time.increments import SMALL, moved
 
 ITERATIONS = 30
@@ -14,8 +14,8 @@ def settle_signals(system, s, dt):
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
     The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
-    former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises AssemblyError
-    where signals are not finite, or need one another in a circle that does not determine them.
+    former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises NonFiniteError
+    where signals are not finite, AssemblyError where they need one another in a circle that does not determine them.
     """
     solve_signals(system, s)
     _refuse_undetermined(system, s)
@@ -72,10 +72,10 @@ def _refuse_undetermined(system, s):
     own = np.flatnonzero(system.signals)
     J, r = _equations(system, s, own)
     if not np.all(known := _finite(J, r)):
-        worst, what = np.argmin(known), "is not finite"
-    else:
-        _, sigma, Vt = np.linalg.svd(J)
-        if sigma[-1] > SINGULAR * sigma[0]:
-            return
-        worst, what = np.argmax(np.abs(Vt[-1])), "is not determined: signals need one another in a circle"
-    raise AssemblyError(f"at t = {s.t:.9g} s {system.numbering.name[own[worst]]} {what}", Failure.SINGULAR)
+        name = system.numbering.name[own[np.argmin(known)]]
+        raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
+    _, sigma, Vt = np.linalg.svd(J)
+    if sigma[-1] <= SINGULAR * sigma[0]:
+        name = system.numbering.name[own[np.argmax(np.abs(Vt[-1]))]]
+        text = f"at t = {s.t:.9g} s {name} is not determined: signals need one another in a circle"
+        raise AssemblyError(text, Failure.SINGULAR)
