@@ -27,7 +27,7 @@ the tangents are derived. Branches on varying quantities are written with ``sele
 ``constraint_derivatives(p, at, g)`` writes the constraint derivatives to ``g`` (n_multipliers, 3): Phi, dPhi/dt,
 d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v), writes 0, Phi, dPhi/dt. All constraints of one kind are
 on positions, or all on velocities (``Row.constraint_unit`` per second): then B = dPhi/dv is in C and -k dPhi/dq in K,
-and the loops scale rows and penalty to those of a displacement. A constraint that is inactive in a phase writes nothing
+and the loops scale rows and penalty to those of a displacement. A constraint that is inactive in a phase writes zeros
 to ``g``, and the rows -k_lambda: its reaction is zero.
 
 ``velocity_constraints(p, at, g)``, for a kind with a ``residual``, replaces ``constraint_derivatives`` and writes
@@ -60,7 +60,7 @@ from typing import NamedTuple
 import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
-SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck, whose entries are each of a kind
+SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 
 
 class Place(NamedTuple):
@@ -125,9 +125,9 @@ class Event:
 
 @dataclass(frozen=True)
 class Measured:
-    """A coordinate of an element, for what measures or drives it: on which nodes of the element, with which axes.
+    """A coordinate of an element that sensors measure: its nodes and its axes.
 
-    What is measured is the coordinate minus its value ``zero``.
+    The measured value is that of the coordinate minus ``zero``.
     """
 
     coordinate: object  # constraints.coordinates.Coordinate
@@ -138,25 +138,25 @@ class Measured:
 
 @dataclass(frozen=True)
 class Display:
-    """How a kind is drawn, and to which of the standard pictures its outputs belong; results files carry it.
+    """How a kind is drawn and to which of the standard pictures its outputs belong; stored in results files.
 
     Attributes
     ----------
     shape : str
         One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, wheel, curve, joint, nothing.
-        Without one an element is a line between its nodes, a joint a dot at its last node.
+        By default an element is a line between its nodes, a joint a dot at its last node.
     support : bool
-        A joint with the ground is drawn as a support: it holds a point.
+        True if a joint with the ground holds a point and is drawn as a support.
     pictures : tuple of str
-        Names of pictures of post/plans.py; a kind in none has a picture of its own with all its outputs.
+        Names of pictures of post/plans.py; if empty, the kind has a picture of its own with all its outputs.
     force : str
-        The output, a vector [N], that is drawn as an arrow.
+        Name of the output, a vector [N], that is drawn as an arrow.
     along_axes : bool
-        That vector is along mu_1, mu_2 and the axis of the joint, not inertial.
+        True if the components of that vector are along mu_1, mu_2 and the axis of the joint, False if inertial.
     force_at : str
-        The output where it acts, inertial [m]; without one it acts at the last node.
+        Name of the output with its point of application, inertial [m]; the last node by default.
     axial : str
-        The output that is the axial force, of a vector its first component, > 0 in tension.
+        Name of the output with the axial force, > 0 in tension; for a vector, its first component.
     """
 
     shape: str = ""
@@ -178,9 +178,9 @@ class Part:
     kind: "Kind"
     nodes: tuple  # indices into the nodes of the owner
     parameters: dict
-    coupled_to: tuple = ()  # indices of the parts of the owner whose multipliers it borrows
-    label: str = ""  # what is appended to the names of its outputs
-    reads: tuple = ()  # formulas, each the value of one of the inputs of its kind
+    coupled_to: tuple = ()  # indices of the parts of the owner to whose multipliers it is coupled
+    label: str = ""  # suffix of the names of its outputs
+    reads: tuple = ()  # formulas of the inputs of its kind, in their order
 
 
 def nothing(*_):
@@ -201,12 +201,12 @@ class Kind:
     outputs: tuple = ()  # Output
     display: Display = Display()
     optional: tuple = ()
-    """(field, Kind of a part, label): outputs that stand beside its own when the deck gives the field"""
-    scalars: tuple = ()  # names of own scalar unknowns
-    massless: tuple = ()  # those of them, without inertia, whose rates follow from their own equations alone
-    flexible: bool = False  # its nodes, each with a position and a rotation, are those of one body that deforms
+    """(field, Kind of a part, label): outputs that are added to its own when the deck gives the field"""
+    scalars: tuple = ()  # names of its scalar unknowns
+    massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
+    flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
     of_signals: bool = False  # its scalars are signals
-    states: tuple = ()  # names of those of them whose rates their rows determine
+    states: tuple = ()  # names of the scalars whose rates are determined by their equations
     inputs: tuple = ()  # names of the signals that it reads
     multipliers: tuple = ()  # Row
     coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
@@ -224,10 +224,10 @@ class Kind:
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
     reads: Callable | None = None
-    """deck values -> formulas (texts), each the value of one of its ``inputs``; without it those are fields"""
+    """deck values -> formulas (texts) of its ``inputs``; by default the fields of these names"""
     measures: dict = field(default_factory=dict, compare=False)
-    """{output: (deck values, nodes, Context) -> Measured, or a Part whose first scalar it is}: what signals can take;
-    of a Measured also the output that is declared as its rate"""
+    """{output: (deck values, nodes, Context) -> Measured, or the Part of which it is the first scalar}: outputs that
+    signals can read; with a Measured, they can also read the output that is declared as its rate"""
     divide: Callable | None = None
     """(deck values, nodes) -> ([(x, R)] of the intermediate nodes, [values of each element]): division of a member into
     ``mesh`` elements of the kind"""
@@ -237,11 +237,11 @@ class Kind:
     check: Callable = nothing
     """(deck values, nodes) -> [text]: errors in the combination of the values"""
     limits: Callable = nothing
-    """deck values -> [(output, value, text)]: a warning with the text when the output's size exceeds the value"""
+    """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
     remedies: Callable = nothing
-    """deck values -> [text]: what to try, with the values at hand, where a run fails in its equations"""
+    """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
     times: Callable = nothing
-    """(deck values, start, end) -> [time]: when, between start and end of a run, steps of time must end"""
+    """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
     residual: Callable | None = None
@@ -255,7 +255,7 @@ class Kind:
     """(record, q, R) -> text: why an assembled configuration is unacceptable although it satisfies the equations, or
     ""; q and R as passed to ``observe``; called from Python after the assembly"""
     sample: Callable | None = None
-    """rng -> list of (values, nodes, mode): valid samples for the generic tests, covering every phase. values: deck
+    """rng -> list of (values, nodes, phase): valid samples for the generic tests, covering every phase. values: deck
     values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
 
     @property
@@ -270,7 +270,7 @@ class Kind:
 
     @property
     def n_local(self):
-        """Number of local unknowns, inputs and borrowed multipliers among them."""
+        """Number of local unknowns, including inputs and coupled multipliers."""
         own = len(self.scalars) + len(self.inputs) + len(self.multipliers)
         return 3 * len(self.layout) + own + len(self.coupled_multipliers)
 
@@ -289,7 +289,7 @@ class Context:
 
     laws: object  # LawTable: laws.add(law) -> start of the packed law in the flat table
     gravity: np.ndarray  # (3,) [m/s2]
-    kinds: dict = field(default_factory=dict)  # those of the model by name, for what acts along coordinates of another
+    kinds: dict = field(default_factory=dict)  # kinds of the model by name, for loads along coordinates of another one
 
 
 def record(**fields):

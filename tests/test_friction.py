@@ -219,8 +219,8 @@ def test_friction_in_an_elastic_seat():
 
 REFUSED = [
     ("hinge", {"radius": 0.1, "collar_radius": 0.0, "length": None}, {}, "a coefficient that is not negative"),
-    ("hinge", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be had with 'compliance'"),
-    ("prismatic", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be had with 'compliance'"),
+    ("hinge", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be combined with 'compliance'"),
+    ("prismatic", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be combined with 'compliance'"),
 ]
 
 

@@ -97,7 +97,7 @@ def test_closed_spline_is_no_drift_over_turns():
 
 def test_run_ends_at_the_end_of_the_curve(tmp_path):
     path = tmp_path / "out.h5"
-    with pytest.raises(ConvergenceError, match="point_on_curve 'wire' has come to the end of its curve"):
+    with pytest.raises(ConvergenceError, match="point_on_curve 'wire' has reached the end of its curve"):
         run(bead([0.0, 0.0, 1.0], "points: [[0, 0, 1], [1, 0, 0.5]]", 1.0, 0.01), path)
     assert path.exists()
 
@@ -108,12 +108,12 @@ SPLINE = dict.fromkeys(CIRCLE) | {"points": [[0, 0, 0], [1, 0, 0], [1, 1, 1]], "
 REFUSED = [
     (CIRCLE | {"center": None}, "missing 'center'; or give 'points'"),
     (CIRCLE | {"semi_axis_2": [2, 0, 0]}, "'semi_axis_2' must not be parallel"),
-    (CIRCLE | {"closed": True}, "'closed' is of 'points' only"),
+    (CIRCLE | {"closed": True}, "'closed' applies to 'points' only"),
     (CIRCLE | {"advance": [0, 0, 1], "across": "free"}, "'across' cannot be free"),
     (SPLINE | {"center": [0, 0, 0]}, "'center' and 'points' exclude one another"),
-    (SPLINE | {"points": [[0, 0, 0]]}, "'points' must be at least 2"),
-    (SPLINE | {"points": [[0, 0, 0], [0, 0, 0]]}, "'points' must not follow one another at one place"),
-    (SPLINE | {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "across": "free"}, "lies in no plane, or in many"),
+    (SPLINE | {"points": [[0, 0, 0]]}, "'points' must contain at least 2 points"),
+    (SPLINE | {"points": [[0, 0, 0], [0, 0, 0]]}, "consecutive 'points' must not coincide"),
+    (SPLINE | {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "across": "free"}, "does not define a unique plane"),
 ]
 
 
@@ -269,5 +269,5 @@ def test_ring_slides_down_a_rod_that_swings():
 def test_slider_needs_a_line():
     check = KINDS["slider_on_beam"].check
     frame = (np.zeros(3), np.eye(3))
-    assert check({"line": ["a"]}, [frame, frame]) == ["'line' must name 2 nodes at least"]
-    assert "two nodes at one place" in check({"line": ["a", "b"]}, [frame, frame, frame])[0]
+    assert check({"line": ["a"]}, [frame, frame]) == ["'line' must name at least 2 nodes"]
+    assert "consecutive nodes of 'line' must not coincide" in check({"line": ["a", "b"]}, [frame, frame, frame])[0]

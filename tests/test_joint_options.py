@@ -218,9 +218,9 @@ def test_rotor_whirls_in_its_elastic_bearing():
 
 BUSHING = [
     ({}, "give 'stiffness', 'damping' or 'laws'"),
-    ({"stiffness": [1, 1, 1, 1, 1, -1]}, "'stiffness' must not give energy"),
+    ({"stiffness": [1, 1, 1, 1, 1, -1]}, "'stiffness' must not generate energy"),
     ({"stiffness": np.eye(6) + np.eye(6, k=1)}, "'stiffness' must be symmetric"),
-    ({"damping": [1, 1, 1, 1, 1, -1]}, "'damping' must not give energy"),
+    ({"damping": [1, 1, 1, 1, 1, -1]}, "'damping' must not generate energy"),
     ({"damping": [1] * 6, "axis_1": [1, 0, 0]}, "'axis_1' is given without 'axis'"),
     ({"damping": [1] * 6, "axis": [2, 0, 0], "axis_1": [1, 0, 0]}, "'axis_1' must not be parallel to the axis"),
 ]

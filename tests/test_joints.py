@@ -335,7 +335,7 @@ REFUSED = [
     ("universal", {"axis_a": X, "axis_b": Y}, THERE, "at the same place"),
     ("universal", {"axis_a": X, "axis_b": X + Y}, HERE, "perpendicular; they are 45 degrees apart"),
     ("fixed", {}, THERE, "at the same place"),
-    ("fixed", {}, TURNED, "the same rotation; they are turned by 180 degrees"),
+    ("fixed", {}, TURNED, "the same rotation; they differ by 180 degrees"),
     ("prismatic", {}, TURNED, "the same rotation"),
     ("held_rotation", {}, TURNED, "the same rotation"),
     ("rigid_rod", {}, HERE, "must not be at the same place"),

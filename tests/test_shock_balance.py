@@ -192,7 +192,7 @@ def test_the_samples_reach_what_they_are_for(struck):
     """Several at once, of every kind, some that rebound, some that stay, some contacts that were closed and opened."""
     event_records = [one.shock.event_records for one in struck.values()]
     names = {h.name for of in event_records for h in of}
-    assert {"locks", "meets lower stop", "meets upper stop", "is pulled straight", "touches"} <= names
+    assert {"locks", "meets lower stop", "meets upper stop", "becomes taut at full length", "touches"} <= names
     assert any(name.startswith("leaves") or name in ("lifts off", "goes slack") for name in names)
     assert max(map(len, event_records)) >= 4
     met = [h for of in event_records for h in of if h.unit]

@@ -102,7 +102,7 @@ def entry(i, j, value):
         (bar() | {"masses": np.eye(3)}, "has an unknown key 'masses'"),
         ({key: bar()[key] for key in ("positions", "stiffness")}, "has no 'mass'"),
         (bar() | {"interior_names": np.array(["m"])}, "belong together"),
-        (bar() | {"lines": np.array([[0.0, 2.0]])}, "'lines' are pairs of numbers of nodes, 0 to 1"),
+        (bar() | {"lines": np.array([[0.0, 2.0]])}, "'lines' must be pairs of node numbers, 0 to 1"),
         (bar() | {"damping": -np.eye(13)}, "'damping' is not positive semi-definite"),
     ],
 )  # fmt: skip
@@ -126,8 +126,8 @@ def test_what_is_wrong_in_a_file_is_reported(tmp_path, content, text):
         ("FILE", "text.h5", "file 'text.h5' cannot be read as .h5"),
         ("FILE", "folder.npz", "it is not a regular file"),
         ("FILE", "{positions: [[0, 0, 0]], stiffness: K.csv, mass: [[1]]}", "must be .mtx (Matrix Market) or .npy"),
-        ("[1, 2, 0]", "[1, 2.1, 0]", "'nodes': number 2 is 0.1 m from where the superelement has it"),
-        (", orientation: [0, 0, 1.5707963267948966]", "", "its axes are those of the first node"),
+        ("[1, 2, 0]", "[1, 2.1, 0]", "'nodes': number 2 is 0.1 m from its position in the superelement"),
+        (", orientation: [0, 0, 1.5707963267948966]", "", "whose axes are those of the first node"),
         ("nodes: [a, b]", "nodes: [a, b, c]", "unknown node 'c'"),
     ],
 )

@@ -18,7 +18,7 @@ def test_a_law_whose_rates_run_away_is_warned_of():
     (found,) = towed(MORELAND % (500.0, 1.9e-5, KAP)).warnings
     assert found.message.startswith(
         "tire law 'rubber': 'lateral.moreland.yaw_time' is 1.9e-05 s, less than torsional_stiffness yaw_coefficient^2 "
-        "lateral_damping/4 = 2e-05 s: the rates of its patch may run away"
+        "lateral_damping/4 = 2e-05 s: the rates of a sliding patch may grow without bound"
     )
     assert found.mark.text.strip().startswith("lateral: {moreland")
     assert towed(MORELAND % (500.0, 2.1e-5, KAP)).warnings == ()

@@ -107,7 +107,7 @@ def upright(kind, height, joints=""):
         (LEAVING, 0.05, "the rim is 0.25 m below the ground at the start; it just touches with its node 0.25 m higher"),
         (LEAVING, 0.2996, "the rim is 0.0004 m below the ground"),
         ("rigid_wheel", 0.2, "the rim is 0.1 m below the ground"),
-        ("rigid_wheel", 0.5, "the rim is 0.2 m above the ground at the start, which this wheel always touches: lower "
+        ("rigid_wheel", 0.5, "the rim is 0.2 m above the ground at the start, but this wheel must touch it: lower "
          "its node by 0.2 m along the normal of the ground, or let it leave the ground ('unilateral: true')"),
         ("paper_wheel", 0.2, "the rim is 0.1 m below the ground"),
         ("paper_wheel", 0.5, "lower its node by 0.2 m along the normal of the ground"),

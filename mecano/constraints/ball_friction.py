@@ -57,8 +57,8 @@ BALL_FRICTION = Kind(
     layout=("R0", "R1"),
     coupled_multipliers=tuple(Row(f"force {axis} of the joint", "N", "m") for axis in "xyz"),
     outputs=(
-        Output("friction_moment", "N m", "size of the moment of the friction"),
-        Output("normal_force", "N", "size of the force that the ball transmits"),
+        Output("friction_moment", "N m", "magnitude of the friction moment"),
+        Output("normal_force", "N", "magnitude of the force that the ball transmits"),
         POWER,
     ),
     residual=residual,

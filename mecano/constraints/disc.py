@@ -29,7 +29,7 @@ CONTACT_OUTPUTS = (
 )
 OUTPUTS = (
     *CONTACT_OUTPUTS,
-    Output("friction_needed", "-", "tangential over normal force: the least friction with which it does not slip"),
+    Output("friction_needed", "-", "tangential over normal force: the friction coefficient needed to prevent slip"),
 )
 
 
@@ -54,7 +54,7 @@ def check_touching(gap, along_normal, radius, otherwise=""):
         return [too_low(-gap, -along_normal)]
     if gap > CARRIED * radius:
         return [
-            f"the rim is {gap:.4g} m above the ground at the start, which this wheel always touches: lower its node by "
+            f"the rim is {gap:.4g} m above the ground at the start, but this wheel must touch it: lower its node by "
             f"{along_normal:.4g} m along the normal of the ground{otherwise}"
         ]
     return []

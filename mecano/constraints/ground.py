@@ -54,7 +54,7 @@ def check_ground(ground):
     if corners:
         texts.append(
             f"'ground.profile.height' has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
-            "(a table: 'interpolation: cubic', and ends that run out flat or 'beyond: extend')"
+            "(a table: 'interpolation: cubic', and flat ends or 'beyond: extend')"
         )
     return texts
 

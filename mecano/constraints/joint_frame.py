@@ -70,7 +70,7 @@ def not_at_one_place(nodes):
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap <= PLACE:
         return []
-    how = "for a joint elsewhere on a body give it a node there: 'attached' of a rigid_body, or a rigid_link"
+    how = "for a joint elsewhere on a body, add a node there: 'attached' of a rigid_body, or a rigid_link"
     return [f"its nodes must be at the same place; they are {gap:.6g} m apart ({how})"]
 
 
@@ -81,7 +81,7 @@ def not_parallel(nodes):
         return []
     degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn / 2.0)))
     how = "a node 'attached' to a rigid_body, or of a rigid_link, may have an orientation of its own"
-    return [f"its nodes must have the same rotation; they are turned by {degrees:.6g} degrees ({how})"]
+    return [f"its nodes must have the same rotation; they differ by {degrees:.6g} degrees ({how})"]
 
 
 def at_one_place(nodes):

@@ -44,7 +44,7 @@ def law_fields(axes):
 
 def compliance_field(axes):
     """Return the field ``compliance`` of a joint that holds ``axes``."""
-    doc = "laws that take the place of rigid constraints: elasticity, damping, free play; 1, 2: of mu_1, mu_2"
+    doc = "laws that replace rigid constraints: elasticity, damping, free play; 1, 2: mu_1, mu_2"
     return Field("compliance", mapping(*law_fields(axes)), "-", doc, None)
 
 

@@ -45,9 +45,9 @@ EVENTS = (
     Event(FULLY, "paying out", "taut", "the natural length rises to the full one"),
     Event(FULLY, "paying out", "taut", "the same, with a shock", CONTACT, through="held"),
     Event(FULLY, "paying out", "held", "the same, with a shock", CONTACT),
-    Event("is pulled straight", "slack", "taut", "the distance rises to the full length; a shock", CONTACT,
+    Event("becomes taut at full length", "slack", "taut", "the distance rises to the full length; a shock", CONTACT,
           through="held"),
-    Event("is pulled straight", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
+    Event("becomes taut at full length", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
 )  # fmt: skip
 # [m] natural length; distance minus full length at the last step in which it was not held, and when last held

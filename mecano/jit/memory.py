@@ -8,22 +8,22 @@ import numpy as np
 
 def floats(address, shape):
     """Return the array of floats of this shape (a number or a tuple) at ``address``."""
-    raise RuntimeError("known to compiled code only")
+    raise RuntimeError("available in compiled code only")
 
 
 def integers(address, shape):
     """Return the array of int64 of this shape at ``address``."""
-    raise RuntimeError("known to compiled code only")
+    raise RuntimeError("available in compiled code only")
 
 
 def items(address, n, dtype):
     """Return the array (n,) of items of another type, such as records, at ``address``."""
-    raise RuntimeError("known to compiled code only")
+    raise RuntimeError("available in compiled code only")
 
 
 def call(function, first, second):
     """Call the C function of two addresses at the address ``function``."""
-    raise RuntimeError("known to compiled code only")
+    raise RuntimeError("available in compiled code only")
 
 
 def take_zeros(shape):

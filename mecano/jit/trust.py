@@ -37,7 +37,7 @@ def refuse_foreign(folder):
     if problem:
         raise ResultsError(
             f"the folder of compiled code {folder} {problem}: it is not used, since loading code runs it; remove the "
-            "folder, or name another one by MECANO_CACHE_DIR"
+            "folder, or set MECANO_CACHE_DIR to another one"
         )
 
 
@@ -46,8 +46,8 @@ def refuse_untrusted(folder):
     problem = _problem(folder, _installers()) if hasattr(os, "getuid") else ""
     if problem:
         raise ResultsError(
-            f"the shared folder of compiled code {folder} {problem}: it is not used, since loading code runs it; let "
-            "root, or the user who installed mecano, own it, and nobody else write in it"
+            f"the shared folder of compiled code {folder} {problem}: it is not used, since loading code runs it; "
+            "root or the user who installed mecano must own it, and nobody else may write to it"
         )
 
 

@@ -23,7 +23,7 @@ def dry_friction(a, i, s, v):
 
 DRY_FRICTION_FIELDS = (
     Field("force", NUMBER, "N or N m", "friction force in sliding", check=not_negative),
-    Field("regularization", NUMBER, "m/s or rad/s", "rate at which it is fully reached", check=positive),
+    Field("regularization", NUMBER, "m/s or rad/s", "rate at which the full force is reached", check=positive),
 )
 DRY_FRICTION = Term(
     name="dry_friction",

@@ -44,13 +44,13 @@ def gas_energy(a, i, s):
 
 
 GAS_SPRING_FIELDS = (
-    Field("force", NUMBER, "N", "push F0 at the extension zero", check=positive),
-    Field("length", NUMBER, "m", "length L of the gas column at the extension zero", check=positive),
+    Field("force", NUMBER, "N", "push F0 at zero extension", check=positive),
+    Field("length", NUMBER, "m", "length L of the gas column at zero extension", check=positive),
     Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic (air)", check=positive),
 )
 GAS_SPRING = Term(
     name="gas_spring",
-    doc="F = -F0 (L/(L + s))^n; where less than 1 % of the gas column is left, along the tangent there (C1, finite).",
+    doc="F = -F0 (L/(L + s))^n; below 1 % of the gas column, along the tangent there (C1, finite).",
     role="force",
     fields=GAS_SPRING_FIELDS,
     pack=numbers_of(GAS_SPRING_FIELDS),

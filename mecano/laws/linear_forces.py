@@ -61,7 +61,7 @@ DAMPER = Term(
 PRELOAD_FIELDS = (Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),)
 PRELOAD = Term(
     name="preload",
-    doc="F = force, whatever the extension.",
+    doc="F = force, for any extension.",
     role="force",
     fields=PRELOAD_FIELDS,
     pack=numbers_of(PRELOAD_FIELDS),

@@ -66,8 +66,8 @@ STOP = Term(
     role="force",
     fields=(
         STIFFNESS,
-        Field("lower", NUMBER, "m or rad", "extension at which the lower stop is met; none when absent", -math.inf),
-        Field("upper", NUMBER, "m or rad", "extension at which the upper stop is met; none when absent", math.inf),
+        Field("lower", NUMBER, "m or rad", "extension of the lower stop; none when absent", -math.inf),
+        Field("upper", NUMBER, "m or rad", "extension of the upper stop; none when absent", math.inf),
         Field("damping", NUMBER, "s/m or s/rad", "damping relative to the elastic force", 0.0, not_negative),
     ),
     pack=pack_stop,
@@ -79,7 +79,7 @@ STOP = Term(
 
 DEAD_BAND = Term(
     name="dead_band",
-    doc="F = 0 from 'lower' to 'upper', F = stiffness times what goes beyond: a spring with free play.",
+    doc="F = 0 from 'lower' to 'upper', F = stiffness times the excess outside: a spring with free play.",
     role="force",
     fields=(
         STIFFNESS,

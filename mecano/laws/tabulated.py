@@ -160,7 +160,7 @@ POINTS_FIELD = Field(
 )
 FILE_FIELDS = (
     Field("file", TEXT, "-", "CSV file with the columns x and y, in place of 'points'", None),
-    Field("columns", COLUMNS, "-", "which columns of the file are x and y, where it has more than these", None),
+    Field("columns", COLUMNS, "-", "columns of x and y in the file, if it has more than two", None),
     Field("units", UNITS, "-", "units of the columns, in place of those in the header, as in 'force [kN]'", None),
 )
 INTERPOLATION = Field(

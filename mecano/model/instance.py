@@ -1,19 +1,19 @@
-"""One element or part of an element, before it is numbered."""
+"""An element or a part of an element, before the numbering."""
 
 from dataclasses import dataclass
 
 
 @dataclass
 class Instance:
-    """An element or a part, on which nodes, with which values of its record."""
+    """An element or a part of an element: its kind, its nodes and its parameters."""
 
     owner: str
     path: str  # section and name of the owner
     kind: object
-    nodes: tuple  # indices
+    nodes: tuple  # node indices
     parameters: dict
-    n_parts: int = 0  # parts that follow it in the list
-    coupled_to: tuple = ()  # numbers, in the list, of the instances whose multipliers it borrows
-    label: str = ""  # of its outputs
+    n_parts: int = 0  # number of its parts, which follow it in the list
+    coupled_to: tuple = ()  # list indices of the instances to whose multipliers it is coupled
+    label: str = ""  # suffix of its outputs
     reads: tuple = ()  # formulas of its inputs
-    inputs: tuple = ()  # numbers, in the list, of the instances whose first scalars its inputs are
+    inputs: tuple = ()  # list indices of the instances whose first scalars are its inputs

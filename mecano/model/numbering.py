@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT, SIGNAL = range(6)
-MASSLESS = -1  # in the place of SCALAR, for solvers, where a scalar has no inertia
-RELEASED = -2  # in the place of a constraint, for solvers, where its row says of reactions that they are shared
+MASSLESS = -1  # replaces SCALAR, for solvers, for a scalar without inertia
+RELEASED = -2  # replaces the kind of a constraint, for solvers, if its row states that reactions are shared
 AXES = "xyz"
 
 
@@ -43,12 +43,12 @@ class Numbering:
     x: np.ndarray  # (n_nodes,) index of the first of the 3 entries of the position of each node
     r: np.ndarray  # (n_nodes,) index of the first of the 3 entries of its rotation
     rotation: np.ndarray  # (n_nodes,) index of its rotation matrix
-    rotation_dof: np.ndarray  # (n_rotations,) first entry of each rotation
-    n_scalars: int  # own unknowns of elements, signals among them: the last of the n_q
+    rotation_dof: np.ndarray  # (n_rotations,) index of the first entry of each rotation
+    n_scalars: int  # scalar unknowns of elements, including signals: the last of the n_q
     kind: np.ndarray  # (n_all,) TRANSLATION ... SIGNAL
-    group: np.ndarray  # (n_q,) unknowns of one node have one number
-    name: list  # (n_all,) names a user can read
-    of_rates: np.ndarray  # (n_l,) bool: constraints on velocities
+    group: np.ndarray  # (n_q,) group number: unknowns of one node share it
+    name: list  # (n_all,) user-readable names
+    of_rates: np.ndarray  # (n_l,) bool: constraint on velocities
 
     @property
     def n(self):

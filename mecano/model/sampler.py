@@ -46,7 +46,7 @@ ENERGIES = (
     (
         "balance",
         "J",
-        "kinetic + potential + dissipated - given; keeps its value of the start, up to integration errors",
+        "kinetic + potential + dissipated - given; constant up to integration errors",
     ),
 )
 

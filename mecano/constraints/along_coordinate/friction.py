@@ -10,29 +10,29 @@ from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
 FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
 PADS = r"""
-Two pads stand at the ends of the bearing or guide, of length :math:`\ell`, around node b. With the force F across the
+Two pads are at the ends of the bearing or guide, of length :math:`\ell`, around node b. With the force F across the
 axis and the couple that the joint transmits, written as the vector m of the multipliers that hold the axis
-(:math:`m_i` works along :math:`\mu_i \cdot \xi_3`), they bear together
+(:math:`m_i` acts along :math:`\mu_i \cdot \xi_3`), the sum of their normal forces is
 
 .. math::  N = |F/2 + m/\ell| + |F/2 - m/\ell|
 
-which is :math:`|F|` where no length is given.
+which is :math:`|F|` if no length is given.
 """
 REGULARIZED = r"""
 The friction is regularized at rest after Oden & Martins 1985: :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` for
-sliding speeds :math:`u < \epsilon`, 1 beyond. A joint that sticks creeps at the speed at which its friction is what the
-load asks for. :math:`\mu` may depend on the speed. The sizes of forces are exact, with a corner where they vanish; the
-derivative is taken as zero there.
+sliding speeds :math:`u < \epsilon`, 1 beyond. A sticking joint creeps at the speed at which friction
+balances the load. :math:`\mu` may depend on the speed. The magnitudes of forces are exact, with a corner where they
+vanish; the derivative is taken as zero there.
 """
 AXIS_ROWS = (
     Row("moment that keeps the axes together, of mu_1", "N m", "rad"),
     Row("moment that keeps the axes together, of mu_2", "N m", "rad"),
 )
 FORCE_ROWS = tuple(Row(f"force along mu_{i}", "N", "m") for i in (1, 2, 3))
-FRICTION_MOMENT = Output("friction_moment", "N m", "moment of the friction; > 0 against a positive rate of the angle")
-FRICTION_FORCE = Output("friction_force", "N", "force of the friction along the axis; > 0 against a positive velocity")
+FRICTION_MOMENT = Output("friction_moment", "N m", "friction moment; > 0 against a positive rate of the angle")
+FRICTION_FORCE = Output("friction_force", "N", "friction force along the axis; > 0 against a positive velocity")
 NORMAL_FORCE = Output("normal_force", "N", "sum of the forces of both ends of the bearing or guide across its axis")
-POWER = Output("dissipated_power", "W", "power lost by friction")
+POWER = Output("dissipated_power", "W", "power dissipated by friction")
 
 
 @kernel
@@ -83,11 +83,11 @@ def friction_fields(*geometry):
         Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
         Field(
             "regularization", NUMBER, "m/s",
-            "sliding speed at which the friction is fully reached; a joint that sticks creeps below it", check=positive,
+            "sliding speed at which friction reaches its full value; a sticking joint creeps below it", check=positive,
         ),
         *geometry,
     )  # fmt: skip
-    doc = "Coulomb friction driven by the reactions of the joint; there is none when absent"
+    doc = "Coulomb friction driven by the reactions of the joint; none when absent"
     return Field("friction", mapping(*given), "-", doc, None)
 
 
@@ -123,7 +123,7 @@ def check_friction(d):
         texts.append("'friction' needs a coefficient that is not negative")
     if d.get("compliance"):
         texts.append(
-            "'friction' is driven by the reactions of rigid directions: it cannot be had with 'compliance'; give that "
-            "to a second joint, with a node between both"
+            "'friction' is driven by the reactions of rigid directions: it cannot be combined with 'compliance'; put "
+            "the compliance in a second joint, with a node in between"
         )
     return texts

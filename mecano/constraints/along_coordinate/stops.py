@@ -24,7 +24,7 @@ FREE, LOCKED = 0, 1
 BETWEEN, LOWER, UPPER = 0, 1, 2
 LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
-LATCH_EVENTS = (Event("locks", "free", "locked", "the latch is met; a shock", LOCK),)
+LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
 STOP_EVENTS = (
     Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
           "restitution"),
@@ -68,8 +68,8 @@ def latch_kind(name, doc, coordinate):
     return Kind(
         name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
         outputs=(
-            Output(f"latch_{what}", unit, f"{what} of the latch on b, along growing {of}"),
-            Output("latched", "-", "1 from the locking on, 0 before"),
+            Output(f"latch_{what}", unit, f"{what} of the latch on b, towards increasing {of}"),
+            Output("latched", "-", "1 after locking, 0 before"),
         ),
         multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
         phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
@@ -114,7 +114,7 @@ def stop_kind(name, doc, coordinate):
     return Kind(
         name=name, section="", doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
         outputs=(
-            Output(f"stop_{what}", unit, f"{what} of the stop on b, along growing {of}"),
+            Output(f"stop_{what}", unit, f"{what} of the stop on b, towards increasing {of}"),
             Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
         ),
         multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
@@ -143,16 +143,16 @@ def end_fields(coordinate):
     stops = (
         Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
         Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
-        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
+        Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     )
     return (
-        Field("latch", mapping(latch), "-", "locks for good when it is met, with a shock (docs/shocks.md)", None),
-        Field("stops", mapping(*stops), "-", "rigid stops, met with a shock (docs/shocks.md)", None, _some),
+        Field("latch", mapping(latch), "-", "locks permanently when reached, with a shock (docs/shocks.md)", None),
+        Field("stops", mapping(*stops), "-", "rigid stops, reached with a shock (docs/shocks.md)", None, _some),
     )
 
 
 def _not_zero(value):
-    return None if value else "must not be zero: a joint that is locked from the start on is another joint"
+    return None if value else "must not be zero: for a joint locked from the start use another kind of joint"
 
 
 def _some(stops):
@@ -160,11 +160,11 @@ def _some(stops):
 
 
 def _below(value):
-    return None if value <= 0.0 else "must not be greater than zero, where the joint starts"
+    return None if value <= 0.0 else "must not be greater than zero, the initial value"
 
 
 def _above(value):
-    return None if value >= 0.0 else "must not be less than zero, where the joint starts"
+    return None if value >= 0.0 else "must not be less than zero, the initial value"
 
 
 def end_parts(d, coordinate, axes, start, latch, stop):

@@ -71,7 +71,7 @@ def _interior(reduced, n):
     count = len(reduced["positions"]) + len(reduced.get("interior_names") or ())
     lines = np.array(reduced.get("lines") or np.zeros((0, 2)))
     if lines.shape[1:] != (2,) or np.any((lines < 0) | (lines >= count) | (lines != np.round(lines))):
-        return f"'lines' are pairs of numbers of nodes, 0 to {count - 1}"
+        return f"'lines' must be pairs of node numbers, 0 to {count - 1}"
     given = [reduced.get(f"interior_{key}") for key in ("names", "positions", "basis")]
     if all(value is None for value in given):
         return ""
@@ -139,6 +139,6 @@ def misplaced(reduced, nodes):
     if off[worst] <= PLACE * size:
         return ""
     return (
-        f"'nodes': number {worst + 1} is {off[worst]:.3g} m from where the superelement has it; its axes are those of "
-        "the first node"
+        f"'nodes': number {worst + 1} is {off[worst]:.3g} m from its position in the superelement, whose axes are "
+        "those of the first node"
     )

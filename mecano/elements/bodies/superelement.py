@@ -52,8 +52,8 @@ from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
 
 RECORD = record(n_nodes="i", n_modes="i", table="i", damped="i", mass=(), square=(), moment=3, gravity=3)
 NODE_OUTPUTS = (
-    ("displacement", "m", "displacement of boundary node {} from its place in the frame, axes of the frame"),
-    ("rotation", "rad", "rotation vector of boundary node {} from its direction in the frame, axes of the frame"),
+    ("displacement", "m", "displacement of boundary node {} from its undeformed position, axes of the frame"),
+    ("rotation", "rad", "rotation vector of boundary node {} from its undeformed orientation, axes of the frame"),
     ("force", "N", "force of the rest of the model on boundary node {}, inertial; own inertia included"),
     ("moment", "N m", "moment of the rest of the model on boundary node {}, inertial"),
 )
@@ -62,7 +62,7 @@ MODE_OUTPUTS = (
     (
         "amplitude_{}",
         "m",
-        "amplitude of mode {}; in metres where its shape has no unit, as mecano reduce makes it",
+        "amplitude of mode {}; in metres if its shape is dimensionless, as from mecano reduce",
         "amplitude_{}_rate",
     ),
     ("amplitude_{}_rate", "m/s", "rate of the amplitude of mode {}", ""),
@@ -265,7 +265,7 @@ DECLARED = {
     "dtype": RECORD,
     "fields": (
         Field("nodes", NODES, "-", "its boundary nodes, in the order of the matrices"),
-        Field("file", REDUCED, "-", "its matrices: a file in the folder of the deck, or what would stand in it"),
+        Field("file", REDUCED, "-", "its matrices: a file in the folder of the deck, or its contents"),
         Field("mass_damping", NUMBER, "1/s", "damping per mass, of deformations only", 0.0, not_negative),
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),

@@ -5,15 +5,15 @@ wheel's node, the torque that opposes W is
 
     tau = min(T, B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
 
-T is a law of the time or a formula of signals, such as an anti-skid controller. A bound B keeps the wheel from
-skidding. For friction mu_0 exp(-kappa u), of which sigma <= 1 is used, it is
+T is a function of time or a formula of signals, such as the output of an anti-skid controller. A bound B keeps the
+wheel from skidding. For friction mu_0 exp(-kappa u), of which a fraction sigma <= 1 is used, it is
 
     B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
     B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
 
-and ``anti_skid`` releases the brake while the slip ratio of the ``wheel`` is large. The minimum of T and B is smoothed,
-and never above either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A stopped wheel is held: under a moment
-m < T it creeps at about eps m/(2 T).
+and ``anti_skid`` releases the brake while the slip ratio of the ``wheel`` is large. The minimum of T and B is smoothed
+and never exceeds either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A stopped wheel is held: under a
+moment m < T it creeps at about eps m/(2 T).
 """
 
 import numpy as np
@@ -58,7 +58,7 @@ def _functions(demand):
 
     @kernel
     def braking(p, at):
-        """Torque [N m], relative rate W [rad/s], axis in the axes of the reference node, the Bound."""
+        """Return torque [N m], relative rate W [rad/s], axis in the axes of the reference node, and the Bound."""
         b = mat(at.R[0]).T @ (mat(at.R[1]) @ vec(p.axis, 0))
         rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
         T, bound = at_least(demand(p, at), 0.0), bound_of(p, at)
@@ -104,21 +104,21 @@ def check(d, nodes):
     """Return errors for a bound without a wheel, and for a wheel that has no tyre or is not the braked one."""
     wheel, wanted = d["wheel"], [name for name in ("adhesion", "anti_skid") if d[name] is not None]
     if wheel is None:
-        return [f"'{name}' needs 'wheel', the name of the wheel whose tyre is meant" for name in wanted]
+        return [f"'{name}' needs 'wheel', the name of the wheel with the tyre" for name in wanted]
     if "tire_law" not in wheel:
         return [f"'wheel' must be a wheel with a tire law, got a {wheel['type']}"]
     texts = []
     if not wanted:
-        texts.append("'wheel' is of no use without 'adhesion' or 'anti_skid'")
+        texts.append("'wheel' has no effect without 'adhesion' or 'anti_skid'")
     if wheel["ground"].get("motion"):
-        texts.append("'wheel' stands on a ground that moves: its 'adhesion' and 'anti_skid' are those of one at rest")
+        texts.append("'adhesion' and 'anti_skid' hold for a ground at rest, but the ground of 'wheel' moves")
     if d["bound"] is not None and d["adhesion"] is not None:
         texts.append("'bound' and 'adhesion' exclude one another")
     if wheel["node"] != d["nodes"][1]:
         texts.append(f"'nodes' must end with '{wheel['node']}', the node of the wheel")
     a, b = (np.array(axis, float) / np.linalg.norm(axis) for axis in (d["axis"], wheel["axis"]))
     if np.linalg.norm(np.cross(a, b)) > PARALLEL:
-        texts.append("'axis' is not that of the wheel")
+        texts.append("'axis' is not parallel to the axis of the wheel")
     return texts
 
 
@@ -161,8 +161,8 @@ def slip_ratio(value):
 LEAST_SPEED = 1.0  # m/s
 PARALLEL = 1e-6
 ANTI_SKID = mapping(
-    Field("slip", NUMBER, "-", "slip ratio from which on the torque is reduced", check=slip_ratio),
-    Field("width", NUMBER, "-", "further slip in which it falls to zero", 0.1, positive),
+    Field("slip", NUMBER, "-", "slip ratio above which the torque is reduced", check=slip_ratio),
+    Field("width", NUMBER, "-", "further slip over which it falls to zero", 0.1, positive),
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
 )
 
@@ -178,27 +178,27 @@ def _kind(demand):
         fields=(
             Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
             Field("axis", DIRECTION, "-", "axle at the start, inertial"),
-            Field("torque", DRIVE, "N m", "torque: a function of time [s], or a formula; none where negative"),
-            Field("bound", CURVE, "N m", "never above this curve of the speed [m/s] of the wheel", None),
+            Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
+            Field("bound", CURVE, "N m", "upper bound of the torque, a curve of the speed [m/s] of the wheel", None),
             Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
             Field(
                 "adhesion",
                 CURVE,
                 "-",
-                "never above this curve of the speed [m/s], times radial force and loaded radius of the wheel",
+                "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius",
                 None,
             ),
-            Field("anti_skid", ANTI_SKID, "-", "lets the brake go while the slip ratio of the wheel is large", None),
+            Field("anti_skid", ANTI_SKID, "-", "releases the brake while the slip ratio of the wheel is large", None),
             Field(
                 "rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive
             ),
         ),
         outputs=(
             Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
-            Output("bound", "N m", "upper bound at present, without the anti-skid; zero without one"),
+            Output("bound", "N m", "current upper bound, without the anti-skid; zero without one"),
             Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
             Output("power", "W", "power taken from the wheel"),
-            Output("slip_ratio", "-", "slip ratio that the anti-skid counts; zero without 'wheel'"),
+            Output("slip_ratio", "-", "slip ratio as used by the anti-skid; zero without 'wheel'"),
         ),
         prepare=prepare,
         check=check,

@@ -1,4 +1,4 @@
-r"""Couple: a moment between two nodes as a function of time, such as that of a motor, about an axis fixed in the first.
+r"""Couple: a moment between two nodes, such as that of a motor, about an axis fixed in the first.
 
 With the unit axis s in the axes of node a and :math:`P = R_a^T R_b`, in material axes
 
@@ -20,7 +20,7 @@ RECORD = record(axis=3, law="i")
 
 
 def _functions(demand):
-    """Return ``residual`` and ``observe``."""
+    """Return ``residual`` and ``observe`` of a couple with this demanded moment."""
 
     @kernel
     def residual(p, at, f):
@@ -56,7 +56,7 @@ def _kind(demand):
     return Kind(
         name="couple", section="loads", doc=__doc__, dtype=RECORD, layout=("R0", "R1"),
         fields=(
-            Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axis) and b; either may be ground"),
+            Field("nodes", NODE_PAIR, "-", "nodes a (in which the axis is fixed) and b; either may be ground"),
             Field("axis", DIRECTION, "-", "axis at the start, inertial"),
             Field(
                 "value", DRIVE, "N m",

@@ -1,4 +1,4 @@
-r"""Loads at a node, by laws of time or signals: forces and moments, dead (fixed direction) or following the node.
+r"""Loads at a node, as functions of time or signals: forces and moments, dead (fixed direction) or following the node.
 
 With the unit direction d, inertial for dead loads and fixed in the node for followers, a force F(t) gives
 
@@ -49,7 +49,7 @@ def _force(demand):
 
 
 def _follower_force(demand):
-    """Return ``residual`` and ``observe`` of the force carried by the node."""
+    """Return ``residual`` and ``observe`` of the follower force."""
 
     @kernel
     def residual(p, at, f):
@@ -79,7 +79,7 @@ def _moment(demand):
 
 
 def _follower_moment(demand):
-    """Return ``residual`` and ``observe`` of the moment carried by the node."""
+    """Return ``residual`` and ``observe`` of the follower moment."""
 
     @kernel
     def residual(p, at, f):
@@ -126,7 +126,7 @@ class _Quantity:
     unit: str
 
     def kind(self, name, layout, follows, functions):
-        """A kind of load of this quantity; functions(demand) -> (residual, observe)."""
+        """Return a kind of load of this quantity; functions(demand) -> (residual, observe)."""
         return on_demand(lambda demand: self._by(name, layout, follows, *functions(demand)), "value", 3 * len(layout))
 
     def _by(self, name, layout, follows, residual, observe):

@@ -1,1 +1,1 @@
-"""Joints, gears, guides, prescribed motions, contacts of points."""
+"""Joints, gears, guides, prescribed motions, point contacts."""

@@ -1,17 +1,17 @@
-r"""Cylindrical joint: node b slides along an axis carried by node a and turns about it.
+r"""Cylindrical joint: node b slides along an axis fixed in node a and rotates about it.
 
-With :math:`\mu_i` carried by a and :math:`\xi_3` the axis carried by b:
+With :math:`\mu_i` fixed in a and :math:`\xi_3` the axis fixed in b:
 
 .. math::  \mu_i \cdot \xi_3 = 0, \qquad \mu_i \cdot (x_b - x_a) - c_i = 0, \qquad i = 1, 2
 
-The constants c_i are those of the start: the axis goes through node b. The multipliers are the moments on b about
-:math:`+\mu_2` and :math:`-\mu_1`, then the forces on b along :math:`\mu_1` and :math:`\mu_2`; these are chosen as for
-the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
+The constants c_i are the initial values: the axis passes through node b. The multipliers are the moments on b about
+:math:`+\mu_2` and :math:`-\mu_1`, then the forces on b along :math:`\mu_1` and :math:`\mu_2`; these axes are chosen as
+for the hinge, and the assembly rejects :math:`\xi_3 = -\mu_3`.
 
 Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
-rates. ``latch`` locks the sliding for good at a displacement, ``stops`` of it are rigid and may rebound
-(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` puts laws in the place of rigid
-constraints. Force and moment are those of what holds b; laws and friction have outputs of their own.
+rates. ``latch`` locks the sliding permanently at a displacement; ``stops`` of it are rigid and may rebound
+(docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` replaces rigid constraints by laws. The
+outputs force and moment include only what holds b; laws and friction have outputs of their own.
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
@@ -26,7 +26,7 @@ RADIUS = radius("radius", "radius at which turning slides", 0.0)
 
 
 def sample(rng):
-    """A random axis beside the first node; every option."""
+    """Return a random axis next to the first node, with every option."""
     nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
     laws = {"turning_law": SPRUNG, "natural_angle": 0.2, "sliding_law": SPRUNG}
     return [

@@ -33,14 +33,14 @@ from mecano.schema import DIRECTION, Field
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reactions."""
+    """Write the reactions."""
     put(y, 0, -vec(F, 6))
     put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
 
 
 @kernel
 def observe_held(p, at, F, y, e):
-    """Reactions, where every axis is held by a part of its own."""
+    """Write the reactions if every axis is held by a part of its own."""
     put(y, 0, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
     put(y, 3, mat(at.R[0]) @ (mat(p.mu).T @ pair_moment(p, at.laws, at.q, at.v, at.R)))
 
@@ -50,12 +50,12 @@ def _place(d, nodes, context):
 
 
 def prepare_held(d, nodes, context):
-    """Axes of both nodes, and what holds each axis."""
+    """Return the axes of both nodes, and the constraint or law of each axis."""
     return pair_record(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
 def parts_held(d, nodes, context):
-    """Six axes held."""
+    """Return the Parts that hold the six axes."""
     return pair_parts(_place(d, nodes, context), AXES, d["compliance"], context)
 
 
@@ -65,7 +65,7 @@ def variant(d):
 
 
 def shares(d, nodes):
-    """One position and one rotation."""
+    """Return shares of position and rotation."""
     return [("x", 0, 1), ("R", 0, 1)]
 
 
@@ -75,7 +75,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Two equal nodes, rigidly joined and by laws along all axes or some."""
+    """Return two equal nodes, joined rigidly, and by laws along all axes or some."""
     node = (rng.normal(size=3), ORIENTATIONS[1])
     play = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
     d = {"axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}

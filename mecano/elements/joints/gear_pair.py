@@ -1,26 +1,27 @@
 r"""Gear pair: the pitch circles of the gears a and b roll on one another; parallel axes or a bevel pair.
 
-Each node is the centre of its gear's pitch circle, and another joint (a hinge, mostly) lets it turn about its axis in
-the carrier, a body or ground. The circles must touch at the start: with the unit vectors :math:`e_a, e_b` from each
+Each node is the centre of its gear's pitch circle; another joint (usually a hinge) lets it rotate about its axis in
+the carrier, a body or ground. The circles must touch initially: with the unit vectors :math:`e_a, e_b` from each
 centre, perpendicular to its axis, to the pitch point,
 
 .. math::  x_a + r_a e_a = x_b + r_b e_b,
 
-which says whether the gears are external, internal or bevel. With the tangent :math:`\tau = n_a \times e_a` and the
-angles relative to the carrier, counted over any turns,
+which determines whether the gears are external, internal or bevel. With the tangent :math:`\tau = n_a \times e_a` and
+the angles relative to the carrier, counted over any number of turns,
 
 .. math::  r_a \theta_a - r_b\, n_b \cdot (e_b \times \tau)\, \theta_b + \tau \cdot (x_a - x_b) - c = 0
 
 so that external gears with parallel axes turn as :math:`r_a\theta_a = -r_b\theta_b`. The multiplier is the tangential
-force of the teeth on a, along :math:`\tau` at the pitch point; b feels the opposite, and the carrier what the joints of
-both gears give it. The separating force of inclined flanks does no work and is left out, as are play and friction.
+force of the teeth on a, along :math:`\tau` at the pitch point; the opposite force acts on b, and the joints of both
+gears transmit their reactions to the carrier. The separating force of inclined flanks does no work and is omitted, as
+are play and friction.
 
-Gears that do not touch, coupled by a chain or by gears between them, have a ``ratio`` i in place of the radius of b:
+Gears that do not touch, coupled by a chain or by intermediate gears, have a ``ratio`` i instead of the radius of b:
 
 .. math::  r_a \theta_a - r_a\, i\, \theta_b - c = 0
 
-for any axes and centres. Each gear feels a moment alone, that on a :math:`r_a` times the multiplier, and the carrier
-what balances both.
+for any axes and centres. Only a moment acts on each gear, on a :math:`r_a` times the multiplier; the balancing moments
+act on the carrier.
 """
 
 from itertools import product
@@ -36,8 +37,8 @@ from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
 
-PARALLEL = 1e-6  # sine of the angle up to which two axes count as parallel
-GAP = 1e-4  # of the smaller radius: how far apart the circles may be in the deck
+PARALLEL = 1e-6  # sine of the angle up to which two axes are parallel
+GAP = 1e-4  # of the smaller radius: permitted distance of the circles in the deck
 TRIPLE = Type("nodes", f"a list of 3 {NODE.name} names", (3,))
 
 
@@ -49,7 +50,7 @@ def _rate(R, v, i, j, mu, xi):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Angles, rates and the force of the teeth."""
+    """Write angles, rates and the force of the teeth."""
     y[0], y[2] = gear_angles(p, at.m, at.R)
     y[1] = _rate(at.R, at.v, 1, 6, p.mu_1, p.xi_1)
     y[3] = _rate(at.R, at.v, 2, 12, p.mu_2, p.xi_2)
@@ -58,7 +59,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def commit(p, at, m_out):
-    """Follow both angles over whole turns."""
+    """Continue both angles over whole turns."""
     m_out[0], m_out[1] = gear_angles(p, at.m, at.R)
 
 
@@ -67,7 +68,7 @@ def _axes(d):
 
 
 def _touching(d, nodes):
-    """(e_a, e_b, gap) of the pair of points on both circles, in the plane of the axes, that are nearest; e 0 if none.
+    """Return (e_a, e_b, gap) of the closest pair of points on both circles, in the plane of the axes; e 0 if undefined.
 
     Unit vectors (3,), inertial, and the distance of the points [m].
     """
@@ -85,7 +86,7 @@ def _touching(d, nodes):
 
 
 def prepare(d, nodes, context):
-    """Axes of the gears in the carrier and in themselves, travels, tangent and its constant."""
+    """Return axes of the gears in the carrier and in the gears, travels, tangent and its constant."""
     (mu_a, mu_b), (carrier, a, b) = _axes(d), nodes
     axes = {"mu_1": mu_a @ carrier[1], "xi_1": mu_a @ a[1], "mu_2": mu_b @ carrier[1], "xi_2": mu_b @ b[1]}
     if d["ratio"] is not None:
@@ -101,12 +102,12 @@ def prepare(d, nodes, context):
 
 
 def parts(d, nodes, context):
-    """One mesh."""
+    """Return the Part of the mesh."""
     return [Part(GEAR_MESH, (0, 1, 2), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
-    """The pitch circles touch at a point, or there is a ratio."""
+    """Check that the pitch circles touch at a point, or that there is a ratio."""
     if (d["radius_b"] is None) == (d["ratio"] is None):
         return ["give either 'radius_b', of gears whose pitch circles touch, or 'ratio'"]
     if d["ratio"] is not None:
@@ -121,7 +122,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """External, internal and bevel gears in general position, and a ratio."""
+    """Return external, internal and bevel gears in general position, and a ratio."""
     frame, x = triad(rng.normal(size=3)), rng.normal(size=3)
     e, _, n = frame
     tilted = np.cos(1.2) * n + np.sin(1.2) * e
@@ -148,7 +149,7 @@ GEAR_PAIR = Kind(
     layout=("R0", "x1", "R1", "x2", "R2"),
     fields=(
         Field("nodes", TRIPLE, "-", "the carrier of both gears, the centres of the gears a and b; one may be ground"),
-        Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; the carrier and a carry it"),
+        Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; fixed in the carrier and in a"),
         Field("axis_b", DIRECTION, "-", "axis of b at the start, inertial; when absent, that of a", None),
         Field("radius_a", NUMBER, "m", "radius of the pitch circle of a", check=positive),
         Field("radius_b", NUMBER, "m", "radius of the pitch circle of b, which touches that of a", None, positive),
@@ -156,7 +157,7 @@ GEAR_PAIR = Kind(
             "ratio",
             NUMBER,
             "-",
-            "angle_a over angle_b, < 0 where they turn against one another; in place of radius_b",
+            "angle_a over angle_b, < 0 if they rotate in opposite directions; instead of radius_b",
             None,
             not_zero,
         ),

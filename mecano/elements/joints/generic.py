@@ -1,15 +1,15 @@
 r"""Generic joint: each of six axes between two nodes is held, free, driven or elastic.
 
-In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, equal at the start, with :math:`d = R_a^T (x_b - x_a)`: sliding
-``along_1``, ``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i`, the constants being those of the start; tilt
-``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is :math:`\mu_1 \cdot \xi_3`, the sines of the angles;
+In the axes :math:`\mu_i` of a and :math:`\xi_i` of b, which coincide initially, with :math:`d = R_a^T (x_b - x_a)`:
+sliding ``along_1``, ``along_2``, ``along_axis`` is :math:`\mu_i \cdot d - c_i` with the initial values as constants;
+tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is :math:`\mu_1 \cdot \xi_3`, the sines of the angles;
 ``about_axis`` is the twist, in :math:`(-\pi, \pi]`. :math:`\mu_1` is chosen as for the hinge.
 
-An axis that is named nowhere is held rigidly by a multiplier. ``free`` lists those that are not, ``compliance`` has the
-law of an elastic one, ``driven`` the motion of one, a function of time that counts from the start. Where the joints
-with names of their own (hinge, prismatic, cylindrical, planar, spherical, universal, fixed) do, they are to be
-preferred: they count turns, know friction and stops, and need fewer equations. Assembly refuses
-:math:`\xi_3 = -\mu_3` where both tilts are held.
+An axis that is not mentioned is held rigidly by a multiplier. ``free`` lists the free axes, ``compliance`` has the law
+of an elastic axis, ``driven`` the motion of a driven axis as a function of time, relative to the start. Prefer the
+specific joints (hinge, prismatic, cylindrical, planar, spherical, universal, fixed) where they suffice: they count
+turns, offer friction and stops, and need fewer equations. The assembly rejects :math:`\xi_3 = -\mu_3` if both tilts are
+held.
 """
 
 from mecano.constraints.along_coordinate.measure import MOMENT
@@ -51,7 +51,7 @@ DRIVEN = mapping(
 
 @kernel
 def observe(p, at, F, y, e):
-    """Motion along and about the axes, reactions, power of the drives."""
+    """Write motion along and about the axes, reactions, power of the drives."""
     A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
     for i in range(3):
         along, y[3 + i] = slide(at.q, at.v, A, mu[i])
@@ -72,18 +72,18 @@ def _driven(d, axis):
 
 
 def _bound(d):
-    """The axes that are not free, in the order of their parts."""
+    """Return the axes that are not free, in the order of their parts."""
     return [axis for axis in AXES if axis not in d["free"]]
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes, what holds each axis, the motions of the driven ones."""
+    """Return axes of both nodes, the constraint or law of each axis, the motions of the driven ones."""
     drive = [context.laws.add(_driven(d, axis)) for axis in AXES]
     return {"drive": drive, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context)}
 
 
 def parts(d, nodes, context):
-    """A constraint or a law for each axis that is not free."""
+    """Return a constraint or a law for each axis that is not free."""
     p, found = axis_place(d, nodes, context), []
     for axis in _bound(d):
         if (law := _driven(d, axis)) is None:
@@ -96,7 +96,7 @@ def parts(d, nodes, context):
 
 
 def check(d, nodes):
-    """No axis is given twice, and one at least is not free."""
+    """Check that no axis is given twice, and that at least one is not free."""
     texts = not_across(d, nodes)
     laws = {
         name: {axis for axis, law in (d[name] or {}).items() if law is not None} for name in ("compliance", "driven")
@@ -105,19 +105,19 @@ def check(d, nodes):
     for axis in AXES:
         twice = [name for name, axes in given.items() if axis in axes]
         if len(twice) > 1:
-            texts.append(f"{axis!r} stands in {' and '.join(map(repr, twice))}; an axis is one of them")
+            texts.append(f"{axis!r} is given in {' and '.join(map(repr, twice))}; only one of them is allowed")
     if set(AXES) <= given["free"]:
         texts.append("'free' has all six axes: nothing would join the nodes")
     return texts
 
 
 def admissible(p, q, R):
-    """Texts on a flipped joint, where both tilts are held."""
+    """Return an error for a flipped joint, if both tilts are held."""
     return not_flipped(p, q, R) if p["row"][0] >= 0.0 and p["row"][1] >= 0.0 else ""
 
 
 def sample(rng):
-    """Rigid; a driven screw-like guide; free and elastic axes."""
+    """Return a rigid joint; a driven screw-like guide; free and elastic axes."""
     nodes, d = two_places(rng), {"axis": rng.normal(size=3), "free": ()}
     first = {"axis_1": rng.normal(size=3)}
     sine = (("sine", {"amplitude": 0.3, "frequency": 0.2, "phase": 0.4, "offset": 0.1}),)
@@ -141,7 +141,7 @@ GENERIC_JOINT = Kind(
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,
-        Field("axis", DIRECTION, "-", "third axis at the start, inertial; carried by both"),
+        Field("axis", DIRECTION, "-", "third axis at the start, inertial; fixed in both nodes"),
         AXIS_1,
         Field("free", list_of(choice(*AXES)), "-", "axes along or about which b moves freely", ()),
         Field("driven", DRIVEN, "-", "motions along axes; 1, 2: of mu_1, mu_2", None),
@@ -153,8 +153,8 @@ GENERIC_JOINT = Kind(
             rate="velocity",
         ),
         Output("velocity", "m/s", "rate of the displacement", (3,)),
-        Output("tilt", "-", "sines of the angles by which the axis of b leans about mu_1 and mu_2", (2,)),
-        Output("angle", "rad", "twist of b relative to a about the axis, in one turn"),
+        Output("tilt", "-", "sines of the angles by which the axis of b tilts about mu_1 and mu_2", (2,)),
+        Output("angle", "rad", "twist of b relative to a about the axis, within one turn"),
         Output("rate", "rad/s", "rate of the angle"),
         Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
         MOMENT,

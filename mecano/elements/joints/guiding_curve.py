@@ -1,7 +1,7 @@
-"""Curves on which a point is guided: an ellipse, a circle or a helix; a spline through points.
+"""Curves that guide a point: an ellipse, a circle or a helix; a spline through points.
 
-Along a circle or a helix s is the length of the curve (point_on_curve.py has the equations). A closed spline goes on
-for any number of turns, an open one has no curvature at its ends and goes on straight beyond them.
+Along a circle or a helix s is the length of the curve (equations in point_on_curve.py). A closed spline repeats for any
+number of turns; an open one has no curvature at its ends and continues straight beyond them.
 """
 
 import math
@@ -15,15 +15,15 @@ CURVE_RECORD = {
     "pieces": "i", "table": "i", "length": (), "closed": (),
     "center": 3, "semi_axis_1": 3, "semi_axis_2": 3, "advance": 3,
 }  # fmt: skip
-SAMPLES = 64  # of a turn or a piece, to find the nearest point
-HALVINGS = 60  # of two samples: to rounding
-FLAT = 1e-6  # of the size of a curve: how far its points may be off a plane
+SAMPLES = 64  # per turn or piece, to find the nearest point
+HALVINGS = 60  # of the interval of two samples: down to round-off
+FLAT = 1e-6  # of the size of a curve: permitted distance of its points from a plane
 KEYS = ("center", "semi_axis_1", "semi_axis_2", "advance")
 
 
 @kernel
 def curve_at(p, laws, s):
-    """Place X (3,) [m] at s [m], its first and second derivative by s, in the axes of the curve."""
+    """Return position X (3,) [m] at s [m], its first and second derivative by s, in the axes of the curve."""
     if p.pieces > 0:
         return _spline_at(p, laws, s)
     a, b, h = vec(p.semi_axis_1, 0), vec(p.semi_axis_2, 0), vec(p.advance, 0)
@@ -57,14 +57,14 @@ def _spline_at(p, laws, s):
 
 @kernel
 def overrun(p, s):
-    """How far s is beyond the ends of an open curve [m]; 0 on it."""
+    """Return the distance of s beyond the ends of an open curve [m]; 0 on the curve."""
     if p.pieces == 0 or p.closed > 0.0:
         return 0.0
     return max(-s, s - p.length, 0.0)
 
 
 def prepare_curve(d, frame, x, laws):
-    """Record of the curve of deck values, in axes (rows of ``frame``, from the point x (3,)); its table to ``laws``."""
+    """Return the record of the curve in axes ``frame`` (rows) with origin x (3,); append its table to ``laws``."""
     if d["points"] is None:
         center, a, b, h = _ellipse(d)
         return {
@@ -80,7 +80,7 @@ def prepare_curve(d, frame, x, laws):
 
 
 def _ellipse(d):
-    """Centre, semi-axes and advance per radian, inertial."""
+    """Return centre, semi-axes and advance per radian, inertial."""
     center, a, b, h = (np.zeros(3) if d[key] is None else np.array(d[key], float) for key in KEYS)
     return center, a, b, h / (2.0 * math.pi)
 
@@ -90,28 +90,28 @@ def _length(a, b, h):
 
 
 def _places(d):
-    """Points (n, 3) of the spline, of a closed one the first at the end again."""
+    """Return the points (n, 3) of the spline; a closed one ends with its first point."""
     places = np.array(d["points"], float)
     return np.concatenate([places, places[:1]]) if d["closed"] else places
 
 
 def _spline(d):
-    from scipy.interpolate import CubicSpline  # decks without splines need not wait for it
+    from scipy.interpolate import CubicSpline  # not imported for decks without splines
 
     return CubicSpline(knots(d), _places(d), bc_type="periodic" if d["closed"] else "natural")
 
 
 def knots(d):
-    """s [m] at each point (n,) of a spline, the last one its length."""
+    """Return s [m] at each point (n,) of a spline; the last one is its length."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(_places(d), axis=0), axis=1))])
 
 
 def nearest(d, x):
-    """s [m] of the point of a curve of deck values that is nearest to x (3,), inertial, however far that is.
+    """Return s [m] of the point of the curve with deck values ``d`` nearest to x (3,), inertial, at any distance.
 
-    On an open spline it is at an end where no other point is nearer; of several as near it is the first one; of a helix
-    it is sought in the turn around x. Between the neighbours of the nearest of the samples the distance first falls,
-    then rises, unless the curve winds more than once from one sample to the next.
+    On an open spline this may be an end; of several equally near points it is the first; on a helix it is searched in
+    the turn around x. Between the neighbours of the nearest sample the distance first decreases, then increases, unless
+    the curve winds more than once between samples.
     """
     place, slope, grid = _to_search(d, x)
     s, step = min(grid, key=lambda at: np.sum((place(at) - x) ** 2)), grid[1] - grid[0]
@@ -125,19 +125,19 @@ def nearest(d, x):
 
 
 def has_ends(d):
-    """True for an open spline."""
+    """Return True for an open spline."""
     return d["points"] is not None and not d["closed"]
 
 
 def drawn(d):
-    """Points (n, 3) [m] of the curve as it is at the start, inertial; of a helix one turn. ``d`` may lack defaults."""
+    """Return points (n, 3) [m] of the initial curve, inertial; one turn of a helix. ``d`` may lack defaults."""
     d = {"points": None, "closed": False, **dict.fromkeys(KEYS), **d}
     place, _, grid = _to_search(d, np.array(d["center"] if d["points"] is None else d["points"][0], float))
     return np.array([place(s) for s in grid])
 
 
 def _to_search(d, x):
-    """X(s), X'(s), and s at which to look for the nearest point."""
+    """Return X(s), X'(s), and the values of s at which to search for the nearest point."""
     if d["points"] is not None:
         spline = _spline(d)
         return spline, spline.derivative(), np.linspace(0.0, spline.x[-1], 1 + SAMPLES * (len(spline.x) - 1))
@@ -154,7 +154,7 @@ def _to_search(d, x):
 
 
 def normal_of(d):
-    """Unit normal (3,) of the plane of a curve, inertial; None where it lies in none, or in many."""
+    """Return the unit normal (3,) of the plane of a curve, inertial; None if there is no such plane, or many."""
     if d["points"] is None:
         normal = np.cross(d["semi_axis_1"], d["semi_axis_2"])
         return normal / np.linalg.norm(normal) if d["advance"] is None or not np.any(d["advance"]) else None
@@ -165,7 +165,7 @@ def normal_of(d):
 
 
 def check_curve(d):
-    """Texts: what keeps the values from being a curve."""
+    """Return errors for an invalid guide curve."""
     names = [name for name in KEYS if d[name] is not None]
     if d["points"] is None:
         missing = [name for name in KEYS[:3] if d[name] is None]
@@ -173,11 +173,11 @@ def check_curve(d):
             return [f"missing '{missing[0]}'; or give 'points'"]
         across = np.cross(d["semi_axis_1"], d["semi_axis_2"])
         if not np.linalg.norm(across) > FLAT * np.linalg.norm(d["semi_axis_1"]) * np.linalg.norm(d["semi_axis_2"]):
-            return ["'semi_axis_2' must not be parallel to 'semi_axis_1', and neither be zero"]
-        return ["'closed' is of 'points' only"] if d["closed"] else []
+            return ["'semi_axis_2' must not be parallel to 'semi_axis_1', and neither may be zero"]
+        return ["'closed' applies to 'points' only"] if d["closed"] else []
     if names:
         return [f"'{names[0]}' and 'points' exclude one another"]
     if len(d["points"]) < 2 + d["closed"]:
-        return [f"'points' must be at least {2 + d['closed']}"]
+        return [f"'points' must contain at least {2 + d['closed']} points"]
     steps = np.linalg.norm(np.diff(_places(d), axis=0), axis=1)
-    return ["'points' must not follow one another at one place"] if not steps.min() > 0.0 else []
+    return ["consecutive 'points' must not coincide"] if not steps.min() > 0.0 else []

@@ -1,6 +1,6 @@
 """Held rotation: two nodes share their rotation, their positions stay free (Boolean identification: no equation).
 
-With ground as the first node the second one translates only; the moment of the joint is what holds it.
+With ground as the first node, the second one can only translate; the moment of the joint is the reaction.
 """
 
 from mecano.constraints.joint_frame import not_parallel, one_rotation
@@ -13,17 +13,17 @@ from mecano.schema import NODE_PAIR, Field
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reaction."""
+    """Write the reaction."""
     put(y, 0, -(mat(at.R[1]) @ vec(F, 3)))
 
 
 def check(d, nodes):
-    """The nodes start with one rotation."""
+    """Check that the nodes have the same initial rotation."""
     return not_parallel(nodes)
 
 
 def sample(rng):
-    """Two nodes of one rotation."""
+    """Return two nodes with the same rotation."""
     return [({}, two_parallel(rng), "")]
 
 
@@ -33,7 +33,7 @@ HELD_ROTATION = Kind(
     doc=__doc__,
     display=Display("nothing"),
     layout=("R0", "R1"),
-    fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, mostly [ground, the node that shall not turn]"),),
+    fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, usually [ground, the node that must not rotate]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
     shares=one_rotation,
     check=check,

@@ -1,21 +1,21 @@
-r"""Hinge: node b turns about an axis that it shares with node a.
+r"""Hinge: node b rotates about an axis that it shares with node a.
 
-Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` carried by a,
-:math:`\xi_3` the axis carried by b and :math:`\mu_3` the axis carried by a (equations
+Both nodes share one position (Boolean identification: no multiplier). With :math:`\mu_i` fixed in a,
+:math:`\xi_3` the axis fixed in b and :math:`\mu_3` the axis fixed in a (equations
 (11)-(17) of Cardona, Geradin & Doan 1991):
 
 .. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0
 
 The multiplier of the first is the moment on b about :math:`+\mu_2`, that of the second about :math:`-\mu_1`. Both
-equations also hold for :math:`\xi_3 = -\mu_3`: assembly refuses that solution. :math:`\mu_1` is ``axis_1``, or the
-inertial axis most perpendicular to the axis at the start, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
+equations also hold for :math:`\xi_3 = -\mu_3`: the assembly rejects that solution. :math:`\mu_1` is ``axis_1``, or the
+inertial axis initially most perpendicular to the axis, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
 Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
-``latch`` locks the hinge for good at an angle, ``stops`` are rigid and may rebound; both exchange momentum at the
-instant when they are met (docs/shocks.md).
-``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares nothing but has one
-multiplier, or the law in its place, for each. Force and moment are those of what holds b; law and friction have
-outputs of their own.
+``latch`` locks the hinge permanently at an angle; ``stops`` are rigid and may rebound; both exchange momentum at the
+instant at which they are reached (docs/shocks.md).
+``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one
+multiplier, or the replacing law, for each axis. The outputs force and moment include only what holds b; law and
+friction have outputs of their own.
 """
 
 import numpy as np
@@ -34,26 +34,26 @@ from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
-AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
+AXIS_B = Field("axis_b", DIRECTION, "-", "axis fixed in b at the start, inertial, if different", None)
 COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.0)
 
 
 @kernel
 def _reactions(p, at, F, y, i):
-    """Write the force on b that its shared position hides, and the moment of two multipliers."""
+    """Write the force on b from the shared position, and the moment of two multipliers, starting at y[i]."""
     put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
     put(y, i + 3, (-at.q[13], at.q[12], 0.0))
 
 
 def _place(d, nodes, context):
-    """Axes of both nodes; those of b are mu_1, mu_2, mu_3 turned with the axis of a onto that of b."""
+    """Return the axes of both nodes; those of b are mu_1, mu_2, mu_3 rotated from the axis of a to that of b."""
     mu = triad(d["axis"], d["axis_1"])
     axis_b = d["axis"] if d["axis_b"] is None else d["axis_b"]
     return {**triads_together(nodes, mu, mu @ turned_onto(d["axis"], axis_b).T), "start": np.zeros(3)}
 
 
 def sample(rng):
-    """Random axes."""
+    """Return random axes, with every option."""
     x = rng.normal(size=3)
     nodes = [(x, rotation) for rotation in np.linalg.qr(rng.normal(size=(2, 3, 3)))[0]]
     nodes = [(x, R * np.linalg.det(R)) for x, R in nodes]

@@ -1,8 +1,8 @@
 """Lower pairs with an axis: joints of two nodes that hold some of the six axes of pair.py and leave the others free.
 
-A joint is a row of a table: the axes that it holds, the coordinate that latch and stops are of, its friction. What
-both nodes may share (one position, or one rotation) they share, without a multiplier; friction and compliance need the
-reactions along all held axes, and then each of them is held by a part of its own.
+A joint is a row of a table: the axes that it holds, the coordinate of its latch and stops, its friction. Nodes that can
+share an unknown (one position, or one rotation) share it, without a multiplier; friction and compliance need the
+reactions along all held axes, and then each axis is held by a part of its own.
 """
 
 from collections.abc import Callable
@@ -54,48 +54,48 @@ from mecano.schema import DIRECTION, Field
 
 @dataclass(frozen=True)
 class Friction:
-    """The friction of a joint, driven by the reactions of all axes that it holds."""
+    """Friction of a joint, driven by the reactions of all axes that it holds."""
 
     kind: Kind
     values: Callable  # (place, deck values, Context) -> record
-    fields: tuple  # of the deck, beside those of every friction
+    fields: tuple  # deck fields besides those common to all friction
 
 
 @dataclass(frozen=True)
 class Shared:
-    """What the nodes of a joint share where no option asks for all reactions."""
+    """Unknowns shared by the nodes of a joint if no option needs all reactions."""
 
     unknowns: Callable  # (deck values, nodes) -> shares
-    held: tuple  # axes that are left to be held by constraints
-    reactions: Callable  # (p, at, F, y, i): write force and moment of a on b from y[i] on
-    check: Callable  # nodes -> texts: what keeps them from sharing it
+    held: tuple  # axes that remain to be held by constraints
+    reactions: Callable  # (p, at, F, y, i): write force and moment of a on b starting at y[i]
+    check: Callable  # nodes -> [text]: errors that prevent the sharing
 
 
 @dataclass(frozen=True)
 class LowerPair:
     """A row of the table of lower pairs."""
 
-    axis: str  # what the deck's ``axis`` is
+    axis: str  # description of the deck's ``axis``
     held: tuple  # of AXES
-    ends: object  # the Coordinate, TWIST or SLIDE, that latch and stops are of
+    ends: object  # the Coordinate of latch and stops, TWIST or SLIDE
     friction: Friction
     shared: Shared | None = None
-    fields: tuple = ()  # of its own, after the axis
+    fields: tuple = ()  # additional deck fields, after the axis
     place: Callable = axis_place  # (d, nodes, context) -> {mu, xi, start}
     pictures: tuple = ()
 
     @property
     def turns(self):
-        """True where the turning about the axis is free."""
+        """True if the rotation about the axis is free."""
         return "about_axis" not in self.held
 
     @property
     def slides(self):
-        """True where the sliding along the axis is free."""
+        """True if the sliding along the axis is free."""
         return "along_axis" not in self.held
 
     def options(self, d, p, context):
-        """Return the [Part] of laws, friction, latch and stops."""
+        """Return the Parts of laws, friction, latch and stops."""
         parts = turning_parts(d, p, context) if self.turns else []
         parts += sliding_parts(d, p, context) if self.slides else []
         if d["friction"]:
@@ -105,7 +105,7 @@ class LowerPair:
 
 
 def sharing_pair(name, doc, pair, sample):
-    """Return the Kind whose nodes share what they may, and the one whose axes are all held by parts."""
+    """Return the Kind whose nodes share unknowns, and the one whose axes are all held by parts."""
     apart = lower_pair(f"{name}_held", doc, pair, sample)
 
     def parts(d, nodes, context):
@@ -204,12 +204,12 @@ def _optional(pair):
 
 @kernel
 def _all_held(p, at, F, y, i):
-    """Reactions where every axis is held by a part of its own."""
+    """Write the reactions if every axis is held by a part of its own."""
     put_reactions(p, at.laws, at.q, at.v, at.R, y, i)
 
 
 def _observed(pair, reactions):
-    """The ``observe`` of a pair: what is free, then force and moment."""
+    """Return the ``observe`` of a pair: free motion, then force and moment."""
     turns, slides = pair.turns, pair.slides
     sliding, after = 2 * turns, 2 * (turns + slides)
 

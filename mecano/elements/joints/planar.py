@@ -1,12 +1,12 @@
-r"""Planar joint: node b slides in a plane carried by node a and turns about its normal.
+r"""Planar joint: node b slides in a plane fixed in node a and rotates about its normal.
 
-With :math:`\mu_3` the normal carried by a and :math:`\xi_3` the one carried by b:
+With :math:`\mu_3` the normal fixed in a and :math:`\xi_3` the one fixed in b:
 
 .. math::  \mu_1 \cdot \xi_3 = 0, \qquad \mu_2 \cdot \xi_3 = 0, \qquad \mu_3 \cdot (x_b - x_a) - c = 0
 
-The constant c is that of the start: the plane goes through node b. The multipliers are the moments on b about
+The constant c is the initial value: the plane passes through node b. The multipliers are the moments on b about
 :math:`+\mu_2` and :math:`-\mu_1`, then the force on b along the normal, of either sign: b cannot leave the plane. The
-axes in the plane are chosen as for the hinge, and assembly refuses :math:`\xi_3 = -\mu_3`.
+axes in the plane are chosen as for the hinge, and the assembly rejects :math:`\xi_3 = -\mu_3`.
 
 Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
@@ -28,7 +28,7 @@ HELD = ("about_2", "about_1", "along_axis")
 
 @kernel
 def observe(p, at, F, y, e):
-    """Sliding, rotation and reactions."""
+    """Write sliding, rotation and reactions."""
     for i in range(3):
         along, y[3 + i] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[i], 0))
         y[i] = along - p.start[i]
@@ -38,13 +38,13 @@ def observe(p, at, F, y, e):
 
 
 def parts(d, nodes, context):
-    """The normal of b stays parallel to that of a, and b in the plane; the law of the angle."""
+    """Return the Parts that keep the normals parallel and b in the plane; the law of the angle."""
     p = axis_place(d, nodes, context)
     return pair_parts(p, HELD, None, context) + turning_parts(d, p, context)
 
 
 def sample(rng):
-    """A random plane beside the first node, with and without the law."""
+    """Return a random plane next to the first node, with and without the law."""
     nodes, d = two_places(rng), {"axis": rng.normal(size=3)}
     law = {"turning_law": SPRUNG, "natural_angle": 0.2}
     return [(d, nodes, ""), ({**d, "axis_1": rng.normal(size=3), **law}, nodes, "")]
@@ -59,7 +59,7 @@ PLANAR = Kind(
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         NODES,
-        Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; carried by a"),
+        Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; fixed in a"),
         AXIS_1,
         *TURNING_FIELDS,
     ),

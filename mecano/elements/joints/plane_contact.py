@@ -4,8 +4,9 @@ With the unit normal n and a point P of the plane, and the radius r of a ball ar
 
 .. math::  \Phi = n \cdot (x - P) - r \ge 0, \qquad N \ge 0
 
-N, the multiplier, is the force along n. The node meets the plane with a shock (docs/shocks.md), rebounds with the
-coefficient of ``restitution``, and leaves it where N falls to zero. It is held where it has met the plane.
+N, the multiplier, is the force along n. The node hits the plane with a shock (docs/shocks.md), rebounds with the
+coefficient of ``restitution``, and leaves it when N falls to zero. While in contact it is held at the gap of the last
+step before the impact.
 """
 
 import numpy as np
@@ -28,7 +29,7 @@ def _gap(p, q):
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Force along the normal."""
+    """Add the force along the normal."""
     if at.phase == AIR:
         deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
     else:
@@ -38,7 +39,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Gap beyond the one held, and its rates."""
+    """Write the gap relative to the held one, and its rates."""
     n = vec(p.normal, 0)
     g[:] = 0.0
     if at.phase == CLOSED:
@@ -47,24 +48,24 @@ def constraint_derivatives(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Gap, force, state."""
+    """Write gap, force, state."""
     y[0], y[1], y[2] = _gap(p, at.q), at.q[MULTIPLIER], float(at.phase)
 
 
 @kernel
 def event_values(p, at, g):
-    """Depth below the plane [m], -N [N]."""
+    """Write depth below the plane [m], -N [N]."""
     g[0], g[1] = -_gap(p, at.q), -at.q[MULTIPLIER]
 
 
 @kernel
 def commit(p, at, m_out):
-    """The gap of the last step before the contact."""
+    """Write the gap of the last step before the contact."""
     m_out[0] = at.m[0] if at.phase == CLOSED else _gap(p, at.q)
 
 
 def prepare(d, nodes, context):
-    """Unit normal and point of the plane."""
+    """Return unit normal and point of the plane."""
     plane = d["ground"]["plane"]
     normal = np.array(plane["normal"], float)
     return {
@@ -74,7 +75,7 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """The ground is a plane, and the node not below it."""
+    """Check that the ground is a plane, and that the node is not below it."""
     if d["ground"].get("profile"):
         return ["'ground' must be a plane, without a profile"]
     p = prepare(d, nodes, None)
@@ -83,7 +84,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Above a slope, and on it."""
+    """Return a node above a slope, and one on it."""
     ground = {"plane": {"point": rng.normal(size=3), "normal": rng.normal(size=3)}, "profile": None}
     normal = ground["plane"]["normal"] / np.linalg.norm(ground["plane"]["normal"])
     x = ground["plane"]["point"] + np.cross(normal, rng.normal(size=3)) + 0.5 * normal
@@ -101,11 +102,11 @@ PLANE_CONTACT = Kind(
         Field("node", NODE, "-", "the node, which may have mass of its own or move with others"),
         Field("ground", GROUND, "-", "the ground, a plane"),
         Field("radius", NUMBER, "m", "of the ball around the node that touches", 0.0, not_negative),
-        Field("restitution", NUMBER, "-", "speed after a shock over that before, 0 to 1", 0.0, share),
+        Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     ),
     outputs=(
         Output("gap", "m", "distance from the plane"),
-        Output("normal_force", "N", "force of the plane on the node; impulses are with the events"),
+        Output("normal_force", "N", "force of the plane on the node; impulses are recorded with the events"),
         Output("closed", "-", "1 while it touches, 0 else"),
     ),
     multipliers=(Row("normal force of the plane", "N", "m", unilateral=True),),

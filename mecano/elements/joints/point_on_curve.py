@@ -1,26 +1,27 @@
-r"""Point on a curve: node b is held on a curve that node a carries, as a cam guides its follower.
+r"""Point on a curve: node b is held on a curve fixed in node a, as a cam guides its follower.
 
-The curve is an ellipse, a circle or a helix, on which s [m] counts the angle, times the radius on a circle,
+The curve is an ellipse, a circle or a helix, on which s [m] measures the angle, times the radius on a circle,
 
 .. math::  X(s) = c + \cos(s/L)\, a_1 + \sin(s/L)\, a_2 + \frac{s}{2\pi L}\, h, \qquad
            L^2 = \tfrac12 (|a_1|^2 + |a_2|^2) + |h|^2/4\pi^2
 
-or a spline through ``points``, cubic with continuous curvature, on which s counts the distances of the points; two
-are a straight line. A run ends where b comes to the end of an open spline. The place s is an unknown of its own, so
-that any number of turns needs no memory. With the axes :math:`\epsilon_i` and the curve carried by a, and
+or a spline through ``points``, cubic with continuous curvature, on which s adds up the distances of the points; two
+points give a straight line. A run ends when b reaches the end of an open spline. The position s is an additional
+unknown, so that any number of turns needs no memory. With the axes :math:`\epsilon_i` and the curve fixed in a, and
 :math:`d = R_a^T (x_b - x_a)`,
 
 .. math::  \epsilon_i \cdot d - X_i(s) = 0, \qquad i = 1, 2, 3
 
-The multipliers are the components of the force of the curve on b. The equation of s says that this force is normal to
+The multipliers are the components of the force of the curve on b. The equation of s states that this force is normal to
 the curve: there is no friction. With ``across: free`` the third axis is the normal of the plane of the curve, along
-which b is not held: the curve is the profile of a cam of any width, and a mechanism in a plane is not held twice.
+which b is not held: the curve is the profile of a cam of any width, which avoids redundant constraints in a planar
+mechanism.
 
-b stands on the curve in the deck. Where it does not, the model is assembled from the nearest point of the curve on, the
-first of several as near; from beyond the end of an open spline that is its end.
+In the deck, b should be on the curve. If it is not, the assembly starts from the nearest point of the curve, the
+first of several equally near; beyond the end of an open spline this is its end.
 
-b is held from both sides, as by a groove. For a roller, give the curve of its centre: of a circular cam a circle whose
-radius is larger by that of the roller.
+b is held from both sides, as by a groove. For a roller, give the curve of its centre: for a circular cam, a circle with
+the radius increased by that of the roller.
 """
 
 import math
@@ -48,14 +49,14 @@ from mecano.maths.vector import ZERO, dot, mat, norm, put, vec
 from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list_of
 
 RECORD = record(axes=(3, 3), rows="i", start=(), **CURVE_RECORD)
-S, ROW = 9, 10  # local unknowns after both places and the rotation of a: s, the first multiplier
+S, ROW = 9, 10  # local unknowns after both positions and the rotation of a: s, the first multiplier
 ROUNDING = 1e-9  # of the length of an open curve
-STILL = 1e-12  # of the speed along the curve: a node that moves by less has no direction of motion
+STILL = 1e-12  # of the speed along the curve: a slower node has no direction of motion
 
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Forces on both nodes, the moment on the first, the force along the curve."""
+    """Add forces to both nodes, the moment to the first, the force along the curve."""
     A = mat(at.R[0])
     d = A.T @ (vec(at.q, 6) - vec(at.q, 0))
     X, slope, curvature = curve_at(p, at.laws, at.q[S])
@@ -70,7 +71,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates along each axis."""
+    """Write value and rates along each axis."""
     X, slope, curvature = curve_at(p, at.laws, at.q[S])
     for i in range(p.rows):
         Phi, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.axes[i], 0))
@@ -80,7 +81,7 @@ def constraint_derivatives(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Place on the curve, force, pressure angle."""
+    """Write position on the curve, force, pressure angle."""
     _, slope, _ = curve_at(p, at.laws, at.q[S])
     y[0], y[1], y[2] = at.q[S], at.v[S], norm(slope) * at.v[S]
     on_b = ZERO
@@ -96,7 +97,7 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Axes and curve carried by a, and where on the curve b starts."""
+    """Return axes and curve fixed in a, and the initial position of b on the curve."""
     (x_a, R_a), (x_b, _) = nodes
     frame = triad(normal_of(d)) if d["across"] == "free" else np.eye(3)
     curve = prepare_curve(d, frame, np.asarray(x_a, float), context.laws)
@@ -105,30 +106,30 @@ def prepare(d, nodes, context):
 
 
 def start(p):
-    """The place on the curve."""
+    """Return the initial position on the curve."""
     return (p["start"],)
 
 
 def variant(d):
-    """A profile holds in its plane only."""
+    """Return the kind for a profile, which holds b only in its plane, or for a curve."""
     return FLAT if d["across"] == "free" else POINT_ON_CURVE
 
 
 def check(d, nodes):
-    """A curve, in a plane where it is a profile."""
+    """Check the curve, and that a profile is planar."""
     texts = check_curve(d)
     if not texts and d["across"] == "free" and normal_of(d) is None:
-        return ["'across' cannot be free: the curve lies in no plane, or in many"]
+        return ["'across' cannot be free: the curve does not define a unique plane"]
     return texts
 
 
 def ends(d):
-    """A run ends where the node has come to the end of an open curve."""
-    return [("overrun", ROUNDING * knots(d)[-1], "has come to the end of its curve")] if has_ends(d) else []
+    """Return the end condition of an open curve."""
+    return [("overrun", ROUNDING * knots(d)[-1], "has reached the end of its curve")] if has_ends(d) else []
 
 
 def sample(rng):
-    """A helix, an ellipse as a profile, an open spline on and beyond its end, a closed profile, a straight line."""
+    """Return a helix, an elliptic profile, an open spline on and beyond its end, a closed profile, a straight line."""
     bare = dict.fromkeys(("points", "center", "semi_axis_1", "semi_axis_2", "advance"))
     first, second, third, center = rng.normal(size=(4, 3))
     ellipse = {**bare, "center": center, "semi_axis_1": first, "semi_axis_2": 2.0 * second}
@@ -154,23 +155,23 @@ POINT_ON_CURVE = Kind(
     layout=("x0", "R0", "x1"),
     scalars=("position",),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "node a, which carries the curve, and node b, which is held on it"),
+        Field("nodes", NODE_PAIR, "-", "node a, in which the curve is fixed, and node b, held on it"),
         Field("center", POINT, "m", "centre of an ellipse, circle or helix at the start, inertial", None),
         Field("semi_axis_1", VECTOR, "m", "from the centre to the point where s = 0; inertial", None),
-        Field("semi_axis_2", VECTOR, "m", "the other semi-axis, towards which s grows; inertial", None),
-        Field("advance", VECTOR, "m", "of a helix, in one turn; inertial", None),
+        Field("semi_axis_2", VECTOR, "m", "the other semi-axis, towards which s increases; inertial", None),
+        Field("advance", VECTOR, "m", "advance of a helix per turn; inertial", None),
         Field("points", list_of(POINT), "m", "points of a spline at the start, inertial, instead of an ellipse", None),
-        Field("closed", BOOLEAN, "-", "whether the spline goes on from the last point to the first", False),
+        Field("closed", BOOLEAN, "-", "whether the spline continues from the last point to the first", False),
         Field("across", choice("held", "free"), "-", "free: b may leave the plane of the curve", "held"),
     ),
     outputs=(
         Output(
-            "position", "m", "s, where b is on the curve; it goes on over any number of turns", rate="position_rate"
+            "position", "m", "s, where b is on the curve; it continues over any number of turns", rate="position_rate"
         ),
         Output("position_rate", "m/s", "rate of s"),
         Output("speed", "m/s", "speed of b along the curve, relative to a"),
         Output("force", "N", "force of the curve on b, inertial", (3,)),
-        Output("normal_force", "N", "size of that force, which is normal to the curve"),
+        Output("normal_force", "N", "magnitude of that force, which is normal to the curve"),
         Output("pressure_angle", "rad", "angle between that force and the velocity of b, 0 to pi/2; 0 at rest"),
         Output("overrun", "m", "how far b is beyond the end of an open curve"),
     ),

@@ -1,11 +1,11 @@
-r"""Prescribed angle: node b is turned relative to node a about an axis, as a function of time.
+r"""Prescribed angle: node b is rotated relative to node a about an axis, as a function of time.
 
-For two nodes that another joint (a hinge, a cylindrical joint) makes share that axis:
+For two nodes that share this axis through another joint (a hinge, a cylindrical joint):
 
 .. math::  \theta - f(t) = 0
 
-with theta the angle of that joint, zero in the deck; f may go over many turns. The multiplier is the moment on b
-about the axis; its power :math:`k\lambda\, \dot f` is given by the surroundings.
+with theta the angle of that joint, zero in the deck; f may cover many turns. The multiplier is the moment on b
+about the axis; its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
 """
 
 from mecano.constraints.along_coordinate.hold import TARGET, target
@@ -24,7 +24,7 @@ RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
 @kernel
 def observe(p, at, F, y, e):
-    """Motion, moment and power."""
+    """Write motion, moment and power."""
     angle, y[1] = turned(mat(at.R[0]), vec(at.v, 0), mat(p.mu), mat(at.R[1]), vec(at.v, 3), mat(p.xi))
     wanted, wanted_rate, _ = target(p, at.laws, at.t)
     y[0] = follow(wanted, angle)
@@ -33,19 +33,19 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes and the law."""
+    """Return axes of both nodes and the law."""
     mu = triad(d["axis"])
     law = context.laws.add(d["value"])
     return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1], "offset": 0.0, "law": law}
 
 
 def parts(d, nodes, context):
-    """One relative angle."""
+    """Return the Part of one relative angle."""
     return [Part(RELATIVE_ANGLE, (0, 1), prepare(d, nodes, context))]
 
 
 def sample(rng):
-    """Many turns."""
+    """Return a motion of many turns."""
     sine = (("sine", {"amplitude": 30.0, "frequency": 0.2, "phase": 0.4, "offset": 4.0}),)
     nodes = two_places(rng)
     return [({"axis": rng.normal(size=3), "value": sine}, nodes, "")]
@@ -60,7 +60,7 @@ PRESCRIBED_ANGLE = Kind(
     layout=("R0", "R1"),
     fields=(
         NODES,
-        Field("axis", DIRECTION, "-", "axis at the start, inertial; both nodes carry it"),
+        Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),
         Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
     ),
     outputs=(

@@ -1,9 +1,9 @@
-r"""Prescribed length: the distance of two nodes is a function of time, as a driven strut or leg has it.
+r"""Prescribed length: the distance of two nodes is a function of time, as for a driven strut or leg.
 
 .. math::  |x_b - x_a| - L - f(t) = 0
 
-with L the distance at the start, or zero where the deck gives the length itself. Both ends turn freely. The multiplier
-is the force of the drive, which pushes the nodes apart; its power :math:`k\lambda\, \dot f` is given by the
+with L the initial distance, or zero if the deck gives the length itself. Both ends rotate freely. The multiplier
+is the force of the drive, which pushes the nodes apart; its power :math:`k\lambda\, \dot f` is supplied by the
 surroundings.
 """
 
@@ -22,7 +22,7 @@ RECORD = record(**TARGET)
 
 @kernel
 def observe(p, at, F, y, e):
-    """Motion, force and power."""
+    """Write motion, force and power."""
     d = vec(at.q, 3) - vec(at.q, 0)
     y[0] = norm(d)
     y[1] = dot(d, vec(at.v, 3) - vec(at.v, 0)) / y[0]
@@ -31,26 +31,26 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Length at the start, or none, and the law."""
+    """Return the initial length, or zero, and the law."""
     initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     law = context.laws.add(d["value"] if d["length"] is None else d["length"])
     return {"offset": initial if d["length"] is None else 0.0, "law": law}
 
 
 def parts(d, nodes, context):
-    """One distance."""
+    """Return the Part of one distance."""
     return [Part(DISTANCE, (0, 1), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
-    """One law, and a direction at the start."""
+    """Check that there is one law, and an initial direction."""
     if (d["length"] is None) == (d["value"] is None):
         return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
     return at_one_place(nodes)
 
 
 def sample(rng):
-    """A leg that changes its length, and one whose length is given."""
+    """Return a leg that changes its length, and one whose length is given."""
     change, length = ((("sine", {"amplitude": 0.2, "frequency": 0.7, "phase": 0.4, "offset": x}),) for x in (0.1, 1.3))
     return [({"value": change}, 2, ""), ({"length": length}, 2, "")]
 

@@ -3,7 +3,7 @@ r"""Prescribed position: a node is displaced along an inertial direction n as a 
 .. math::  n \cdot (x - x_0) - f(t) = 0
 
 with x_0 the position in the deck. The multiplier is the force on the node along n; its power :math:`k\lambda\, \dot f`
-is given by the surroundings.
+is supplied by the surroundings.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ RECORD = record(direction=3, origin=3, **TARGET)
 
 @kernel
 def observe(p, at, F, y, e):
-    """Motion, force and power."""
+    """Write motion, force and power."""
     n = vec(p.direction, 0)
     y[0] = dot(n, vec(at.q, 0) - vec(p.origin, 0))
     y[1] = dot(n, vec(at.v, 0))
@@ -30,18 +30,18 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Direction, origin and law."""
+    """Return direction, origin and law."""
     law = context.laws.add(d["value"])
     return {"direction": triad(d["direction"])[2], "origin": np.asarray(nodes[0][0]), "offset": 0.0, "law": law}
 
 
 def parts(d, nodes, context):
-    """One held coordinate."""
+    """Return the Part of one held coordinate."""
     return [Part(HELD_COORDINATE, (0,), prepare(d, nodes, context))]
 
 
 def sample(rng):
-    """A moving support."""
+    """Return a moving support."""
     sine = (("sine", {"amplitude": 0.3, "frequency": 0.7, "phase": 0.4, "offset": 0.1}),)
     return [({"direction": rng.normal(size=3), "value": sine}, 1, "")]
 

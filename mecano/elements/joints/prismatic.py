@@ -1,17 +1,17 @@
-r"""Prismatic joint: node b slides along an axis carried by node a and does not turn relative to it.
+r"""Prismatic joint: node b slides along an axis fixed in node a and does not rotate relative to it.
 
-Both nodes share one rotation (Boolean identification). With :math:`\mu_1, \mu_2` carried by a and perpendicular to
+Both nodes share one rotation (Boolean identification). With :math:`\mu_1, \mu_2` fixed in a and perpendicular to
 the axis:
 
 .. math::  \mu_i \cdot (x_b - x_a) - c_i = 0, \qquad i = 1, 2
 
-The constants c_i are those of the start: the line of sliding goes through node b. The multipliers are the forces on
-b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments are what balances b.
+The constants c_i are the initial values: the line of sliding passes through node b. The multipliers are the forces on
+b along :math:`\mu_1` and :math:`\mu_2`, which are chosen as for the hinge; the moments follow from the balance of b.
 
-Options. ``sliding_law`` gives a force from the displacement and its rate. ``latch`` locks it for good at a
-displacement, ``stops`` are rigid and may rebound (docs/shocks.md). ``friction`` and ``compliance`` need the
-reactions along all five axes: the joint then shares nothing but has one multiplier, or the law in its place, for each.
-Force and moment are those of what holds b; law and friction have outputs of their own.
+Options. ``sliding_law`` gives a force from the displacement and its rate. ``latch`` locks the joint permanently at a
+displacement; ``stops`` are rigid and may rebound (docs/shocks.md). ``friction`` and ``compliance`` need the
+reactions along all five axes: the joint then shares no unknowns but has one multiplier, or the replacing law, for each
+axis. The outputs force and moment include only what holds b; law and friction have outputs of their own.
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH
@@ -35,13 +35,13 @@ KEY_RADIUS = Field(
 
 @kernel
 def _reactions(p, at, F, y, i):
-    """Write the force of two multipliers, and the moment on b that its shared rotation hides."""
+    """Write the force of two multipliers, and the moment on b from the shared rotation, starting at y[i]."""
     put(y, i, (at.q[12], at.q[13], 0.0))
     put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
 
 
 def sample(rng):
-    """A random axis beside both nodes; every option."""
+    """Return a random axis next to both nodes, with every option."""
     nodes, d = two_parallel(rng), {"axis": rng.normal(size=3)}
     law = {"sliding_law": SPRUNG, "natural_displacement": 0.2}
     return [
@@ -58,7 +58,7 @@ PRISMATIC, PRISMATIC_HELD = sharing_pair(
     "prismatic",
     __doc__,
     LowerPair(
-        axis="direction of sliding at the start, inertial; carried by a",
+        axis="direction of sliding at the start, inertial; fixed in a",
         held=HELD,
         shared=Shared(one_rotation, ("along_1", "along_2"), _reactions, not_parallel),
         ends=SLIDE,

@@ -1,4 +1,4 @@
-r"""Rack and pinion: node b, the centre of the pinion, rolls along the rack that node a carries.
+r"""Rack and pinion: node b, the centre of the pinion, rolls along a rack fixed in node a.
 
 With the direction :math:`\sigma` of the rack, the pitch radius r, and the angle :math:`\theta` of the pinion relative
 to the rack about an axis perpendicular to it:
@@ -6,9 +6,9 @@ to the rack about an axis perpendicular to it:
 .. math::  \sigma \cdot (x_b - x_a) - c - r\,\theta = 0
 
 A positive angle moves the pinion along :math:`+\sigma`, or the rack along :math:`-\sigma`: the teeth are on the side of
-:math:`n \times \sigma`, n the axis. Other joints guide both parts, so that the axis stays that of both nodes. The
+:math:`n \times \sigma`, n the axis. Other joints guide both parts, so that the axes of both nodes stay aligned. The
 multiplier is the tangential force of the teeth; it acts at the pitch point. The separating force of inclined flanks
-does no work and is left out.
+does no work and is omitted.
 """
 
 import numpy as np
@@ -24,12 +24,12 @@ from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
 
 RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
-PERPENDICULAR = 1e-6  # cosine up to which axis and rack count as perpendicular
+PERPENDICULAR = 1e-6  # cosine up to which axis and rack are perpendicular
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Rolling and the force of the teeth; the sliding tells which turn it is."""
+    """Write rolling and the force of the teeth; the sliding determines the turn."""
     angle, y[1] = turned(mat(at.R[0]), vec(at.v, 3), mat(p.mu), mat(at.R[1]), vec(at.v, 9), mat(p.xi))
     along, y[3] = slide(at.q, at.v, mat(at.R[0]), vec(p.sigma, 0))
     y[2] = along - p.offset
@@ -38,7 +38,7 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes, direction of the rack and the start of b along it."""
+    """Return axes of both nodes, direction of the rack and the initial position of b along it."""
     (x_a, R_a), (x_b, R_b) = nodes
     mu, sigma = triad(d["axis"]), triad(d["direction"])[2]
     along = sigma @ np.subtract(x_b, x_a)
@@ -46,12 +46,12 @@ def prepare(d, nodes, context):
 
 
 def parts(d, nodes, context):
-    """The teeth."""
+    """Return the Part of the teeth."""
     return [Part(GEARED_SLIDE, (0, 1), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
-    """The axis is perpendicular to the rack."""
+    """Check that the axis is perpendicular to the rack."""
     cosine = abs(triad(d["axis"])[2] @ triad(d["direction"])[2])
     if cosine <= PERPENDICULAR:
         return []
@@ -60,7 +60,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """A rack in general position."""
+    """Return a rack in general position."""
     frame = triad(rng.normal(size=3))
     nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3), np.diag([-1.0, 1.0, -1.0]))]
     return [({"axis": frame[2], "direction": frame[0], "radius": 0.8}, nodes, "")]
@@ -75,8 +75,13 @@ RACK_AND_PINION = Kind(
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),
-        Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; both nodes carry it"),
-        Field("direction", DIRECTION, "-", "of the rack at the start, inertial, carried by a: where turning moves b"),
+        Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; fixed in both nodes"),
+        Field(
+            "direction",
+            DIRECTION,
+            "-",
+            "of the rack at the start, inertial, fixed in a; positive rotation moves b along it",
+        ),
         Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
     ),
     outputs=(

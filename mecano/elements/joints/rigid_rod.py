@@ -1,4 +1,4 @@
-r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends turn freely."""
+r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends rotate freely."""
 
 import numpy as np
 
@@ -12,24 +12,24 @@ from mecano.schema import NUMBER, Field, positive
 
 @kernel
 def observe(p, at, F, y, e):
-    """Tension and length."""
+    """Write tension and length."""
     y[0] = -at.q[6]
     y[1] = norm(vec(at.q, 3) - vec(at.q, 0))
 
 
 def parts(d, nodes, context):
-    """One distance."""
+    """Return the Part of one distance."""
     initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     return [Part(DISTANCE, (0, 1), {"offset": initial if d["length"] is None else d["length"], "law": 0})]
 
 
 def check(d, nodes):
-    """The rod has a direction at the start."""
+    """Check that the rod has an initial direction."""
     return at_one_place(nodes)
 
 
 def sample(rng):
-    """A rod that fits and one to be assembled."""
+    """Return a rod that fits, and one to be assembled."""
     return [({}, 2, ""), ({"length": 1.3}, 2, "")]
 
 

@@ -1,15 +1,15 @@
-r"""Screw: node b turns about an axis carried by node a and advances along it by the pitch in every turn.
+r"""Screw: node b rotates about an axis fixed in node a and advances along it by the pitch in every turn.
 
-A cylindrical joint whose sliding s goes with its angle, with the pitch P (> 0 for a right-handed thread):
+A cylindrical joint whose sliding s is coupled to its angle, with the pitch P (> 0 for a right-handed thread):
 
 .. math::  s - \frac{P}{2\pi}\,\theta = 0
 
-The axis goes through node b and is that of a; axes across it are chosen as for the hinge, and assembly refuses
-:math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b along
-the axis; with it comes the moment :math:`-P F/(2\pi)` about the axis, for the thread has no friction.
+The axis is that of a and passes through node b; the axes across it are chosen as for the hinge, and the assembly
+rejects :math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b
+along the axis; it is accompanied by the moment :math:`-P F/(2\pi)` about the axis, since the thread has no friction.
 
 Options: ``turning_law`` gives a moment about the axis from the angle and its rate; a ``latch`` and
-``stops`` at values of the displacement (docs/shocks.md).
+``stops`` act at given displacements (docs/shocks.md).
 """
 
 import math
@@ -40,7 +40,7 @@ RECORD = record(travel=(), **AXES_FIELDS)
 
 @kernel
 def observe(p, at, F, y, e):
-    """Rotation, sliding and reactions; the sliding tells which turn it is."""
+    """Write rotation, sliding and reactions; the sliding determines the turn."""
     angle, y[1] = angle_in_turn(p, at.v, at.R)
     put_sliding(p, at.q, at.v, at.R, y, 2)
     y[0] = follow(y[2] / p.travel, angle)
@@ -49,12 +49,12 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes, the start of b along those of a, the travel per radian."""
+    """Return axes of both nodes, the initial position of b in those of a, the travel per radian."""
     return {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)}
 
 
 def parts(d, nodes, context):
-    """A cylindrical joint and the thread; the law of the angle, latch and stops."""
+    """Return the Parts of a cylindrical joint and the thread; the law of the angle, latch and stops."""
     p = prepare(d, nodes, context)
     thread = {"mu": p["mu"], "xi": p["xi"], "sigma": p["mu"][2], "offset": p["start"][2], "travel": p["travel"]}
     guide = pair_parts(p, HELD, None, context)
@@ -63,12 +63,12 @@ def parts(d, nodes, context):
 
 
 def not_zero(value):
-    """Check: a thread without pitch would be a hinge."""
+    """Check that the pitch is not zero; a thread without pitch would be a hinge."""
     return None if value != 0.0 else "must not be zero; without a pitch use a hinge"
 
 
 def sample(rng):
-    """A random axis beside the first node, either hand, the options."""
+    """Return a random axis next to the first node, either hand, the options."""
     nodes, d = two_places(rng), {"axis": rng.normal(size=3), "pitch": 4.0}
     return [
         (d, nodes, ""),

@@ -1,19 +1,20 @@
 r"""Slider on a beam: a node is held on the axis of a line of beam elements and slides along it, past their nodes.
 
-Between two nodes at distance L of the beam that is not deformed, with its tangents :math:`t_j` carried by the nodes,
-the axis is the cubic through the places and directions of both; it is what an element of Euler's beam bends to under
+Between two nodes at distance L of the undeformed beam, with its tangents :math:`t_j` fixed in the nodes,
+the axis is the cubic through positions and directions of both; this is the shape of an Euler beam element under
 loads at its nodes:
 
 .. math::  X(s) = H_0 x_j + L H_1\, R_j t_j + H_2\, x_{j+1} + L H_3\, R_{j+1} t_{j+1}, \qquad x - X(s) = 0
 
-s [m], the length of the beam that is not deformed up to the slider, is an unknown of its own. The multipliers are the
-force on the slider; the equation of s says that it is normal to the axis: there is no friction. The beam feels the
-opposite, shared among the forces and moments at both nodes as the virtual work demands, so no energy is lost.
+s [m], the length of the undeformed beam up to the slider, is an additional unknown. The multipliers are the
+force on the slider; the equation of s states that it is normal to the axis: there is no friction. The opposite force
+acts on the beam, distributed to forces and moments at both nodes by the principle of virtual work, so that no energy is
+lost.
 
-Place and direction go on smoothly from one element to the next, the curvature jumps: the march finds that instant, ends
-a step there and starts again (the event ``passes``), so its order is kept. Directions are those of the sections: the
-kink that shear makes at a node under load is left out, and so is the bending of the element under the slider itself,
-up to F L^3/(192 EI) in its middle: both fall with the size of the elements.
+Position and direction are continuous from one element to the next, the curvature jumps: the time integration locates
+that instant, ends a step there and restarts (the event ``passes``), which preserves its order. Directions are those of
+the sections: the kink that shear causes at a loaded node is neglected, and so is the bending of the element under the
+slider itself, up to F L^3/(192 EI) in its middle: both decrease with the size of the elements.
 """
 
 from functools import cache
@@ -29,19 +30,19 @@ from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm
 from mecano.schema import NODE, NODES, Field
 
 RECORD = record(n_nodes="i", table="i", first="i", start=(), length=())
-PAST = 1e-6  # of an element: how far past a node the next one takes over, which lets a slider rest at a node
+PAST = 1e-6  # of an element: distance past a node at which the next one takes over; lets a slider rest at a node
 ROUNDING = 1e-9  # m
 
 
 @kernel
 def _element(p, m):
-    """The element on which the slider is."""
+    """Return the element that the slider is on."""
     return p.first + int(round(m[0]))
 
 
 @kernel
 def _shape(p, laws, i, s):
-    """((H (4,)), their first and second derivatives by s) of the element i, those of tangents times its length."""
+    """Return (H (4,), first and second derivatives by s) of the element i; those of tangents times its length."""
     start, L = laws[p.table + i], laws[p.table + i + 1] - laws[p.table + i]
     u = (s - start) / L
     H = (1.0 + u * u * (2.0 * u - 3.0), L * u * (1.0 - u) ** 2, u * u * (3.0 - 2.0 * u), L * u * u * (u - 1.0))
@@ -53,19 +54,19 @@ def _shape(p, laws, i, s):
 
 @kernel
 def _tangent(p, laws, j):
-    """Direction of the beam at its node j, carried by the node."""
+    """Return the direction of the beam at its node j, fixed in the node."""
     return vec(laws, p.table + p.n_nodes + 3 * j)
 
 
 @kernel
 def _sum(H, y):
-    """H_0 y_0 + ... + H_3 y_3"""
+    """Return H_0 y_0 + ... + H_3 y_3."""
     return H[0] * y[0] + H[1] * y[1] + (H[2] * y[2] + H[3] * y[3])
 
 
 @kernel
 def _of_beam(H, j, e, turn_0, turn_1):
-    """Gradients of -e . X at the nodes of an element whose unknowns begin at j, as blocks of add_constraint."""
+    """Return gradients of -e . X at the nodes of an element with unknowns from j on, as blocks of add_constraint."""
     return (
         (j, -H[0] * e), (j + 3, -H[1] * turn_0), (j + 6, -H[2] * e), (j + 9, -H[3] * turn_1),
     )  # fmt: skip
@@ -73,7 +74,7 @@ def _of_beam(H, j, e, turn_0, turn_1):
 
 @kernel
 def _ends(p, laws, i, q, v, a, R):
-    """Places and directions at both nodes of the element i, their rates and second rates, inertial."""
+    """Return positions and directions at both nodes of the element i, their rates and second rates, inertial."""
     j, l = 3 + 6 * i, 9 + 6 * i
     t_0 = carried(mat(R[i]), vec(v, j + 3), vec(a, j + 3), _tangent(p, laws, i))
     t_1 = carried(mat(R[i + 1]), vec(v, l + 3), vec(a, l + 3), _tangent(p, laws, i + 1))
@@ -85,7 +86,7 @@ def _ends(p, laws, i, q, v, a, R):
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Force on the slider, its opposite on two nodes of the beam, the force along it."""
+    """Add the force on the slider, its opposite on two nodes of the beam, the force along it."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     j, l = 3 + 6 * i, 9 + 6 * i
     A, B, t_0, t_1 = mat(at.R[i]), mat(at.R[i + 1]), _tangent(p, at.laws, i), _tangent(p, at.laws, i + 1)
@@ -108,7 +109,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def constraint_derivatives(p, at, g):
-    """Value and rates along the inertial axes."""
+    """Write value and rates along the inertial axes."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
     y, y_1, y_2 = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
@@ -123,7 +124,7 @@ def constraint_derivatives(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Place on the beam, speed along it, force."""
+    """Write position on the beam, speed along it, force."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     _, H_1, _ = _shape(p, at.laws, i, at.q[own])
     places, _, _ = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
@@ -135,7 +136,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def event_values(p, at, g):
-    """How far the slider is past the nodes of its element [m], where another one follows."""
+    """Write the distance of the slider past the nodes of its element [m], if another one follows."""
     i, s = _element(p, at.m), at.q[3 + 6 * p.n_nodes]
     start, end = at.laws[p.table + i], at.laws[p.table + i + 1]
     past = PAST * (end - start)
@@ -145,7 +146,7 @@ def event_values(p, at, g):
 
 @kernel
 def commit(p, at, m_out):
-    """The element on which the slider is, counted from the one at the start."""
+    """Write the index of the element that the slider is on, relative to the initial one."""
     i, s = _element(p, at.m), at.q[3 + 6 * p.n_nodes]
     past = 0.5 * PAST * (at.laws[p.table + i + 1] - at.laws[p.table + i])
     while i + 2 < p.n_nodes and s > at.laws[p.table + i + 1] + past:
@@ -156,7 +157,7 @@ def commit(p, at, m_out):
 
 
 def prepare(d, nodes, context):
-    """Lengths and directions of the line at its nodes, the place of the slider on it."""
+    """Return lengths and directions of the line at its nodes, and the position of the slider on it."""
     (x, _), line = nodes[0], nodes[1:]
     places = np.array([place for place, _ in line], float)
     tangents, stations = smooth_line(places)
@@ -168,25 +169,25 @@ def prepare(d, nodes, context):
 
 
 def start(p):
-    """The place on the beam."""
+    """Return the initial position on the beam."""
     return (p["start"],)
 
 
 def check(d, nodes):
-    """Texts on a line that is none."""
+    """Return errors for an invalid line."""
     if len(d["line"]) < 2:
-        return ["'line' must name 2 nodes at least"]
+        return ["'line' must name at least 2 nodes"]
     apart = np.linalg.norm(np.diff([x for x, _ in nodes[1:]], axis=0), axis=1)
-    return ["'line' must not have two nodes at one place one after the other"] if not apart.min() > 0.0 else []
+    return ["consecutive nodes of 'line' must not coincide"] if not apart.min() > 0.0 else []
 
 
 def ends(d):
-    """A run ends where the slider has come to the end of the beam."""
-    return [("overrun", ROUNDING, "has come to the end of the beam")]
+    """Return the end condition of a slider that reaches the end of the beam."""
+    return [("overrun", ROUNDING, "has reached the end of the beam")]
 
 
 def variant(d):
-    """The kind for a line of as many nodes as these values name."""
+    """Return the kind for a line with as many nodes as these values name."""
     return _of_size(len(d["line"]))
 
 
@@ -197,7 +198,7 @@ def _of_size(n_nodes):
 
 
 def sample(rng):
-    """On a bent line of three nodes, on its first and second element, and on a single element."""
+    """Return sliders on a bent line of three nodes, on its first and second element, and on a single element."""
     found = []
     for count, place in ((3, 0.0), (3, 1.6), (2, 0.0)):
         axis, across = rng.normal(size=(2, 3))
@@ -218,17 +219,17 @@ DECLARED = {
     "dtype": RECORD,
     "scalars": ("position",),
     "fields": (
-        Field("node", NODE, "-", "the slider, which may turn as it likes"),
-        Field("line", NODES, "-", "nodes of the beam from its start to its end, also those that 'mesh' makes"),
+        Field("node", NODE, "-", "the slider, free to rotate"),
+        Field("line", NODES, "-", "nodes of the beam from its start to its end, including those created by 'mesh'"),
     ),
     "outputs": (
         Output(
-            "position", "m", "s, the place on the beam: length from its first node, not deformed", rate="position_rate"
+            "position", "m", "s, the position on the beam: undeformed length from its first node", rate="position_rate"
         ),
         Output("position_rate", "m/s", "rate of s"),
         Output("speed", "m/s", "speed along the beam"),
         Output("force", "N", "force of the beam on the slider, inertial", (3,)),
-        Output("normal_force", "N", "size of that force, which is normal to the beam"),
+        Output("normal_force", "N", "magnitude of that force, which is normal to the beam"),
         Output("overrun", "m", "how far the slider is beyond the ends of the beam"),
     ),
     "multipliers": tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),

@@ -1,6 +1,6 @@
-"""Spherical joint: two nodes share one position and turn freely (Boolean identification: no equation).
+"""Spherical joint: two nodes share one position and rotate freely (Boolean identification: no equation).
 
-With ``friction`` the force is that of three multipliers, and nothing is shared.
+With ``friction``, the force is that of three multipliers, and no unknowns are shared.
 """
 
 from dataclasses import replace
@@ -19,34 +19,34 @@ from mecano.maths.vector import put, vec
 
 @kernel
 def observe(p, at, F, y, e):
-    """Reaction."""
+    """Write the reaction."""
     put(y, 0, -vec(F, 3))
 
 
 @kernel
 def observe_held(p, at, F, y, e):
-    """Reaction."""
+    """Write the reaction."""
     put(y, 0, vec(at.q, 6))
 
 
 def parts_held(d, nodes, context):
-    """Three multipliers, and the friction that they drive."""
+    """Return the Parts of three multipliers, and of the friction that they drive."""
     friction = Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), coupled_to=(0,))
     return [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), friction]
 
 
 def variant(d):
-    """The joint that shares its position, or the one that is held by multipliers."""
+    """Return the joint that shares its position, or the one that is held by multipliers."""
     return SPHERICAL_HELD if d["friction"] else SPHERICAL
 
 
 def check(d, nodes):
-    """The nodes start at one place; friction is not negative."""
+    """Check that the nodes coincide initially, and that friction is not negative."""
     return not_at_one_place(nodes) + check_friction(d)
 
 
 def sample(rng):
-    """Two nodes at one place."""
+    """Return two nodes at the same position."""
     nodes, friction = one_place(rng), {"coefficient": FALLING, "regularization": 0.2, "radius": 0.3}
     return [({}, nodes, ""), *(({"friction": {**friction, "regularization": eps}}, nodes, "") for eps in (0.2, 50.0))]
 

@@ -1,6 +1,6 @@
-r"""Universal joint: a cross whose one pin turns in node a, the other, perpendicular to it, in node b.
+r"""Universal joint: a cross with one pin that rotates in node a, and another, perpendicular to it, in node b.
 
-Both nodes share one position. With :math:`\mu_3` the pin carried by a and :math:`\xi_3` the one carried by b:
+Both nodes share one position. With :math:`\mu_3` the pin fixed in a and :math:`\xi_3` the one fixed in b:
 
 .. math::  \mu_3 \cdot \xi_3 = 0
 
@@ -8,9 +8,9 @@ The multiplier is the moment on b about :math:`\xi_3 \times \mu_3`, the only one
 
 Options. ``turning_law_a`` and ``turning_law_b`` give moments about the pins from their angles and rates. ``friction``
 acts at both pins, driven by the three multipliers that then hold the position, and by that of the cross.
-``compliance`` puts laws in the place of rigid constraints: along axis_b, axis_a x axis_b and axis_a, as a carries them
-(1, 2, axis), and for the moment of the cross. Force and moment are those of what holds b; laws and friction have
-outputs of their own.
+``compliance`` replaces rigid constraints by laws: along axis_b, axis_a x axis_b and axis_a, as fixed in a
+(1, 2, axis), and for the moment of the cross. The outputs force and moment include only what holds b; laws and friction
+have outputs of their own.
 """
 
 from dataclasses import replace
@@ -44,25 +44,25 @@ from mecano.schema import DIRECTION, LAW, NUMBER, Field
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
 PIN_LENGTH = "distance of both ends of each pin, which carry the couple; when absent the couple causes no friction"
-ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py, the first one standing for the cross
-PERPENDICULAR = 1e-6  # cosine up to which the pins count as perpendicular
+ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py; the first one stands for the cross
+PERPENDICULAR = 1e-6  # cosine up to which the pins are perpendicular
 
 
 @kernel
 def _angles(p, v, R):
-    """Angle and rate of the cross about the pin of a, and of b about its own pin relative to the cross."""
+    """Return angle and rate of the cross about the pin of a, and of b about its pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
     A, omega_a, omega_b = relative_rotation(mat(R[0]), mat(R[1])), vec(v, 3), vec(v, 9)
     back = A.T
     first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
     second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
-    # seen from b the cross turns the other way
+    # seen from b, the cross rotates the other way
     return pin_angle(A, mu, xi[2]), first_rate, -pin_angle(back, xi, mu[2]), -second_rate
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Both angles and the reactions."""
+    """Write both angles and the reactions."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, -vec(F, 6))
     y[7] = at.q[12]
@@ -77,7 +77,7 @@ def _put_angles(p, m, v, R, y):
 
 @kernel
 def observe_with_friction(p, at, F, y, e):
-    """Both angles and the reactions, where three multipliers hold the position."""
+    """Write both angles and the reactions, if three multipliers hold the position."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, vec(at.q, 13))
     y[7] = at.q[12]
@@ -85,7 +85,7 @@ def observe_with_friction(p, at, F, y, e):
 
 @kernel
 def observe_elastic(p, at, F, y, e):
-    """Both angles and the reactions, where laws hold some axes."""
+    """Write both angles and the reactions, if laws hold some axes."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
     A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
@@ -95,27 +95,27 @@ def observe_elastic(p, at, F, y, e):
 
 @kernel
 def commit(p, at, m_out):
-    """Follow both angles over whole turns."""
+    """Continue both angles over whole turns."""
     first, _, second, _ = _angles(p, at.v, at.R)
     m_out[0] = follow(at.m[0], first)
     m_out[1] = follow(at.m[1], second)
 
 
 def prepare(d, nodes, context):
-    """Axes of both nodes: third the own pin, first the pin of the other at the start."""
+    """Return the axes of both nodes: third its own pin, first the initial pin of the other."""
     mu = triad(d["axis_a"], np.asarray(d["axis_b"], float))
     xi = triad(mu[0], mu[2])
     return {"mu": mu @ nodes[0][1], "xi": xi @ nodes[1][1]}
 
 
 def parts(d, nodes, context):
-    """The pins are perpendicular; laws of their angles."""
+    """Return the Parts that keep the pins perpendicular, and the laws of their angles."""
     p = prepare(d, nodes, context)
     return [Part(ORTHOGONAL, (0, 1), {"mu": p["mu"][2], "xi": p["xi"][2]}), *_turning(d, p, context)]
 
 
 def _seen_by_pins(p):
-    """(nodes, axes, other pin, a or b) for each pin; axis 2 of b is turned round: its angle counts from the cross."""
+    """Return (nodes, axes, other pin, a or b) per pin; axis 2 of b is reversed: its angle is relative to the cross."""
     return (((0, 1), p["mu"], p["xi"][2], "a"), ((1, 0), p["xi"] * [[1], [-1], [1]], p["mu"][2], "b"))
 
 
@@ -128,7 +128,7 @@ def _turning(d, p, context):
 
 
 def parts_with_friction(d, nodes, context):
-    """The position held by multipliers, and the friction of both pins."""
+    """Return the Parts with the position held by multipliers, and the friction of both pins."""
     p, given = prepare(d, nodes, context), d["friction"]
     perpendicular, *turning = parts(d, nodes, context)
     friction = [
@@ -139,17 +139,17 @@ def parts_with_friction(d, nodes, context):
 
 
 def _compliance(d):
-    """The axes of pair.py: the cross stands at the first of them."""
+    """Return the laws by the axes of pair.py: the cross takes the place of the first of them."""
     return {("about_2" if axis == CROSS else axis): law for axis, law in d["compliance"].items()}
 
 
 def prepare_elastic(d, nodes, context):
-    """Axes of both nodes, and what holds each of four axes."""
+    """Return the axes of both nodes, and the constraint or law of each of four axes."""
     return pair_record({**prepare(d, nodes, context), "start": np.zeros(3)}, ELASTIC, _compliance(d), context)
 
 
 def parts_elastic(d, nodes, context):
-    """The position and the cross held along each axis by a constraint or a law."""
+    """Return the Parts that hold position and cross along each axis by a constraint or a law."""
     p = {**prepare(d, nodes, context), "start": np.zeros(3)}
     perpendicular, *turning = parts(d, nodes, context)
     if law := d["compliance"].get(CROSS):
@@ -159,12 +159,12 @@ def parts_elastic(d, nodes, context):
 
 
 def variant(d):
-    """The joint that shares its position, or one that holds it by multipliers or laws."""
+    """Return the joint that shares its position, or one that holds it by multipliers or laws."""
     return UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL
 
 
 def check(d, nodes):
-    """The nodes start at one place and the pins are perpendicular."""
+    """Check that the nodes coincide initially and that the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
     texts = not_at_one_place(nodes) + check_friction(d)
     if abs(cosine) > PERPENDICULAR:
@@ -174,7 +174,7 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Random perpendicular pins; every option."""
+    """Return random perpendicular pins, with every option."""
     pins = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     nodes, d = one_place(rng), {"axis_a": pins[0], "axis_b": 2 * pins[1]}
     radii = {"radius_a": 0.3, "radius_b": 0.2}

@@ -1,19 +1,19 @@
-r"""Beam: geometrically exact, shear-deformable, two nodes; straight, curved or twisted at the start.
+r"""Beam: geometrically exact, shear-deformable, two nodes; initially straight, curved or twisted.
 
 Strains are those of a helix between the end sections, exact for rigid motions and independent of the path
-(Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, so that nothing
-locks; inertia and weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements
-leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), which other parts of the deck may name. docs/beams.md says how
-accurate it is.
+(Sonneville, Cardona & Bruels 2014); the stiffness is exact for the linear statics of the element, which avoids
+locking; inertia and weight are interpolated by cubics. With ``mesh: n`` a beam named leg becomes the elements
+leg.1 ... leg.n between the nodes leg.1 ... leg.(n-1), to which other parts of the deck may refer. For its accuracy see
+docs/beams.md.
 
-Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. Along an
-arc they are carried along, and ``twist`` turns them about axis 1. Nodes may be oriented in any way. Section forces are
-those that the part behind a section exerts on the part before it: N > 0 is tension, M_2 > 0 stretches the fibres
+Section axes: 1 along the beam from the first node to the second, 3 towards ``up`` at the start, 2 = 3 x 1. They follow
+an arc, and ``twist`` turns them about axis 1. Nodes may have any orientation. Section forces are those that the part
+behind a section exerts on the part before it: N > 0 is tension, M_2 > 0 stretches the fibres
 towards axis 3, M_3 < 0 those towards axis 2. Damping is proportional to the stiffness, with the factor of the section.
 
-Stress is that of the elastic strains: E (elongation + kappa_2 z - kappa_3 y) in the outer fibres, G twist
-torsion_radius of torsion; the equivalent stress of von Mises takes both at one place, shear of the shear forces is left
-out.
+Stresses are those of the elastic strains: E (elongation + kappa_2 z - kappa_3 y) in the outer fibres, G twist
+torsion_radius in torsion; the von Mises equivalent stress combines both as if at the same point, and omits the shear
+stress of the shear forces.
 """
 
 import math
@@ -51,7 +51,7 @@ RECORD = record(
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
+    """Add elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
     R1, R2 = mat(at.R[0]), mat(at.R[1])
     W = R1.T @ R2
     add_elastic(p, at.q, at.v, W, R2, f, K, C)
@@ -60,7 +60,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def _at_ends(p, y, H, E, b, e_u, e_phi):
-    """Force and the moments at both ends, in section axes of node 2 and, of the first moment, of node 1."""
+    """Return force and moments at both ends, in section axes of node 2 (the first moment in those of node 1)."""
     p_u, p_phi = stresses(p, e_u, e_phi)
     P, _, m_1, m_2 = end_loads(p, y, H, E, unstretched(p, p_u, b), p_phi)
     return P, -(mat(p.S).T @ m_1), m_2
@@ -68,7 +68,7 @@ def _at_ends(p, y, H, E, b, e_u, e_phi):
 
 @kernel
 def _section_forces(p, phi, y, H, force, first, second):
-    """Force and moment in the middle, force at both ends, in the section axes of the place."""
+    """Return force and moment in the middle, force and moment at both ends, in the section axes of each place."""
     axes = mat(p.axes)
     half = exp(0.5 * phi)
     ahead = 0.5 * (tangent(0.5 * phi).T @ (H @ y))  # from the first end to the middle, in its axes
@@ -83,14 +83,14 @@ def _section_forces(p, phi, y, H, force, first, second):
 
 @kernel
 def _local_strains(p, N, M):
-    """Strains and curvatures of a section force and moment."""
+    """Return the strains and curvatures of a section force and moment."""
     F_up = mat(p.F_up)
     return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
 
 
 @kernel
 def _stress(p, N, M):
-    """Largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
+    """Return the largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
     strain, curvature = _local_strains(p, N, M)
     largest = abs(strain[0]) + p.radius * math.sqrt(curvature[1] ** 2 + curvature[2] ** 2)
     for i in range(p.points.shape[0]):
@@ -102,7 +102,7 @@ def _stress(p, N, M):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Section forces, strains, stress, energies."""
+    """Write section forces, strains, stress, energies."""
     R1, R2 = mat(at.R[0]), mat(at.R[1])
     W = R1.T @ R2
     phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2)
@@ -134,14 +134,14 @@ def observe(p, at, F, y, e):
 
 
 def divide(d, nodes):
-    """Nodes (x, R) between the elements of a member, oriented as its first node, and the values of each element."""
+    """Return the intermediate nodes (x, R) of a member, oriented as its first node, and the values of each element."""
     at, common = stations(d, nodes), {**d, "mesh": 1, "constants": constants(d["section"])}
     inner = [(x, nodes[0][1]) for x, _ in at[1:-1]]
     return inner, [{**common, "stations": pair} for pair in zip(at[:-1], at[1:], strict=True)]
 
 
 def prepare(d, nodes, context):
-    """Record of one element."""
+    """Return the record of one element."""
     (_, A_1), (_, A_2) = ends = d.get("stations") or stations(d, nodes)
     section = d.get("constants") or constants(d["section"])
     S_1, S_2 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2
@@ -163,17 +163,17 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """Nodes apart, 'up' across, an arc that can be, elements that turn by less than half a turn."""
+    """Return errors for coincident nodes, 'up' along the beam, an impossible arc, elements that turn too far."""
     return check_line(d, nodes, is_round(constants(d["section"])))
 
 
 def check_mesh(n):
-    """Check: a number of elements."""
+    """Check that the number of elements is in range."""
     return None if 1 <= n <= MOST_ELEMENTS else f"must be 1 to {MOST_ELEMENTS}"
 
 
 def sample(rng):
-    """Straight; twisted and damped; curved, twisted, full matrices with an offset mass, nodes oriented anyhow."""
+    """Return beams: straight; twisted, damped; curved, twisted, full matrices, offset mass, any node orientation."""
     material = {"E": 60.0, "nu": 0.3, "G": None, "density": 0.7, "damping": 0.0}
     tube = {"type": "tube", "diameter": 0.6, "thickness": 0.1, **material}
     plank = {"type": "rectangle", "width": 0.5, "height": 0.3, **material, "damping": 0.2}
@@ -221,7 +221,7 @@ BEAM = Kind(
         Output("curvature", "1/m", "twist and curvatures in the middle, beyond those at the start", (3,)),
         Output("normal_stress", "Pa", "largest normal stress of the outer fibres, at the ends and in the middle"),
         Output("torsion_stress", "Pa", "largest shear stress of torsion"),
-        Output("stress", "Pa", "largest stress of von Mises, from the normal stress and the shear stress of torsion"),
+        Output("stress", "Pa", "largest von Mises stress, from the normal stress and the shear stress of torsion"),
         Output("strain_energy", "J", "strain energy"),
         Output("kinetic_energy", "J", "kinetic energy"),
     ),

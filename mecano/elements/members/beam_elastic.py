@@ -1,7 +1,7 @@
 r"""Elastic and viscous forces of a two-node beam, from the relative motion of its end sections on SE(3).
 
-The section axes at the ends are :math:`A_1 = R_1 S` and :math:`A_2 = R_2` (S constant: everything of the section is
-kept in the axes of the second node). The strain measure is the screw motion from one section to the other,
+The section axes at the ends are :math:`A_1 = R_1 S` and :math:`A_2 = R_2` (S constant: all section data are
+stored in the axes of the second node). The strain measure is the screw motion from one section to the other,
 
 .. math::  \varphi = \log(A_1^T A_2), \qquad u = H y, \quad y = A_2^T (x_2 - x_1), \quad H = T^{-1}(\varphi)
 
@@ -14,10 +14,11 @@ stiffness :math:`K_e` of beam_flexibility.py,
 
 .. math::  f_{x2} = A_2 P = -f_{x1}, \quad P = H^T p_u, \qquad
     m_2 = P \times y + H^T Q, \quad m_1 = -S H Q, \quad Q = p_\varphi + (\partial u/\partial\varphi)^T p_u
-The second term of :math:`\bar e`, with the unit vector a along the beam, belongs to the flexibility: where the end
-sections are tilted by gamma against the chord because the element bends as an S, its line is longer than its part
-along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element. Without it every tension of more than
-12 EI/L^2 would tilt the sections.
+
+The second term of :math:`\bar e`, with the unit vector a along the beam, is part of the flexibility: where the end
+sections are tilted by gamma relative to the chord because the element bends in an S shape, its line is longer than its
+component along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element. Without this term every tension
+of more than 12 EI/L^2 would tilt the sections.
 """
 
 from mecano.jit.kernel import inlined, kernel
@@ -35,7 +36,7 @@ from mecano.maths.vector import add_mat, add_vec, cross, cross_columns, dot, mat
 
 @inlined
 def strains(p, q, W, R2):
-    """phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
+    """Return phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
     phi = log(mat(p.S).T @ W)
     c, c1, c2 = inverse_coefficients(dot(phi, phi))
     y = R2.T @ (vec(q, 6) - vec(q, 0))
@@ -45,13 +46,13 @@ def strains(p, q, W, R2):
 
 @kernel
 def stretched(p, e_u, b):
-    """The strain e_u with the elongation a (e_u . b) of the bent line, b = B e_u; a rate is stretched(p, rate, 2 b)."""
+    """Return e_u with the elongation a (e_u . b) of the bent line, b = B e_u; for a rate: stretched(p, rate, 2 b)."""
     return e_u + dot(e_u, b) * vec(p.along, 0)
 
 
 @kernel
 def stresses(p, e_u, e_phi):
-    """K_e e: the generalized forces [N], [N m] of the stretched strains."""
+    """Return K_e e: the generalized forces [N], [N m] of the stretched strains."""
     K_up = mat(p.K_up)
     p_u = mat(p.K_uu) @ e_u + K_up @ e_phi
     return p_u, K_up.T @ e_u + mat(p.K_pp) @ e_phi
@@ -59,13 +60,13 @@ def stresses(p, e_u, e_phi):
 
 @kernel
 def unstretched(p, p_u, b):
-    """The force conjugate to u from that conjugate to its stretched strain."""
+    """Return the force conjugate to u from that conjugate to its stretched strain."""
     return p_u + 2.0 * dot(vec(p.along, 0), p_u) * b
 
 
 @kernel
 def strain_rates(p, v, y, R2, H, E):
-    """Rates of u and phi, and dy/dt."""
+    """Return the rates of u and phi, and dy/dt."""
     omega_1, omega_2 = mat(p.S).T @ vec(v, 3), vec(v, 9)
     y_rate = R2.T @ (vec(v, 6) - vec(v, 0)) + cross(y, omega_2)
     phi_rate = H @ omega_2 - H.T @ omega_1
@@ -74,7 +75,7 @@ def strain_rates(p, v, y, R2, H, E):
 
 @inlined
 def end_loads(p, y, H, E, p_u, p_phi):
-    """P, Q and the material moments m_1, m_2 on the nodes."""
+    """Return P, Q and the material moments m_1, m_2 on the nodes."""
     P = H.T @ p_u
     Q = p_phi + E.T @ p_u
     m_2 = cross(P, y) + H.T @ Q
@@ -107,7 +108,7 @@ def add_elastic(p, q, v, W, R2, f, K, C):
 
 @inlined
 def _current_stiffness(p, b, tension):
-    """Derivatives of p_u by u and phi: G^T K_uu G + 2 N B and G^T K_up with G = I + 2 a b^T."""
+    """Return the derivatives of p_u by u and phi: G^T K_uu G + 2 N B and G^T K_up with G = I + 2 a b^T."""
     K_uu, K_up, along = mat(p.K_uu), mat(p.K_up), vec(p.along, 0)
     b = 2.0 * b
     axial = K_uu @ along
@@ -118,7 +119,7 @@ def _current_stiffness(p, b, tension):
 
 @inlined
 def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
-    """Material and geometric stiffness; the blocks of different unknowns are symmetric, those of one rotation not."""
+    """Add material and geometric stiffness; only the blocks of a rotation with itself are not symmetric."""
     S, HT = mat(p.S), H.T
     SHT = (S @ H).T  # H^T S^T
     HK = HT @ K_uu
@@ -151,7 +152,7 @@ def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
 
 @kernel
 def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2, K, C):
-    """C = J^T (tau K_e) J and the part J^T (tau K_e) d(J v)/dq of K, with J = d(u, phi)/d(d, Theta_1, Theta_2)."""
+    """Add C = J^T (tau K_e) J and the part J^T (tau K_e) d(J v)/dq of K, J = d(u, phi)/d(d, Theta_1, Theta_2)."""
     S, RT = mat(p.S), R2.T
     omega_1, omega_2 = S.T @ vec(v, 3), vec(v, 9)
     F_1, F_2 = -(S @ H).T, H
@@ -162,7 +163,7 @@ def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2,
     _add_block(p, U_d, U_1, U_2, F_1, F_2, U_d, zero, 0, C)
     _add_block(p, U_d, U_1, U_2, F_1, F_2, U_1, F_1, 1, C)
     _add_block(p, U_d, U_1, U_2, F_1, F_2, U_2, F_2, 2, C)
-    # of the rate of phi by phi
+    # rate of phi by phi
     slope = first_derivative(phi, omega_2, -0.5, c, c1) - first_derivative(phi, omega_1, 0.5, c, c1)
     N = first_derivative(phi, y_rate, -0.5, c, c1) + E @ slope
     N = N + second_derivative(phi, phi_rate, y, c, c1, c2)

@@ -1,7 +1,7 @@
 r"""Stiffness of a beam element that gives the exact end displacements of linear statics. NumPy, once per element.
 
 Between its ends an unloaded beam carries the wrench :math:`n' = ad^*_f n` along the strain-free helix
-:math:`f = h_0/L`, so its section flexibility counts where the bending moment is, not in the middle only. With the
+:math:`f = h_0/L`, so its section flexibility acts where the bending moment is, not only in the middle. With the
 wrench conjugate to h as unknown, :math:`n(s) = N(s) p`, the flexibility of the element is
 
 .. math::  F_e = \int_0^L N^T C^{-1} N \,ds = L C^{-1} + \tfrac{L^3}{12} A^T C^{-1} A + \dots
@@ -15,16 +15,16 @@ from functools import lru_cache
 import numpy as np
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
-STRAIGHT = 1e-9  # rad: an element that turns by less is straight
+STRAIGHT = 1e-9  # rad: an element with a smaller rotation between its ends is straight
 
 
 def hat(a):
-    """Matrix (3, 3) of b -> a x b."""
+    """Return the matrix (3, 3) of b -> a x b."""
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def adjoint(h):
-    """ad_h (6, 6) of a screw h = (u, phi), acting on twists (velocity, angular velocity)."""
+    """Return ad_h (6, 6) of a screw h = (u, phi), acting on twists (velocity, angular velocity)."""
     out = np.zeros((6, 6))
     out[:3, :3] = out[3:, 3:] = hat(h[3:])
     out[:3, 3:] = hat(h[:3])
@@ -32,9 +32,9 @@ def adjoint(h):
 
 
 def elastic_constants(C, h0):
-    """K_uu, K_up, K_pp, B (3, 3) of an element and its section flexibility F (6, 6), section axes of its end.
+    """Return K_uu, K_up, K_pp, B (3, 3) of an element and its section flexibility F (6, 6), in section axes of its end.
 
-    C (6, 6) section stiffness, h0 (6,) strain-free screw. They are the same for all equal elements of a model.
+    C (6, 6): section stiffness; h0 (6,): strain-free screw. Cached, since many elements of a model are equal.
     """
     return _elastic_constants(C.tobytes(), h0.tobytes())
 
@@ -47,7 +47,7 @@ def _elastic_constants(C, h0):
 
 
 def element_stiffness(C, h0):
-    """K_e (6, 6) [N/m, N, N m] from the section stiffness C (6, 6) and the strain-free screw h0 (6,) [m, rad]."""
+    """Return K_e (6, 6) [N/m, N, N m] for section stiffness C (6, 6) and strain-free screw h0 (6,) [m, rad]."""
     X, length = adjoint(h0), np.linalg.norm(h0[:3])
     stations, weights = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
     carried = _exponentials(X, stations)
@@ -59,19 +59,20 @@ def element_stiffness(C, h0):
 
 
 def _exponentials(X, stations):
-    """exp(-s X) for each s; that of a straight element ends after the square."""
+    """Return exp(-s X) for each s; for a straight element the series ends after the square."""
     s = stations[:, None, None]
     if np.abs(X[:3, :3]).max() < STRAIGHT:
         return np.eye(6) - s * X + 0.5 * s**2 * (X @ X)
-    from scipy.linalg import expm  # decks without curved beams need not wait for it
+    from scipy.linalg import expm  # not imported for decks without curved beams
 
     return expm(-s * X)
 
 
 def elongation(C, K, length):
-    """B (3, 3) [1/m], section axes: u . B u is by how much an element bent as an S by the tilts u/length is longer.
+    """Return B (3, 3) [1/m], section axes: u . B u is the elongation of an element bent in an S shape by tilts
+    u/length.
 
-    With r = K_22 L/(GA), the part of the tilt that is bending (1/(1 + 12 EI/(GA L^2)) in the book): r - 2/5 r^2 over L.
+    With r = K_22 L/(GA), the bending part of the tilt (1/(1 + 12 EI/(GA L^2)) in textbooks): r - 2/5 r^2 over L.
     """
     bending = np.clip(length * np.diag(K)[1:3] / np.diag(C)[1:3], 0.0, 1.0)
     return np.diag([0.0, *(bending * (1.0 - 0.4 * bending) / length)])

@@ -1,17 +1,17 @@
 r"""Inertia and weight of a two-node beam: cubic (Hermite) interpolation of the line of mass centres.
 
 The line of mass centres is interpolated from its ends :math:`x_i + R_i c_i` and its tangents :math:`R_i t_i` there,
-which turn with the sections (t: tangent of the strain-free shape times the length). With the nodal values
+which rotate with the sections (t: tangent of the strain-free shape times the length). With the nodal values
 :math:`w = (x_1 + R_1 c_1, R_1 t_1, x_2 + R_2 c_2, R_2 t_2)` the kinetic energy of translation is
-:math:`\tfrac12 \sum m_{kl}\, \dot w_k \cdot \dot w_l` and the weight acts on the same interpolation, so that a - g
-takes the place of a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2),
-which is of sixth order in bending and makes axial waves of fourth order too:
+:math:`\tfrac12 \sum m_{kl}\, \dot w_k \cdot \dot w_l`; the weight acts on the same interpolation, so that a - g
+replaces a. The constants are those of the cubics plus 19/420 m z z^T, z = (-1, -1/2, 1, -1/2),
+which is of sixth order in bending and makes axial waves accurate to fourth order too:
 
 .. math::  (m_{kl}) = m \begin{pmatrix} 5/12 & 3/40 & 1/12 & -1/120\\ & 1/48 & 1/120 & 1/240\\ & & 5/12 & -3/40\\
            & & & 1/48 \end{pmatrix}
 
-The angular velocities in section axes interpolate the rotary inertia, with the weights 5/12, 1/12 that make torsional
-waves of fourth order.
+The rotary inertia is interpolated from the angular velocities in section axes, with the weights 5/12, 1/12 that make
+torsional waves accurate to fourth order.
 """
 
 import numpy as np
@@ -19,10 +19,10 @@ import numpy as np
 from mecano.jit.kernel import inlined, kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, cross_columns, dot, mat, outer, skew, vec
 
-# products of line (L) and tangent (T) functions, of one node (M) and of both (N); T of the second node: other sign
+# products of line (L) and tangent (T) functions, of one node (M) and of both (N); opposite sign for T of node 2
 M_LL, M_LT, M_TT = 5.0 / 12.0, 3.0 / 40.0, 1.0 / 48.0
 N_LL, N_LT, N_TT = 1.0 / 12.0, 1.0 / 120.0, 1.0 / 240.0
-OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # of the rotary inertia
+OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # weights of the rotary inertia
 
 
 @inlined
@@ -56,7 +56,7 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
 
 @inlined
 def _lever(A, b, omega, alpha):
-    """Derivatives of the acceleration of A b by -alpha, -omega, -Theta (3 x 3), and the acceleration itself."""
+    """Return the derivatives of the acceleration of A b by -alpha, -omega, -Theta (3 x 3), and the acceleration."""
     spin = cross(omega, b)
     g = cross(alpha, b) + cross(omega, spin)
     n = _turning(omega, b, spin)
@@ -65,13 +65,13 @@ def _lever(A, b, omega, alpha):
 
 @kernel
 def _turning(omega, b, spin):
-    """hat(omega x b) + hat(omega) hat(b)."""
+    """Return hat(omega x b) + hat(omega) hat(b)."""
     return skew(spin) + (outer(b, omega) - dot(omega, b) * EYE)
 
 
 @inlined
 def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
-    """Forces on the node at slot i, and what their turning with the node adds to K."""
+    """Add the forces on the node at slot i, and to K their change as they rotate with the node."""
     add_vec(f, i, 1.0, line)
     moment, turned = cross(t, turn_body), skew(t) @ skew(turn_body)
     if eccentric:
@@ -82,7 +82,7 @@ def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
 
 @inlined
 def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl, tt, K, C, M):
-    """What the motion of the node at slot j asks of the node at slot i; ll ... tt: constants of lines and tangents."""
+    """Add the inertia coupling of node slot j to node slot i; ll ... tt: constants of lines and tangents."""
     lever, lever_c = own[0].T, own_center[0].T
     for k in range(3):
         M[i + k, j + k] += ll
@@ -96,7 +96,7 @@ def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl,
 
 @inlined
 def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
-    """Derivatives by the rotation at slot j + 3, in which X (of the tangent) and X_c (of the mass centre) turn."""
+    """Add derivatives by the rotation at slot j + 3, with which X (tangent) and X_c (mass centre) rotate."""
     add_mat(out, i, j + 3, -lt, X)
     add_mat(out, i + 3, j + 3, tt, lever @ X)
     if eccentric:
@@ -108,7 +108,7 @@ def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
 
 @inlined
 def _add_rotary(J1, J2, J12, v, a, f, C, M):
-    """Rotary inertia: 1/2 Omega_1 . J1 Omega_1 + Omega_1 . J12 Omega_2 + 1/2 Omega_2 . J2 Omega_2."""
+    """Add the rotary inertia: 1/2 Omega_1 . J1 Omega_1 + Omega_1 . J12 Omega_2 + 1/2 Omega_2 . J2 Omega_2."""
     omega_1, omega_2, alpha_1, alpha_2 = vec(v, 3), vec(v, 9), vec(a, 3), vec(a, 9)
     J21 = J12.T
     L_1, L_2 = J1 @ omega_1 + J12 @ omega_2, J21 @ omega_1 + J2 @ omega_2
@@ -127,7 +127,7 @@ def _add_rotary(J1, J2, J12, v, a, f, C, M):
 
 @kernel
 def energies(p, q, v, R1, R2):
-    """Kinetic energy and potential energy of the weight [J]."""
+    """Return kinetic energy and potential energy of the weight [J]."""
     m, gravity, omega_1, omega_2 = p.mass, vec(p.gravity, 0), vec(v, 3), vec(v, 9)
     c1, c2, t1, t2 = R1 @ vec(p.c1, 0), R2 @ vec(p.c2, 0), R1 @ vec(p.t1, 0), R2 @ vec(p.t2, 0)
     w1, w2 = R1 @ omega_1, R2 @ omega_2
@@ -144,10 +144,11 @@ def energies(p, q, v, R1, R2):
 
 
 def inertia_record(mass, rotary, S_1, S_2, c, tangent):
-    """Values of the record of one element.
+    """Return the values of the record of one element.
 
-    mass [kg] and rotary inertia (3, 3) [kg m2] about the line of mass centres, of the whole element; c mass centre from
-    the node, tangent of that line times the length [m]; all in section axes, S_i section to node axes.
+    mass [kg] and rotary inertia (3, 3) [kg m2] about the line of mass centres are those of the whole element; c: mass
+    centre from the node, tangent: that of the line times the length [m]; all in section axes, S_i: section to node
+    axes.
     """
     return {
         "mass": mass, "eccentric": int(np.any(c != 0.0)),

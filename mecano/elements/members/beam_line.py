@@ -1,4 +1,4 @@
-"""The strain-free line of a beam: straight or a circular arc, twisted or not. NumPy, once per beam.
+"""The strain-free line of a beam: straight or a circular arc, optionally twisted. NumPy, once per beam.
 
 A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes there, columns 1, 2, 3, inertial.
 """
@@ -10,14 +10,14 @@ from mecano.maths.so3 import exp, log, tangent_inverse
 from mecano.maths.vector import Vec3, mat, vec
 
 MOST_TURN = 3.0  # rad between the ends of one element
-PARALLEL = 1e-6  # sine of the angle between directions that count as parallel
-UPRIGHT = 1e-3  # sine of the angle to the vertical below which a beam is upright
-ROUNDING = 1e-14  # rad: an angle that means none
-FLAT = 1e-9  # of the length: an arc of less rise is straight
+PARALLEL = 1e-6  # sine of the angle up to which directions are parallel
+UPRIGHT = 1e-3  # sine of the angle to the vertical up to which a beam is upright
+ROUNDING = 1e-14  # rad: smaller angles are round-off
+FLAT = 1e-9  # of the length: an arc with a smaller rise is straight
 
 
 def stations(d, nodes):
-    """Stations at the ends of each of the ``mesh`` elements, mesh + 1 in all."""
+    """Return the stations at the ends of each of the ``mesh`` elements, mesh + 1 in all."""
     (x_1, _), (x_2, _) = nodes
     axis, about, angle, centre = _arc(x_1, d["via"], x_2)
     A = _section_axes(axis, d["up"])
@@ -30,9 +30,9 @@ def stations(d, nodes):
 
 
 def screw(first, second):
-    """The strain-free screw (u, phi) (6,) [m, rad] from one station to the next, in section axes of the second.
+    """Return the strain-free screw (u, phi) (6,) [m, rad] from one station to the next, in section axes of the second.
 
-    That of a straight element is (length, 0, ...) without any rounding, so that equal elements are seen to be equal.
+    For a straight element it is (length, 0, ...) without round-off, so that equal elements are recognized as equal.
     """
     (x_1, A_1), (x_2, A_2) = first, second
     line, phi = np.subtract(x_2, x_1), np.array(log(mat(A_1.T @ A_2)))
@@ -42,14 +42,14 @@ def screw(first, second):
 
 
 def _arc(x_1, via, x_2):
-    """Tangent at the start, axis, angle [rad] and centre of the arc; the centre is None where it is straight."""
+    """Return initial tangent, axis, angle [rad] and centre of the arc; the centre is None for a straight line."""
     chord = np.subtract(x_2, x_1)
     if via is not None:
         first, second = np.subtract(via, x_1), np.subtract(x_2, via)
         normal = np.cross(first, second)
         if np.linalg.norm(normal) > FLAT * chord @ chord:
             about = normal / np.linalg.norm(normal)
-            half = np.arctan2(np.linalg.norm(normal), first @ second)  # angles at the rim: half of those at the centre
+            half = np.arctan2(np.linalg.norm(normal), first @ second)  # inscribed angle: half of the central angle
             rise = np.cross(about, chord)
             centre = np.asarray(x_1) + 0.5 * (chord + rise / np.tan(half))
             return np.cross(about, x_1 - centre), about, 2.0 * half, centre
@@ -57,7 +57,7 @@ def _arc(x_1, via, x_2):
 
 
 def _section_axes(axis, up):
-    """Section axes (3, 3) with 1 along ``axis`` and 3 towards ``up``: z, or x for an upright beam, when absent."""
+    """Return section axes (3, 3), 1 along ``axis``, 3 towards ``up``; default: z, or x for an upright beam."""
     if up is None:
         upright = np.hypot(axis[0], axis[1]) <= UPRIGHT * np.linalg.norm(axis)
         up = (1.0, 0.0, 0.0) if upright else (0.0, 0.0, 1.0)
@@ -66,7 +66,7 @@ def _section_axes(axis, up):
 
 
 def check_line(d, nodes, is_round):
-    """Texts: what keeps the values from being a beam."""
+    """Return errors that prevent the values from being a beam."""
     if texts := at_one_place(nodes):
         return texts
     (x_1, _), (x_2, _) = nodes

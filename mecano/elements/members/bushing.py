@@ -1,21 +1,21 @@
-r"""Bushing: an elastic and damping tie of two nodes, with 6 x 6 stiffness and damping matrices.
+r"""Bushing: an elastic and viscous connection of two nodes, with 6 x 6 stiffness and damping matrices.
 
-In axes :math:`\mu_i` that a carries (those of node a, or ``axis`` and ``axis_1``), :math:`\xi_i` being the same axes of
-the start carried by b, rows of :math:`\mu` and :math:`\xi`:
+In axes :math:`\mu_i` fixed in a (those of node a, or ``axis`` and ``axis_1``), with :math:`\xi_i` the same initial
+axes fixed in b, rows of :math:`\mu` and :math:`\xi`:
 
 .. math::  d = \mu R_a^T (x_b - x_a) - d_0, \qquad \psi = \log(\mu R_a^T R_b \xi^T), \qquad e = (d, \psi)
 
 .. math::  V = \tfrac12 e^T S e, \qquad (n, m) = S e + D \dot e, \qquad \dot\psi = T^{-1}(\psi)\,\omega
 
-with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces work along :math:`\delta e`, so
-nothing depends on where and how the model stands, and the elastic forces have a potential for any rotation up to
-:math:`|\psi| < \pi`, where the rotation vector ends:
+with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces are conjugate to :math:`\delta e`,
+so the result does not depend on position and orientation of the model, and the elastic forces have a potential for any
+rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector:
 
 .. math::  f_{x_b} = R_a \mu^T n = -f_{x_a}, \qquad f_{\Theta_b} = \xi^T T^{-T} m, \qquad
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
 
-``laws`` add a law for single axes, with free play and stops: along them as in d, about them of
-the sines of tilt and of the twist.
+``laws`` add a law for single axes, with free play and stops: along an axis as a function of d, about an axis of
+the sines of tilt or of the twist.
 """
 
 import numpy as np
@@ -30,18 +30,18 @@ from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
 
 RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
-ROUNDING = 1e-9  # of the largest eigenvalue: below zero by no more than this counts as zero
+ROUNDING = 1e-9  # of the largest eigenvalue: smaller negative eigenvalues count as zero
 
 
 @kernel
 def _blocks(S):
-    """The four 3 x 3 blocks ((S_dd, S_dp), (S_pd, S_pp)) of a matrix (6, 6)."""
+    """Return the four 3 x 3 blocks ((S_dd, S_dp), (S_pd, S_pp)) of a matrix (6, 6)."""
     return (mat(S[:3, :3]), mat(S[:3, 3:])), (mat(S[3:, :3]), mat(S[3:, 3:]))
 
 
 @kernel
 def _strain(p, q, v, R):
-    """d and psi, their rates, d_a = R_a^T (x_b - x_a)."""
+    """Return d and psi, their rates, and d_a = R_a^T (x_b - x_a)."""
     A, mu, xi = mat(R[0]), mat(p.mu), mat(p.xi)
     omega_a, omega_b = vec(v, 3), vec(v, 9)
     d_a, w = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
@@ -54,13 +54,13 @@ def _strain(p, q, v, R):
 
 @kernel
 def _product(S, d, psi):
-    """S (d, psi) for a matrix in blocks."""
+    """Return S (d, psi) for a matrix in blocks."""
     return S[0][0] @ d + S[0][1] @ psi, S[1][0] @ d + S[1][1] @ psi
 
 
 @kernel
 def residual(p, at, f):
-    """Add forces and moments on both nodes."""
+    """Add forces and moments to both nodes."""
     A, mu, S, D = mat(at.R[0]), mat(p.mu), _blocks(p.stiffness), _blocks(p.damping)
     d, psi, d_rate, psi_rate, d_a = _strain(p, at.q, at.v, at.R)
     elastic, viscous, J = _product(S, d, psi), _product(D, d_rate, psi_rate), tangent_inverse(psi)
@@ -73,7 +73,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Displacement, rotation, force and moment; energies."""
+    """Write displacement, rotation, force and moment; energies."""
     d, psi, d_rate, psi_rate, _ = _strain(p, at.q, at.v, at.R)
     elastic = _product(_blocks(p.stiffness), d, psi)
     viscous = _product(_blocks(p.damping), d_rate, psi_rate)
@@ -86,7 +86,7 @@ def observe(p, at, F, y, e):
 
 
 def matrix(values):
-    """(6, 6) of six diagonal numbers, of a 6 x 6 matrix, or of nothing (zero)."""
+    """Return (6, 6) from six diagonal numbers, a 6 x 6 matrix, or None (zero)."""
     if values is None:
         return np.zeros((6, 6))
     S = np.asarray(values, float)
@@ -94,22 +94,22 @@ def matrix(values):
 
 
 def _place(d, nodes):
-    """Axes of both nodes (pair.py); those of node a unless an axis is given."""
+    """Return the axes of both nodes (pair.py), by default those of node a."""
     return triads_together(nodes, nodes[0][1].T if d["axis"] is None else triad(d["axis"], d["axis_1"]))
 
 
 def prepare(d, nodes, context):
-    """Record of one bushing, without force at the start."""
+    """Return the record of one bushing, without initial force."""
     return {"stiffness": matrix(d["stiffness"]), "damping": matrix(d["damping"]), **_place(d, nodes)}
 
 
 def parts(d, nodes, context):
-    """The laws of single axes."""
+    """Return the Parts for the laws of single axes."""
     return law_parts(_place(d, nodes), AXES, d["laws"], context)
 
 
 def check(d, nodes):
-    """Symmetric stiffness; neither stiffness nor damping gives energy; something is given."""
+    """Check that stiffness is symmetric, that neither matrix generates energy, and that some property is given."""
     texts = [] if d["axis"] is None else not_across(d, nodes)
     if d["axis"] is None and d["axis_1"] is not None:
         texts.append("'axis_1' is given without 'axis'")
@@ -122,12 +122,12 @@ def check(d, nodes):
         found = matrix(d[name])
         values = np.linalg.eigvalsh(0.5 * (found + found.T))
         if values[0] < -ROUNDING * max(values[-1], 0.0):
-            texts.append(f"{name!r} must not give energy: its symmetric part has the eigenvalue {values[0]:.6g}")
+            texts.append(f"{name!r} must not generate energy: its symmetric part has the eigenvalue {values[0]:.6g}")
     return texts
 
 
 def sample(rng):
-    """Full matrices in the axes of a; damping that is not symmetric in axes of its own, with laws."""
+    """Return full matrices in the axes of a; unsymmetric damping in other axes, with laws."""
     X, Y = rng.normal(size=(2, 6, 6))
     law = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
     full = {"stiffness": X @ X.T, "damping": Y @ Y.T + X - X.T}
@@ -146,7 +146,7 @@ BUSHING = Kind(
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a (it carries the axes) and b; either may be ground"),
+        Field("nodes", NODE_PAIR, "-", "nodes a (with the axes) and b; either may be ground"),
         Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
         Field("damping", MATRIX_6, "N s/m, N s, N m s/rad", "the same by their rates", None),
         Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),

@@ -7,20 +7,20 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
    f_1 = -f_0 = N u, \qquad V = \tfrac12 EA\, L\, \varepsilon^2
 
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
-never pushes, with damping either. The change from slack to taut and back is an event. What is left of the elastic
-energy when it goes slack with :math:`\varepsilon > 0` is dissipated while it shortens to its natural length.
+never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
+goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length.
 
-A natural length that changes does work, which is given by the surroundings (a winder). With
-:math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` in a cable that is slack and still longer than L) the powers are
+A varying natural length does work, which is supplied by the surroundings (a winder). With
+:math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` in a slack cable that is still longer than L) the powers are
 
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L
 
-A cable may be paid out by a winder, and may meet its full length with a shock (``payout_tension``,
+A cable may be paid out by a winder, and may reach its full length with a shock (``payout_tension``,
 ``at_full_length``): see docs/shocks.md.
 
-The mass, that of the natural length at t = 0, stays. It is consistent with the linear velocity between the nodes,
-:math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component, or one half at each node.
+The mass, that of the natural length at t = 0, is constant. It is consistent with a linear velocity between the nodes,
+:math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component, or lumped, one half at each node.
 """
 
 from dataclasses import replace
@@ -48,20 +48,20 @@ from mecano.laws.table import evaluate_curve, terms_of
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
-TAUT = 0  # a bar is always in this mode
+TAUT = 0  # a bar is always in this phase
 CABLE_PHASES = ("taut", "slack")
 
 
 @kernel
 def _strain(p, laws, t, length, rate):
-    """Strain, its rate, natural length and its rate."""
+    """Return strain, its rate, natural length and its rate."""
     L, L_rate, _ = evaluate_curve(laws, p.law, t)
     return *strained(length, rate, L, L_rate), L, L_rate
 
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Tension, inertia and weight."""
+    """Add tension, inertia and weight."""
     add_line_inertia(p, at.a, f, M)
     if at.phase != TAUT:
         return
@@ -74,7 +74,7 @@ def force(p, at, f, K, C, M):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Length, strain, tension, stress; energies."""
+    """Write length, strain, tension, stress; energies."""
     length, rate, _ = line(at.q, at.v)
     strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
     elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
@@ -89,7 +89,7 @@ def observe(p, at, F, y, e):
 
 @kernel
 def observe_cable(p, at, F, y, e):
-    """The same, and whether it is taut."""
+    """Write the outputs of a bar, and whether the cable is taut."""
     observe(p, at, F, y, e)
     put_no_push(y)
     y[6] = 1.0 if at.phase == TAUT else 0.0
@@ -97,7 +97,7 @@ def observe_cable(p, at, F, y, e):
 
 @kernel
 def event_values(p, at, g):
-    """How taut the cable is: the lesser of the elastic strain and the whole, which the tension follows."""
+    """Write the tautness of the cable: the smaller of the elastic and the total strain, which the tension follows."""
     length, rate, _ = line(at.q, at.v)
     strain, strain_rate, _, _ = _strain(p, at.laws, at.t, length, rate)
     tautness = min(strain, strain + p.damping * strain_rate)
@@ -106,12 +106,12 @@ def event_values(p, at, g):
 
 
 def prepare(d, nodes, context):
-    """Record of one bar or cable; its natural length is the initial distance unless given."""
+    """Return the record of one bar or cable; the natural length defaults to the initial distance."""
     return line_record(d, nodes, context)
 
 
 def prepare_wound(d, nodes, context):
-    """The same with winder and catch."""
+    """Return the record of a cable with winder or shock."""
     wound = d["payout_tension"] is not None
     return {
         **line_record(d, nodes, context), "wound": float(wound), "start": distance(nodes),
@@ -120,12 +120,12 @@ def prepare_wound(d, nodes, context):
 
 
 def variant(d):
-    """The cable that is elastic only, or the one with a winder or a shock."""
+    """Return the purely elastic cable, or the one with a winder or a shock."""
     return CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
 def check(d, nodes):
-    """The line has a direction and a natural length at the start, and one axial stiffness."""
+    """Check that the line has a direction and an initial natural length, and exactly one axial stiffness."""
     texts = at_one_place(nodes)
     if (d["axial_stiffness"] is None) == (d["E"] is None):
         texts.append("give either 'axial_stiffness' or 'E' with 'area'")
@@ -137,20 +137,22 @@ def check(d, nodes):
 
 
 def check_cable(d, nodes):
-    """The same, and what a winder needs: a full length that is not reached yet."""
+    """Check the values as for a bar, and that a winder has a full length that is not yet reached."""
     texts = check(d, nodes)
     if d["payout_tension"] is None or texts:
         return texts
     full = terms_of(d["natural_length"])
     if {name for name, _ in full} != {"constant"} or not curve_at(full, 0.0)[0] > distance(nodes):
-        return ["'natural_length' must be a number greater than the distance of the nodes, which is paid out at first"]
+        return [
+            "'natural_length' must be a number greater than the distance of the nodes, the length initially paid out"
+        ]
     if curve_at(d["payout_tension"], 0.0)[0] < 0.0:
-        return ["'payout_tension' must not be negative at the rate zero"]
+        return ["'payout_tension' must not be negative at zero rate"]
     return []
 
 
 def sample_bar(rng):
-    """A heavy bar that is pushed, a lumped one with a section whose natural length grows."""
+    """Return a heavy bar in compression, and a lumped one with a section and a growing natural length."""
     growing = (("linear", {"slope": 0.4, "offset": 1.0}),)
     given = {"axial_stiffness": 50.0, "mass_per_length": 2.0, "natural_length": 1.9, "damping": 0.3}
     lumped = {
@@ -161,7 +163,7 @@ def sample_bar(rng):
 
 
 def sample_cable(rng):
-    """Taut while it is wound up, and slack; with a winder and a catch in all its modes."""
+    """Return cables: taut while it is wound up, and slack; with winder and shock in all phases."""
     d = {"axial_stiffness": 80.0, "area": 0.01, "mass_per_length": 0.5, "damping": 0.05}
     wound = (("linear", {"slope": -0.3, "offset": 1.5}),)
     winder = {"payout_tension": (("linear", {"slope": 4.0, "offset": 0.03}),), "at_full_length": "shock"}
@@ -187,12 +189,14 @@ FIELDS = (
     Field("natural_length", CURVE, "m", "length without force, as a function of time [s]; the initial distance", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
-    Field("mass_distribution", choice("consistent", "lumped"), "-", "how the nodes share the mass", "consistent"),
+    Field(
+        "mass_distribution", choice("consistent", "lumped"), "-", "distribution of the mass to the nodes", "consistent"
+    ),
 )
 WINDER_FIELDS = (
     Field("at_full_length", choice(*CATCHES), "-",
-          "where it is pulled straight: it stretches without a shock; or it exchanges momentum and then stretches "
-          "(shock), or holds (hold), docs/shocks.md", "stretch"),
+          "when it becomes taut at its full length: stretch: elastic, without a shock; shock: exchange of momentum, "
+          "then elastic; hold: the same, then inextensible (docs/shocks.md)", "stretch"),
     Field("payout_tension", CURVE, "N",
           "a winder pays the cable out, from the initial distance to the natural length, at this tension: a function "
           "of the rate of the distance [m/s], which limits the rate where it rises; no winder when absent", None),

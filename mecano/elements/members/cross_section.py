@@ -1,8 +1,8 @@
 r"""Cross sections of beams: shapes and stiffnesses, by name in the section ``sections`` of a deck.
 
 Section axes: 1 along the beam, 3 towards ``up`` of the beam, 2 = 3 x 1. Section forces (N, V_2, V_3, T, M_2, M_3)
-follow from the strains (elongation, two shears, twist, two curvatures) by the stiffness C (6, 6). Shear is
-reduced by the factors of Cowper (1966), and the torsion of a rectangle is that of Saint-Venant.
+follow from the strains (elongation, two shears, twist, two curvatures) by the stiffness C (6, 6). Shear stiffnesses
+are reduced by the factors of Cowper (1966); the torsion of a rectangle is that of Saint-Venant.
 """
 
 from collections.abc import Callable
@@ -15,20 +15,20 @@ from mecano.schema import NUMBER, POINTS, Field, Type, not_negative, positive
 MATRIX = Type("matrix", "6 rows of 6 numbers, symmetric")
 TRIPLE = Type("vector", "3 numbers, about the axes 1, 2, 3")
 MOST_POINTS = 8
-SMALLEST = 1e-100  # of stiffnesses and masses, whose squares must not vanish
+SMALLEST = 1e-100  # lower bound of stiffnesses and masses, whose squares must not vanish
 
 
 @dataclass(frozen=True)
 class Constants:
-    """What a beam needs of its section, in section axes."""
+    """Section constants of a beam, in section axes."""
 
     C: np.ndarray  # (6, 6) stiffness [N, N m, N m2]
     mass: float  # per length [kg/m]
     J: np.ndarray  # (3, 3) rotary inertia per length about the mass centre [kg m]
     center: np.ndarray  # (3,) mass centre from the node [m]
-    E: float = 0.0  # of the stress at the outer fibres [Pa]
+    E: float = 0.0  # for the stress at the outer fibres [Pa]
     G: float = 0.0
-    radius: float = 0.0  # of a round section: fibres all around [m]
+    radius: float = 0.0  # of a round section, with fibres all around [m]
     torsion_radius: float = 0.0  # largest shear stress of torsion over G times twist [m]
     points: tuple = ()  # fibres (y, z) along the axes 2 and 3 [m]
 
@@ -42,12 +42,12 @@ class Shape:
     fields: tuple
     constants: Callable
     check: Callable = lambda d: ""
-    """deck values -> text: what is wrong with them taken together, or "" """
+    """deck values -> text: error in their combination, or "" """
     section: str = field(default="sections", repr=False)  # of the deck
 
 
 def material_check(d):
-    """Either G or nu."""
+    """Check that exactly one of G and nu is given."""
     if (d["G"] is None) == (d["nu"] is None):
         return "give either 'G' or 'nu'"
     if d["nu"] is not None and not -1.0 < d["nu"] <= 0.5:
@@ -57,7 +57,7 @@ def material_check(d):
 
 MATERIAL = (
     Field("E", NUMBER, "Pa", "modulus of elasticity", check=positive),
-    Field("nu", NUMBER, "-", "ratio of Poisson", None),
+    Field("nu", NUMBER, "-", "Poisson's ratio", None),
     Field("G", NUMBER, "Pa", "shear modulus, instead of 'nu'", None, positive),
     Field("density", NUMBER, "kg/m3", "density", check=positive),
 )
@@ -71,13 +71,13 @@ STRESS = (
 
 
 def _moduli(d):
-    """E, G, Poisson's ratio."""
+    """Return E, G, Poisson's ratio."""
     G = d["G"] if d["G"] is not None else 0.5 * d["E"] / (1.0 + d["nu"])
     return d["E"], G, 0.5 * d["E"] / G - 1.0
 
 
 def _homogeneous(d, area, I2, I3, torsion, shear, **fibres):
-    """Constants of a section of one material; ``torsion`` constant [m4], ``shear`` factors along 2 and 3."""
+    """Return Constants of a section of one material; ``torsion`` constant [m4], ``shear`` factors along 2 and 3."""
     E, G, _ = _moduli(d)
     C = np.diag([E * area, shear[0] * G * area, shear[1] * G * area, G * torsion, E * I2, E * I3])
     J = d["density"] * np.diag([I2 + I3, I2, I3])
@@ -85,7 +85,7 @@ def _homogeneous(d, area, I2, I3, torsion, shear, **fibres):
 
 
 def _annulus(d, outer, inner):
-    """Round section of two radii."""
+    """Return Constants of a round section with two radii."""
     _, _, nu = _moduli(d)
     m2 = (inner / outer) ** 2
     area, second = np.pi * (outer**2 - inner**2), 0.25 * np.pi * (outer**4 - inner**4)
@@ -95,17 +95,17 @@ def _annulus(d, outer, inner):
 
 
 def circle(d):
-    """Constants of a solid round section."""
+    """Return Constants of a solid round section."""
     return _annulus(d, 0.5 * d["diameter"], 0.0)
 
 
 def tube(d):
-    """Constants of a hollow round section."""
+    """Return Constants of a hollow round section."""
     return _annulus(d, 0.5 * d["diameter"], 0.5 * d["diameter"] - d["thickness"])
 
 
 def rectangle(d):
-    """Constants of a rectangle: width along axis 2, height along axis 3."""
+    """Return Constants of a rectangle: width along axis 2, height along axis 3."""
     b, h = d["width"], d["height"]
     _, _, nu = _moduli(d)
     k = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
@@ -116,7 +116,7 @@ def rectangle(d):
 
 
 def _torsion_of_rectangle(a, b):
-    """Torsion constant [m4], and largest shear stress over G times twist [m]; sides a >= b (Timoshenko & Goodier)."""
+    """Return torsion constant [m4], max. shear stress over G times twist [m]; sides a >= b (Timoshenko & Goodier)."""
     n = np.arange(1, 60, 2)
     arm = n * np.pi * a / (2.0 * b)
     constant = a * b**3 / 3.0 * (1.0 - 192.0 * b / (np.pi**5 * a) * np.sum(np.tanh(arm) / n**5))
@@ -125,19 +125,19 @@ def _torsion_of_rectangle(a, b):
 
 
 def _given(d, C, mass, J, center):
-    """Constants of a section given by numbers."""
+    """Return Constants of a section given by numbers."""
     fibres = {"E": d["E"], "G": d["G"], "torsion_radius": d["torsion_radius"]}
     return Constants(C, mass, J, center, points=tuple(map(tuple, d["points"])), **fibres)
 
 
 def stiffness(d):
-    """Constants from principal stiffnesses."""
+    """Return Constants from principal stiffnesses."""
     C = np.diag([d[key] for key in ("EA", "GA2", "GA3", "GJ", "EI2", "EI3")])
     return _given(d, C, d["mass_per_length"], np.diag(d["rotary_inertia"]), np.zeros(3))
 
 
 def matrix(d):
-    """Constants from matrices."""
+    """Return Constants from matrices."""
     M = np.asarray(d["mass"])
     mass, first = M[0, 0], M[:3, 3:]
     c = np.array([first[1, 2], first[2, 0], first[0, 1]]) / mass
@@ -145,19 +145,19 @@ def matrix(d):
 
 
 def check_tube(d):
-    """The wall must fit into the tube."""
+    """Check that the wall fits into the tube."""
     if 2.0 * d["thickness"] >= d["diameter"]:
         return "'thickness' must be less than half of 'diameter'; a solid section is a 'circle'"
     return material_check(d)
 
 
 def check_given(d):
-    """As many points as fit."""
-    return f"'points' must not be more than {MOST_POINTS}" if len(d["points"]) > MOST_POINTS else ""
+    """Check the number of points."""
+    return f"'points' must contain at most {MOST_POINTS} points" if len(d["points"]) > MOST_POINTS else ""
 
 
 def check_matrix(d):
-    """Positive definite matrices, the mass that of a plane section."""
+    """Check for positive definite matrices, and for the mass matrix of a plane section."""
     for name in ("stiffness", "mass"):
         if np.linalg.eigvalsh(d[name])[0] <= 0.0:
             return f"'{name}' must be positive definite"
@@ -169,7 +169,7 @@ def check_matrix(d):
 
 
 def positive_all(values):
-    """Check: all > 0."""
+    """Check that all values are > 0."""
     return None if min(values) > 0 else "must be greater than zero"
 
 
@@ -208,12 +208,12 @@ SHAPES = {
 
 
 def check_section(d):
-    """What is wrong with the deck values of a section taken together: a text, or None."""
+    """Return an error in the combination of the deck values of a section, or None."""
     return SHAPES[d["type"]].check(d) or _out_of_range(constants(d))
 
 
 def _out_of_range(section):
-    """Return a text where stiffnesses or the mass of Constants overflow or vanish, else None."""
+    """Return a text if stiffnesses or the mass of Constants overflow or vanish, else None."""
     numbers = np.array([*np.diag(section.C), section.mass])
     if (numbers > SMALLEST).all() and (numbers < 1.0 / SMALLEST).all():
         return None
@@ -221,7 +221,7 @@ def _out_of_range(section):
 
 
 def constants(d):
-    """Constants of the deck values of a section."""
+    """Return Constants for the deck values of a section."""
     return SHAPES[d["type"]].constants(d)
 
 
@@ -230,7 +230,7 @@ TURN_OF_BOTH = np.kron(np.eye(2), TURN)  # of forces and of moments
 
 
 def is_round(section):
-    """True when Constants are the same in all directions across the beam, so that it needs no 'up'."""
+    """Return True if Constants are the same in all directions across the beam, so that 'up' is not needed."""
     return (
         not section.points
         and _unchanged(section.C, TURN_OF_BOTH)
@@ -240,5 +240,5 @@ def is_round(section):
 
 
 def _unchanged(A, Q):
-    """True when Q A Q^T is A, as far as it matters; without the overhead of numpy.allclose, once per beam."""
+    """Return True if Q A Q^T equals A within round-off; avoids the overhead of numpy.allclose, once per beam."""
     return bool((np.abs(Q @ A @ Q.T - A) <= 1e-12 * A.max() + 1e-5 * np.abs(A)).all())

@@ -4,17 +4,17 @@ import math
 
 import numpy as np
 
-STRAIGHT = 1e-9  # rad: a smaller angle between the directions at the ends of an element means none
+STRAIGHT = 1e-9  # rad: an element whose end directions differ by less is straight
 
 
 def smooth_line(places):
-    """Unit tangents (n, 3) at the nodes of places (n, 3), and the length of the line [m] up to each (n,)."""
+    """Return unit tangents (n, 3) at the nodes at places (n, 3), and the length of the line [m] up to each (n,)."""
     tangents = _directions(places)
     return tangents, np.concatenate([[0.0], np.cumsum(_lengths(places, tangents))])
 
 
 def _directions(places):
-    """At each node that of the circle through it and its neighbours."""
+    """Return at each node the direction of the circle through it and its neighbours."""
     chords = np.diff(places, axis=0)
     lengths = np.linalg.norm(chords, axis=1, keepdims=True)
     chords = chords / lengths
@@ -27,14 +27,14 @@ def _directions(places):
 
 
 def _lengths(places, tangents):
-    """Lengths of the elements, of an arc longer than its chord."""
+    """Return the lengths of the elements; an arc is longer than its chord."""
     chords = np.linalg.norm(np.diff(places, axis=0), axis=1)
     half = [0.5 * math.acos(min(1.0, a @ b)) for a, b in zip(tangents[:-1], tangents[1:], strict=True)]
     return [c * h / math.sin(h) if h > STRAIGHT else c for c, h in zip(chords, half, strict=True)]
 
 
 def nearest_station(places, stations, x):
-    """Element and s [m] of the point of the chords between ``places`` (n, 3) that is nearest to x (3,)."""
+    """Return element and s [m] of the point on the chords between ``places`` (n, 3) nearest to x (3,)."""
     found = []
     for i, (start, chord) in enumerate(zip(places[:-1], np.diff(places, axis=0), strict=True)):
         u = float(np.clip((x - start) @ chord / (chord @ chord), 0.0, 1.0))

@@ -35,7 +35,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Length, extension, rate, force, stroke; energies."""
+    """Write length, extension, rate, force, stroke; energies."""
     length, rate, _ = line(at.q, at.v)
     extension = length - p.natural_length
     N, _, _ = evaluate_force(at.laws, p.law, extension, rate)
@@ -51,24 +51,24 @@ def observe(p, at, F, y, e):
 
 @kernel
 def event_values(p, at, g):
-    """Stops of the law."""
+    """Write the event values of the stops of the law."""
     put_stop_events(g, p.low, p.high, line(at.q, at.v)[0] - p.natural_length)
 
 
 def prepare(d, nodes, context):
-    """Record of one spring; its natural length is the initial distance unless given."""
+    """Return the record of one spring; the natural length defaults to the initial distance."""
     distance = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     natural = d["natural_length"]
     return {"natural_length": distance if natural is None else natural, **law_record(d["law"], context)}
 
 
 def check(d, nodes):
-    """The line must have a direction at the start."""
+    """Check that the line has an initial direction."""
     return at_one_place(nodes)
 
 
 def sample(rng):
-    """A landing gear strut between its stops and on them, a nonlinear spring of given natural length."""
+    """Return a landing gear strut between its stops and on them, and a nonlinear spring with a natural length."""
     strut = (
         ("gas_spring", {"force": rng.uniform(5, 9), "length": rng.uniform(8, 9), "exponent": 1.3}),
         ("oil_damper", {"compression": 2.0, "rebound": 5.0}),

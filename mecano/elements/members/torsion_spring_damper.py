@@ -1,8 +1,8 @@
 r"""Torsion spring-damper: a moment about an axis, from a law of the relative angle of two nodes and its rate.
 
-Both nodes carry the axis; the angle is the hinge angle where a hinge keeps it common, and else the twist, the part of
-the relative rotation that is left when the smallest rotation that turns the axis of a into that of b is taken off.
-It is followed over whole turns. M > 0 turns the nodes back against a positive angle, as N > 0 of a spring pulls its
+The axis is fixed in both nodes; the angle is the hinge angle if a hinge keeps the axes aligned, and otherwise the
+twist, the part of the relative rotation that remains after removing the smallest rotation from the axis of a to that of
+b. It is continued over whole turns. M > 0 turns the nodes back against a positive angle, as N > 0 of a spring pulls its
 ends together:
 
 .. math::  M = M(\theta - \theta_0, \dot\theta)
@@ -20,7 +20,7 @@ from mecano.schema import DIRECTION, LAW, NUMBER, Field
 
 @kernel
 def observe(p, at, F, y, e):
-    """Angle, rate, moment; energies."""
+    """Write angle, rate, moment; energies."""
     angle, rate = followed(p, at.m, at.v, at.R)
     report(p, at.laws, angle, rate, y[2:], e)
     y[0] = angle
@@ -28,14 +28,14 @@ def observe(p, at, F, y, e):
 
 
 def prepare(d, nodes, context):
-    """Record of one spring: the triad in the axes of both nodes."""
+    """Return the record of one spring: the triad in the axes of both nodes."""
     axes = triad(d["axis"])
     ends = {"mu": axes @ nodes[0][1], "xi": axes @ nodes[1][1]}
     return law_values(ends, d["law"], d["natural_angle"], context)
 
 
 def sample(rng):
-    """A hinge spring with stops in each mode, a nonlinear one with a natural angle."""
+    """Return a hinge spring with stops in each phase, and a nonlinear one with a natural angle."""
     law = (
         ("spring", {"stiffness": 4.0}),
         ("damper_polynomial", {"coefficients": [0.0, 2.0, 0.0, 1.0]}),

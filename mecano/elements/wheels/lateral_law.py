@@ -69,7 +69,7 @@ MORELAND = mapping(
 )
 RELAXATION = mapping(
     Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
-    Field("relaxation_length", NUMBER, "m", "way in which the force builds up", check=positive),
+    Field("relaxation_length", NUMBER, "m", "rolling distance over which the force builds up", check=positive),
 )
 FACTOR = "factor on {}, a curve of {}"
 LATERAL_FIELDS = (
@@ -171,7 +171,7 @@ def runaway(law):
     _, A1 = matrices(law)
     if np.linalg.eigvalsh(A1 + A1.T)[0] >= -SINGULAR * np.abs(A1).max():
         return None
-    what = "the rates of its patch may run away where it slides (docs/tyres.md)"
+    what = "the rates of a sliding patch may grow without bound (docs/tyres.md)"
     if law["matrices"]:
         return "matrices.damping", f"'lateral.matrices.damping' has a negative symmetric part: {what}"
     d = law["moreland"]
@@ -183,7 +183,7 @@ def runaway(law):
 def check_lateral(law):
     """Return errors in a lateral law; None if the tyre law has none."""
     if law is None:
-        return ["'tire_law.lateral' is missing: how the patch gives way sideways"]
+        return ["'tire_law.lateral' is missing: the lateral law of the patch"]
     if sum(bool(law[name]) for name in FORMS) != 1:
         return ["'tire_law.lateral' must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
     if law["string"] or law["straight_tangent"]:
@@ -193,5 +193,5 @@ def check_lateral(law):
     if abs(np.linalg.det(A0)) <= SINGULAR * np.abs(A0).sum(axis=1).prod():
         texts.append("'tire_law.lateral' has a singular stiffness A0")
     elif np.linalg.eigvals(np.linalg.solve(A0, A1)).real.min() < -1e-12 * np.abs(np.linalg.solve(A0, A1)).max():
-        texts.append("'tire_law.lateral' lets y and psi grow in the air: A0 and A1 do not fit together")
+        texts.append("'tire_law.lateral' lets y and psi grow in the air: A0 and A1 are inconsistent")
     return texts

@@ -48,11 +48,11 @@ OUTPUTS = (
     Output("y_rate", "m/s", "rate of y"),
     Output("psi_rate", "rad/s", "rate of psi"),
     Output("bow_rate", "m/s", "rate of bow"),
-    Output("divergence", "-", "braking force over that at which y grows on its own (Moreland: kap C K)"),
+    Output("divergence", "-", "braking force relative to that at which y becomes unstable (Moreland: kap C K)"),
 )
 DIVERGENT = (
-    "braking exceeds what the torsional stiffness of the tyre bears: its patch runs away sideways; a greater "
-    "'torsional_stiffness' is needed"
+    "braking exceeds the capacity of the torsional stiffness of the tyre: its patch is laterally unstable; "
+    "increase 'torsional_stiffness'"
 )
 STRING = {
     "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,

@@ -186,7 +186,7 @@ RIGID_WHEEL = Kind(
     events=(
         Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),
-        Event("bend", "contact", "contact", "it rolls over a place where the curvature of the ground jumps"),
+        Event("bend", "contact", "contact", "it rolls over a point where the curvature of the ground jumps"),
     ),
     memory=("bends_passed",),
     prepare=prepare,

@@ -55,7 +55,7 @@ from mecano.schema import NUMBER, Field, mapping, positive
 
 CORNERING = (
     Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
-    Field("relaxation_length", NUMBER, "m", "sigma, in which the string falls off before the contact", check=positive),
+    Field("relaxation_length", NUMBER, "m", "sigma, decay length of the string ahead of the contact", check=positive),
     Field("contact_length", NUMBER, "m", "2a", check=positive),
 )
 TORSION = Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive)
