@@ -1,4 +1,4 @@
-"""Exact answers for beams at rest, each with a function that gives the error with n elements.
+"""Exact solutions for beams at rest, each with a function that returns the error with n elements.
 
 Numbers of reference/e1 of the project's collection: exact Reissner-Simo rods by shooting, residuals below 1e-10.
 """

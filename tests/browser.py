@@ -1,4 +1,4 @@
-"""Pages as a real browser leaves them."""
+"""Pages rendered by a real browser."""
 
 import html
 import json

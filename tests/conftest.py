@@ -1,6 +1,6 @@
-"""One thread for the linear algebra of each process, as the command line has it: tests run side by side.
+"""One thread for the linear algebra of each process, as in the command line, because tests run in parallel.
 
-And the fixture with which tests tell the verification manual what they found.
+Also the fixture by which tests report their results to the verification manual.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Convergence of a march to a known answer: runs with the steps h and h/2, the order, the extrapolated value."""
+"""Convergence of a run to a known solution: runs with steps h and h/2, the order, the extrapolated value."""
 
 import numpy as np
 from time_runs import RecordedRun, input_deck
@@ -7,14 +7,14 @@ SECOND_ORDER = 4.0, 0.3  # ratio of the errors with h and h/2, and what may be m
 
 
 def at_times(recorded, values, times):
-    """``values`` (n, ...) of the accepted steps of a march, at ``times`` (m,) that must be among their ends."""
+    """Return the ``values`` (n, ...) of the accepted steps at ``times`` (m,), which must be ends of steps."""
     index = np.searchsorted(recorded.time, np.asarray(times) - 1e-9)
     np.testing.assert_allclose(recorded.time[index], times, rtol=0, atol=1e-9)
     return np.asarray(values)[index]
 
 
 def pair(name, observe, times, h, *overrides):
-    """``observe(recorded)`` (n, ...) at ``times``, from a deck of inputs/ with the steps h and h/2."""
+    """Return ``observe(recorded)`` (n, ...) at ``times``, for a deck of inputs/ with steps h and h/2."""
     found = []
     for step in (h, h / 2.0):
         recorded = RecordedRun(input_deck(name, f"time.step={step}", f"time.end={max(times)}", *overrides))

@@ -1,4 +1,4 @@
-"""A small vocabulary of kinds and law terms, and a deck that uses all of it, for the tests of decks."""
+"""A small set of kinds and law terms, and a deck that uses all of them, for the tests of decks."""
 
 from dataclasses import replace
 
@@ -169,7 +169,7 @@ time: {end: 1, step: 0.01}
 
 
 def fake_sections():
-    """The real sections, with two fields of tire laws."""
+    """The real sections, with two fields of tyre laws."""
     radius = Field("radius", NUMBER, "m", "radius", check=positive)
     tire = mapping(radius, Field("friction", CURVE, "-", "curve of the slip"))
     return tuple(replace(field, type=named(tire)) if field.name == "tire_laws" else field for field in SECTIONS)

@@ -1,4 +1,4 @@
-"""A results file in which every kind of the registry occurs, of wheels one, with smooth made-up numbers."""
+"""A results file with every registered kind, but only one wheel, with smooth artificial values."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The planar four-bar linkage in closed form: what the deck four_bar.yaml must do."""
+"""The planar four-bar linkage in closed form, the reference of the deck four_bar.yaml."""
 
 from dataclasses import dataclass
 

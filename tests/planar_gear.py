@@ -1,4 +1,4 @@
-"""Nose gears in minimal coordinates: a planar model written apart from mecano, for comparison."""
+"""Nose gears in minimal coordinates: a planar model independent of mecano, for comparison."""
 
 import math
 from types import SimpleNamespace

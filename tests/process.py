@@ -1,4 +1,4 @@
-"""The command line in a process of its own, as a user calls it."""
+"""The command line in a separate process, as called by a user."""
 
 import resource
 import subprocess

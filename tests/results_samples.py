@@ -1,4 +1,4 @@
-"""A small run whose values are known for every row, and checks of what a file of it holds."""
+"""A small run with known values in every row, and checks of the content of its file."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A real Slurm on this machine, of Debian's packages slurm-wlm and munge: one node that claims some cores."""
+"""A real Slurm on this machine, from Debian's packages slurm-wlm and munge, with one node of some cores."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Eigenvalues as `mecano modes` finds them, conjugates among them."""
+"""Eigenvalues of `mecano modes`, with their conjugates."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Static equilibrium of decks, with what the tests of beams want to know of it."""
+"""Static equilibria of decks, with the quantities needed by the tests of beams."""
 
 import textwrap
 
@@ -11,7 +11,7 @@ from mecano.model.sampler import Sampler
 
 
 class Equilibrium:
-    """A deck with ``static`` at the end of its path; without loads, where it stands."""
+    """A deck with ``static`` at the end of its path; without loads, at its start."""
 
     def __init__(self, text):
         checked = deck(textwrap.dedent(text))
@@ -43,7 +43,7 @@ class Equilibrium:
 
 
 class _Still:
-    """What the sampler asks of a run, at rest."""
+    """The attributes of a run used by the sampler, at rest."""
 
     dissipated = given = 0.0
 

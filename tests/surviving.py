@@ -1,4 +1,4 @@
-"""Runs that are stopped and gone on with, in this process or in a fork of it, and what their files hold."""
+"""Runs that are stopped and resumed, in this process or in a fork of it, and the content of their files."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Error control: the error of a run follows the tolerance; docs/step-control.md has the tables."""
+"""Error control: the error of a run is proportional to the tolerance; see the tables in docs/step-control.md."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The page that plays a motion, in a real browser where Chromium is installed."""
+"""The page that plays a motion, in a real browser if Chromium is installed."""
 
 import base64
 import json

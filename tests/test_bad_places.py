@@ -1,4 +1,4 @@
-"""Names and places where nothing can be read or written: exit code 5 with the file and the reason, nothing is lost."""
+"""Names and folders that cannot be read or written: exit code 5 with file and reason, no loss of data."""
 
 import os
 import resource
@@ -81,7 +81,7 @@ def test_a_name_as_long_as_a_file_system_takes(folder):
 
 @pytest.mark.parametrize("command", ["run", "force", "modes", "sweep", "picture", "page", "report", "columns", "cells"])
 def test_a_disk_without_room(folder, command):
-    """No file may be longer than 600 bytes: what there was stays, and nothing is left of what could not be written."""
+    """No file may exceed 600 bytes: existing files are kept, and no incomplete file is left."""
     place = "r" if command == "force" else "new"
     words = [word.format(place) for word in COMMANDS[command]]
     before = {name: (folder / name).read_bytes() for name in os.listdir(folder) if (folder / name).is_file()}
@@ -97,7 +97,7 @@ def test_a_disk_without_room(folder, command):
 
 
 def test_a_folder_that_vanishes_while_a_run_writes_there(folder):
-    """What is open can be written on, but nobody will read it: the run must not end as if there were results."""
+    """The open file can still be written, but is deleted: the run must not end as if there were results."""
     (folder / "gone").mkdir()
     words = [sys.executable, "-m", "mecano", "run", "deck.yaml", "-o", "gone/r.h5", "-q", "--set", "time.step=1e-5"]
     process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)

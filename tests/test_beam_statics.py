@@ -1,4 +1,4 @@
-"""Beams at rest against exact answers: errors with n elements, orders, and what the goals of the project ask."""
+"""Beams at rest against exact answers: errors with n elements, orders, and the goals of the project."""
 
 import numpy as np
 import pytest

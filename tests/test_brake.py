@@ -1,4 +1,4 @@
-"""The brake of a wheel: bounds by speed, by the load on its tyre and by its slip; what a deck may not ask of it."""
+"""The brake of a wheel: bounds by speed, by the load on its tyre and by its slip; refused input."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Decks of users that once came out wrong; others of them stand beside the tests of their subjects."""
+"""Decks of users that once gave wrong results; others are in the tests of their subjects."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The command line: exit codes, messages, what is left on the disk, interruptions."""
+"""The command line: exit codes, messages, files left, interruptions."""
 
 import os
 import re
@@ -232,7 +232,7 @@ class TestRun:
 
     @pytest.mark.parametrize("megabytes", [150, 200, pytest.param(260, marks=LLVM_ABORTS), 350, 500])
     def test_a_limit_of_memory(self, folder, megabytes):
-        """Whatever library is the first that cannot be loaded, or has no thread: exit code 7, without a traceback."""
+        """Exit code 7 without a traceback, whichever library cannot be loaded or start a thread first."""
         limit = megabytes * 2**20
         ended = subprocess.run(
             [*COMMAND, "run", "deck.yaml", "-q", "--force"], capture_output=True, text=True,

@@ -1,4 +1,4 @@
-"""Decks of inputs/ against their closed forms, worked out here; tolerances come from the order: see convergence.py."""
+"""Decks of inputs/ against closed forms derived here; tolerances follow from the order: see convergence.py."""
 
 import numpy as np
 import pytest
@@ -133,7 +133,7 @@ def test_thruster(verify):
 
 
 def test_what_the_parts_of_the_thruster_feel():
-    """The stern carries the push to the hull; the bolts carry what accelerates the cargo, and its torque."""
+    """The stern transmits the thrust to the hull; the bolts transmit force and torque that accelerate the cargo."""
     recorded = RecordedRun(input_deck("thruster"))
     np.testing.assert_allclose(recorded["elements/stern/force"], -recorded["loads/push/force"], rtol=0, atol=1e-6)
     t = recorded.time[-1]

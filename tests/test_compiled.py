@@ -1,4 +1,4 @@
-"""Compiled functions: how Python calls them, and how they come from the disk."""
+"""Compiled functions: calls from Python, and loading from the disk."""
 
 import math
 import os
@@ -69,13 +69,13 @@ def over(x: float) -> float:
 
 @entry
 def allocates(n: int) -> float:
-    """What no compiled function may do."""
+    """Allocate, which no compiled function may do."""
     return np.zeros(n).sum()
 
 
 @entry
 def scaled(n: int) -> float:
-    """What numba has from a library of its own."""
+    """Call a function that numba takes from its own library."""
     return math.ldexp(1.0, n)
 
 
@@ -93,7 +93,7 @@ def fill(x_out: Vector, value: float):
 
 @pytest.fixture(scope="module", autouse=True)
 def own_store(tmp_path_factory):
-    """A store of its own: the code of this file does not belong to that of mecano."""
+    """A separate store, so that the code of this file is kept apart from that of mecano."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(store.FOLDER, str(tmp_path_factory.mktemp("store")))
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("secret")))
@@ -350,7 +350,7 @@ class TestStore:
 
 
 class TestDigest:
-    """Objects are compiled again where, and only where, what they are made of has changed."""
+    """Objects are compiled again if, and only if, their sources have changed."""
 
     HEAD = """
         from mecano.jit.kernel import kernel

@@ -1,4 +1,4 @@
-"""`mecano completion`: what a shell offers behind a key of the tabulator."""
+"""`mecano completion`: completions offered by a shell."""
 
 import os
 import shutil

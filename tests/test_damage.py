@@ -1,4 +1,4 @@
-"""Damaged files: a clear error or what is left, never a signal, a traceback or numbers that are silently wrong."""
+"""Damaged files: a clear error or the remaining data, never a signal, a traceback or silently wrong numbers."""
 
 import os
 import random

@@ -1,5 +1,5 @@
 # ruff: noqa: E501
-"""Every message that a wrong deck can give: each is provoked by one change of a valid deck."""
+"""All messages about invalid decks, each provoked by one change of a valid deck."""
 
 import pytest
 from deck_samples import VALID, problems_of, read_fake

@@ -1,4 +1,4 @@
-"""The lines of decks that `mecano explain` shows: there is one for every kind, shape and term, and all are right."""
+"""The example lines of `mecano explain`: every kind, shape and term has one, and all are valid."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""Problems of a deck as they are printed, and kinds in words."""
+"""Printed problems of a deck, and descriptions of kinds."""
 
 import pytest
 from deck_samples import FAKE_KINDS, VALID, read_fake
@@ -12,7 +12,7 @@ from mecano.laws import TERMS
 
 
 def printed(text, overrides=()):
-    """What a wrong deck prints."""
+    """Return the printed text of an invalid deck."""
     with pytest.raises(DeckError) as info:
         read_fake(text, overrides=overrides)
     return deck_error_text(info.value)

@@ -1,4 +1,4 @@
-"""Malformed decks with expressions, units, repeats, templates and includes: read or refused, and nothing else ever.
+"""Malformed decks with expressions, units, repeats, templates and includes: read, or refused with line and column.
 
 400 decks per run, the same ones each time; marked slow: 10,000 of them, whose time and memory are measured
 (docs/decks.md).

@@ -1,4 +1,4 @@
-"""Decks at the limits: numbers that vanish, long names and chains, files that claim to be huge, nothing that moves."""
+"""Decks at the limits: vanishing numbers, long names and chains, files that claim to be huge, models without motion."""
 
 import subprocess
 import sys

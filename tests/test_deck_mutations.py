@@ -1,4 +1,4 @@
-"""Mutations of all decks of inputs/: each is read or refused with a place, without a warning of Python, in time.
+"""Mutations of all decks of inputs/: each is read, or refused with line and column in time, without a warning of Python.
 
 200 decks per run, the same ones each time; marked slow: 5,000.
 """

@@ -1,4 +1,4 @@
-"""`mecano new`: decks to begin with, each of which runs; `mecano schema`."""
+"""`mecano new`: starter decks, each of which runs; `mecano schema`."""
 
 import json
 

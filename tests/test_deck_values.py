@@ -1,4 +1,4 @@
-"""What a checked deck holds: values, defaults, names replaced, marks, and the resolved form."""
+"""Content of a checked deck: values, defaults, replaced names, marks, and the resolved form."""
 
 import json
 import math

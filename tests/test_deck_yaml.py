@@ -1,4 +1,4 @@
-"""Bytes and YAML: what is read, and what is refused before any meaning is looked for."""
+"""Bytes and YAML: texts that are read, and texts refused before interpretation."""
 
 import os
 

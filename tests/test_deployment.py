@@ -1,4 +1,4 @@
-"""Structures that unfold and lock: what is told and shown of it, and what is told when it does not."""
+"""Structures that deploy and lock: messages and pictures, and messages if they do not."""
 
 import csv
 
@@ -94,7 +94,7 @@ def test_a_torque_that_is_too_weak(tmp_path):
 
 
 def test_a_latch_that_holds_the_others_back(tmp_path):
-    """Of a linkage with one freedom the latch of the crank closes first; that of the rocker never does."""
+    """The latch of the crank of a linkage closes first and holds it, so that the latch of the rocker never closes."""
     latches = ("joints.hinge_a.latch.angle=-0.3", "joints.hinge_d.latch.angle=1.5", "time.end=1.5")
     reported = []
     run(input_deck("four_bar", *latches), tmp_path / "held.h5", announce=reported.append)

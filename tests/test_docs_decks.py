@@ -1,4 +1,4 @@
-"""The decks of docs/decks.md can be used as they stand there."""
+"""The decks of docs/decks.md are valid as printed."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The documentation builds to a site without a warning, and the site asks for nothing from elsewhere."""
+"""The documentation builds to a site without a warning, and the site loads nothing from other servers."""
 
 import json
 import re

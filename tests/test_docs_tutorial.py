@@ -1,4 +1,4 @@
-"""The tutorial can be followed: its decks are right, its commands run, and what it shows is what comes out."""
+"""The tutorial can be followed: its decks are valid, its commands run, and the outputs shown are those printed."""
 
 import re
 import shlex
@@ -39,7 +39,7 @@ def test_the_tutorial_can_be_followed(tmp_path, monkeypatch):
 
 
 def said(line, mark):
-    """What a command prints; of one that is marked, because it takes long, only the arguments are read."""
+    """Return the output of a command; of one marked as long, only the arguments are parsed."""
     program, *arguments = shlex.split(line)
     assert program == "mecano"
     if mark == "parsed":

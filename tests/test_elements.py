@@ -1,4 +1,4 @@
-"""What every kind of element, joint, load and basic constraint must fulfil. No kind is named here."""
+"""Requirements on every kind of element, joint, load and basic constraint. No kind is named here."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Events are found, in order, at their times, whatever the step: touch-downs, stops of a strut, corners of loads.
+"""Events are located in order at their times for any step size: touch-downs, stops of a strut, corners of loads.
 
 Times are closed forms. The method integrates a constant acceleration exactly, so what happens at the end of a flight
 has no error but rounding; what happens at the end of a contact has an error of order h^2.

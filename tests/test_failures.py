@@ -1,4 +1,4 @@
-"""Runs that cannot go on: what the user is told, in the words of the deck, and what is kept."""
+"""Runs that cannot continue: messages in the words of the deck, and the data kept."""
 
 import re
 import subprocess
@@ -64,7 +64,7 @@ def failed_run(tmp_path, text, *overrides, code="from mecano.cli import main; ma
 
 
 def check_kept(results):
-    """Every step before the failure is in the file, up to the time that is told."""
+    """Every step before the failure is in the file, up to the time reported."""
     time = results.time
     assert len(time) == len(results.steps) + 1 > 10
     assert np.array_equal(time[1:], results.steps["time"])
@@ -205,7 +205,7 @@ def failing(step, when):
 
 
 def with_failing(when):
-    """A change of a march: steps fail where ``when(state, h)``."""
+    """Return a change of a run that makes steps fail if ``when(state, h)``."""
 
     def change(integrator, run):
         in_python(integrator)
@@ -253,7 +253,7 @@ STRUTS = """
 
 
 def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():
-    """A stop that is met in every mode: the march ends, and the element is named."""
+    """An event that occurs in every phase: the run ends, and the element is named."""
 
     def contradict(recorded, run):
         plain = recorded.system.event_values

@@ -1,4 +1,4 @@
-"""What swings faster than the steps gets no energy and holds no error control back; what does not is not let go."""
+"""Oscillations too fast for the steps gain no energy and are filtered from the error; resolved motions are not."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ TOLERANCE = 1e-3
 
 
 def oscillator(k, stretch, time):
-    """A mass of 1 kg on a spring of k [N/m], ``stretch`` [m] from where it is at rest, beside one that moves slowly."""
+    """Return a mass of 1 kg on a spring of k [N/m], displaced by ``stretch`` [m], beside one that moves slowly."""
     return deck(f"""
         mecano: 1
         gravity: [0, 0, 0]
@@ -31,7 +31,7 @@ def oscillator(k, stretch, time):
 
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
 def test_a_stiff_member_gains_no_energy_at_a_start_and_where_steps_grow(rho):
-    """With its acceleration as it is, it would get (omega h)^2/16 of its own, for rho_inf 0 (theory.md, 2.1)."""
+    """With the unfiltered acceleration, energy grows by (omega h)^2/16 of itself for rho_inf 0 (theory.md, 2.1)."""
     stiffness, stretch = 4e6, 1e-6  # omega h = 40
 
     time = f"{{end: 0.4, step: 0.02, rho_inf: {rho}}}"
@@ -42,7 +42,7 @@ def test_a_stiff_member_gains_no_energy_at_a_start_and_where_steps_grow(rho):
 
 
 def test_steps_of_a_slow_motion_are_not_held_by_a_small_fast_one():
-    """A swing of 1e-6 m and 1600 Hz beside one of 1 m: as many steps, to a tenth, as without it."""
+    """An oscillation of 1e-6 m at 1600 Hz beside one of 1 m changes the number of steps by less than a tenth."""
     time = f"{{end: 6, step: 1.0e-3, rho_inf: 0.8, adaptive: {{tolerance: {TOLERANCE}, maximum_step: 0.5}}}}"
     still, swinging = (RecordedRun(oscillator(1e8, stretch, time)).run for stretch in (0.0, 1e-6))
     assert swinging.steps <= 1.1 * still.steps
@@ -50,7 +50,7 @@ def test_steps_of_a_slow_motion_are_not_held_by_a_small_fast_one():
 
 @pytest.mark.parametrize("phase", [0.03, 0.1, 0.3, 1.0])
 def test_a_mode_is_off_by_its_amplitude_at_most(phase):
-    """However well steps resolve it: about its amplitude is counted, where the sum of errors is 60 to 70,000 of it."""
+    """At any resolution, the error counted is about the amplitude; the sum of errors is 60 to 70,000 times that."""
     frequency, amplitude, duration = 1e3, 1e-5, 1e3  # rad/s, m, s
     h = phase / frequency
     recorded = RecordedRun(oscillator(frequency**2, amplitude, f"{{end: {20 * h}, step: {h}, rho_inf: 0.8}}"))
@@ -66,7 +66,7 @@ def test_a_mode_is_off_by_its_amplitude_at_most(phase):
 
 
 def pendulum(angle, end):
-    """A bar of 1 m on a hinge, ``angle`` [rad] from where it hangs, with the error of its end [rad]."""
+    """Return a bar of 1 m on a hinge, ``angle`` [rad] from hanging, with the error at its end [rad]."""
     recorded = RecordedRun(
         deck(f"""
         mecano: 1
@@ -88,7 +88,7 @@ def pendulum(angle, end):
 
 
 def test_a_motion_that_steps_resolve_keeps_to_the_tolerance():
-    """Small swings for 75 periods: within a factor 10 of the tolerance, as all others (test_adaptive.py)."""
+    """Small oscillations for 75 periods: error within a factor 10 of the tolerance, as in test_adaptive.py."""
     recorded, error = pendulum(0.05, 150.0)
     assert recorded.run.steps > 75 * 20
     assert error <= 10.0 * TOLERANCE
@@ -96,7 +96,7 @@ def test_a_motion_that_steps_resolve_keeps_to_the_tolerance():
 
 @pytest.mark.parametrize("angle, counts_whole", [(np.pi - 0.05, True), (0.05, False)])
 def test_what_grows_is_not_called_small(angle, counts_whole):
-    """The error of a pendulum near its top is not reduced by what its stiffness, negative there, would make of it."""
+    """The error of a pendulum near its top, where the stiffness is negative, is not reduced by the filter."""
     recorded, _ = pendulum(angle, 0.1)
     method, run = recorded.integrator.method, recorded.run
     method.duration = 1e5

@@ -1,4 +1,4 @@
-"""The wheel whose patch gives way sideways and in torsion: shimmy, relaxation, touch-down; roads and brakes.
+"""The wheel whose patch deforms laterally and in torsion: shimmy, relaxation, touch-down; roads and brakes.
 
 Reference b1_shimmy: a trailing wheel with Moreland's tyre, characteristic polynomial
 (I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1 + C1 s); roots found a second way to 1e-9.
@@ -87,7 +87,7 @@ def test_creep_shifts_the_eigenvalues_as_the_regularization():
 
 @pytest.mark.parametrize("kind", ["adhesive_wheel", "flexible_wheel"])
 def test_growth_of_shimmy_in_time(kind):
-    """Growth rate and frequency of a small swing, to 1 percent."""
+    """Growth rate and frequency of a small oscillation, to 1 percent."""
     recorded = RecordedRun(input_deck("caster_shimmy", f"elements.tire.type={kind}", "time.step=5e-4", "time.end=0.6",
                              "tire_laws.rubber.slip_regularization=1e-4"))  # fmt: skip
     angle = recorded["joints/caster/angle"]

@@ -1,4 +1,4 @@
-"""Generic joint: its deck of inputs/ against closed forms, the joints that it can stand for, and what it refuses."""
+"""Generic joint: its deck of inputs/ against closed forms, equivalent joints, and refused input."""
 
 import numpy as np
 import pytest

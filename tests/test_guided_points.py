@@ -1,4 +1,4 @@
-"""Points on curves and along beams: decks of inputs/ and others against closed forms, and what they refuse."""
+"""Points on curves and along beams: decks of inputs/ and others against closed forms, and refused input."""
 
 import numpy as np
 import pytest

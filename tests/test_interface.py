@@ -1,4 +1,4 @@
-"""`mecano.run` and the other names of `dir(mecano)`: as the commands, from Python."""
+"""`mecano.run` and the other names of `dir(mecano)`: the commands, called from Python."""
 
 import doctest
 import re

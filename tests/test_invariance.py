@@ -1,4 +1,4 @@
-"""Frame invariance: a whole deck turned and moved gives the motion turned and moved."""
+"""Frame invariance: a rotated and translated deck gives the rotated and translated motion."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def turned_velocity(d, Q):
 
 
 def largest_by_unit(recorded):
-    """The largest number of the run for each unit: what a difference is compared with."""
+    """Return the largest value of the run for each unit, the scale of differences."""
     sizes = {}
     for c in recorded.columns.values():
         sizes[c.unit] = max(sizes.get(c.unit, 0.0), np.abs(recorded[c.path]).max())

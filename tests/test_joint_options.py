@@ -1,4 +1,4 @@
-"""Bushings, laws and compliance in joints: closed forms, and joints that must do the same in two ways."""
+"""Bushings, laws and compliance in joints: closed forms, and joints modelled in two equivalent ways."""
 
 import math
 
@@ -48,7 +48,7 @@ BODY = """
 
 
 def two_bodies(kind, options, place=(0, 0, 0), more=""):
-    """A march of two bodies, on the ground by a hinge and to one another by the joint."""
+    """Run two bodies, one joined to the ground by a hinge, and to the other by the joint."""
     return RecordedRun(deck(BODY.format(kind=kind, options=options, place=list(place), more=more)))
 
 
@@ -120,7 +120,7 @@ SINGLE = """
 
 
 def single(kind, options, gravity=0.0, center=(0, 0, 0), velocity=(0, 0, 0), spin=(0, 0, 0), end=0.5, step=1e-3):
-    """A march of one body on the ground."""
+    """Run one body joined to the ground."""
     vectors = {"center": list(center), "velocity": list(velocity), "spin": list(spin)}
     return RecordedRun(deck(SINGLE.format(kind=kind, options=options, gravity=gravity, end=end, step=step, **vectors)))
 
@@ -174,7 +174,7 @@ STATIC = {  # kind: options, what is left free
 
 @pytest.mark.parametrize("kind", STATIC)
 def test_an_elastic_joint_gives_way_under_a_weight(kind):
-    """At rest after some damped swings: sag m g/k, tilt M/c about y, the reactions of the rigid joint."""
+    """At rest after some damped oscillations: sag m g/k, tilt M/c about y, the reactions of the rigid joint."""
     options, axes = STATIC[kind]
     soft = LOADED.format(4000.0, 60.0), LOADED.format(500.0, 2.0)
     laws = ", ".join(f"{axis}: {soft[axis.startswith('about')]}" for axis in axes)

@@ -1,4 +1,4 @@
-"""Runs killed at random instants: what was acknowledged is readable and equal to the uninterrupted run, bit for bit."""
+"""Runs killed at random instants: acknowledged data are readable and equal to the uninterrupted run, bit for bit."""
 
 import random
 import subprocess
@@ -34,7 +34,7 @@ SETTINGS = ["--set", "time.end=1.4", "--set", "time.step=5.0e-5", "--set", "outp
 
 @dataclass
 class Held:
-    """What a results file holds."""
+    """Return the content of a results file."""
 
     times: np.ndarray
     series: dict
@@ -51,7 +51,7 @@ class Held:
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The uninterrupted run, and how long it marches [s]."""
+    """Return the uninterrupted run, and the duration of its time integration [s]."""
     path = tmp_path_factory.mktemp("whole") / "whole.h5"
     subprocess.run(
         [*COMMAND, *SETTINGS, "-o", str(path)], check=True, stdout=subprocess.DEVNULL
@@ -64,14 +64,14 @@ def whole(tmp_path_factory):
 
 
 def appearance(path):
-    """When the file got its name: the march begins."""
+    """Wait until the file appears, when the time integration begins, and return that time."""
     while not path.exists():
         time.sleep(0.002)
     return time.monotonic()
 
 
 def killed(path, after):
-    """Run and kill -9 so many seconds after the march began: what the process had acknowledged by then."""
+    """Run, kill -9 ``after`` seconds of integration, and return the rows acknowledged by the process."""
     process = subprocess.Popen([*COMMAND, *SETTINGS, "-o", str(path)], stdout=subprocess.PIPE)
     appearance(path)
     time.sleep(after)

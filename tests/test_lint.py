@@ -1,4 +1,4 @@
-"""Warnings of legal but suspicious decks and models, each with its place; none of decks that are as they should be."""
+"""Warnings about legal but suspicious decks and models, with line and column; none about proper decks."""
 
 import pytest
 from process import flowing
@@ -36,7 +36,7 @@ def at(text, line):
 
 
 def test_negative_stiffness_and_damping():
-    """Once for all that is alike, in a run as in a check; nothing of what is not negative."""
+    """One warning for all like elements, in runs and checks; none if nothing is negative."""
     bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
     given = input_deck("snap_through", *bars)
     (said,) = startup_warnings(prepare(given))

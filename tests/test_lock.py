@@ -1,4 +1,4 @@
-"""The record of who writes a results file: none that is being written is replaced, no stale record is in the way."""
+"""The lock of a results file: no file being written is replaced, and stale records do not block."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Nodes attached to a body with an orientation of their own: the motion is that of the model without it."""
+"""Nodes attached to a body with orientations of their own: the motion is unchanged."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ INERTIA, CENTER = np.diag([0.02, 0.03, 0.04]), np.array([0.05, 0.0, 0.02])
 
 
 def march_of(arm, turn):
-    """March of the model with lug and block turned; the inertia of the block is the same in inertial axes."""
+    """Run the model with lug and block turned; the inertia of the block is unchanged in inertial axes."""
     (R,) = rotations(np.array([turn]))
     J = R.T @ INERTIA @ R
     J, center = 0.5 * (J + J.T), R.T @ CENTER

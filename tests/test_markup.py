@@ -1,4 +1,4 @@
-"""Titles, and names of files, that look like markup: text in the report, the page of an animation and pictures."""
+"""Titles and names of files that look like markup are plain text in reports, animations and pictures."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Modes of the equilibrium beside a moving state: `mecano modes --at ... --at-rest`."""
+"""Modes about the equilibrium near a moving state: `mecano modes --at ... --at-rest`."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Planar joint, screw, gears, rack and pinion: their decks of inputs/ against closed forms, and what they refuse."""
+"""Planar joint, screw, gears, rack and pinion: their decks of inputs/ against closed forms, and refused input."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""inputs/nose_gear_rigid.yaml against a planar model in minimal coordinates, and the facts told in docs/examples."""
+"""inputs/nose_gear_rigid.yaml against a planar model in minimal coordinates, and the numbers in docs/examples."""
 
 import numpy as np
 import pytest
@@ -99,7 +99,7 @@ def test_it_stays_in_its_plane(flat):
 
 @pytest.mark.parametrize("ground", ["flat", "wavy"])
 def test_energy_is_accounted_for(ground, request):
-    """What friction, oil and tyre dissipate (83 kJ) is what the motion loses, to 1e-4."""
+    """Friction, oil and tyre dissipate the energy lost by the motion (83 kJ), to 1e-4."""
     recorded = request.getfixturevalue(ground)
     assert recorded["energy/dissipated"][-1] > 8e4
     assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/dissipated"][-1]

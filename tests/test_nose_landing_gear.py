@@ -1,4 +1,4 @@
-"""inputs/nose_landing_gear.yaml: what the paper tells of it, its accuracy, and the page of its drop test.
+"""inputs/nose_landing_gear.yaml: comparison with the paper, accuracy, and the sheet of its drop test.
 
 The paper: section 4.2 of Cardona, Geradin & Doan, CMAME 89 (1991). Times of contact are read there to 0.05 s.
 """

@@ -1,4 +1,4 @@
-"""The notebooks of docs/notebooks run from top to bottom, and what their cells end with can be shown.
+"""The notebooks of docs/notebooks run from top to bottom, and the values of their cells can be displayed.
 
 The cells are run as plain Python: a kernel would only carry the code and what is shown between two processes.
 """

@@ -1,4 +1,4 @@
-"""The results file as others read it: VTK (that is, ParaView), xarray with both of its engines, h5dump.
+"""The results file in other programs: VTK (that is, ParaView), xarray with both of its engines, h5dump.
 
 Each test is skipped where the other program is not installed.
 """

@@ -1,4 +1,4 @@
-"""What is said of the package in several places is the same, and the wheel has all that it needs."""
+"""Metadata of the package are consistent, and the wheel is complete."""
 
 import tomllib
 from pathlib import Path

@@ -93,7 +93,7 @@ def test_wheel_sheet_has_the_figures_of_the_paper(shown, runs):
 
 
 def test_slip_has_gaps_where_the_wheel_is_in_the_air(shown, runs):
-    """With the value of its touch-down; a peak in the air is none. What does not need the ground has no gaps."""
+    """The value at touch-down is kept, peaks in the air are not; quantities independent of the ground have no gaps."""
     by_label = {panel.label: panel for panel in shown["wheels"].panels}
     pressed = values(runs[0], "one_wheel.normal_force") > 0.0
     drawn = pressed | np.append(pressed[1:], False)
@@ -279,7 +279,7 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
 
 
 def test_lines_that_are_covered_are_wider(runs):
-    """By rounding alone none is told apart from another, whatever range of a constant the axis shows."""
+    """Curves that differ by rounding only coincide, whatever the range of the axis of a constant."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     for values in (np.full(41, 4.3), force.values):
         covered = [replace(force, values=values * (1.0 + i * 1e-9)) for i in range(3)]
@@ -481,7 +481,7 @@ TEN = tuple("abcdefghij")
     [(40, 1, ()), (5, 8, ()), (12, 3, ()), (1, 20, ()), (6, 2, ("a", "b")), (2, 1, TEN), (1, 1, TEN)],
 )
 def test_no_two_curves_look_the_same(runs, names, whats, labels):
-    """What there is no colour for is pale, and the legend counts it: the smallest."""
+    """The smallest curves, without colours of their own, are pale and counted in the legend."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     curves = []
     for run, i, j in np.ndindex(len(labels) or 1, names, whats):
@@ -612,7 +612,7 @@ class TestInfo:
         assert [float(x) for x in numbers] == pytest.approx(expected, rel=1e-4)
 
     def test_extremes_without_zeros_and_rounding(self):
-        """Below 1e-10 of the largest of a unit; not a number is told, and nodes are left out."""
+        """Extremes below 1e-10 of the largest of a unit, and nodes, are left out; nan is reported."""
         values = {
             "a/f": (-9.0, 2.0, "N"),
             "a/g": (0.0, 8e-10, "N"),
@@ -644,7 +644,7 @@ def test_a_file_without_saved_times(tmp_path, monkeypatch):
 
 
 def with_overrides(folder, given):
-    """Results, opened, of runs with so many overrides each."""
+    """Return open results of runs with the given overrides each."""
     return [
         mecano.open_results(every_kind.write(folder / f"{i}.h5", overrides=overrides, kinds={}))
         for i, overrides in enumerate(given)
@@ -652,7 +652,7 @@ def with_overrides(folder, given):
 
 
 def test_labels_are_the_values_that_differ(tmp_path):
-    """Of one deck: what the overrides set, or the deck where there is none; equal numbers written otherwise are one."""
+    """Labels of runs of one deck: values of overrides, or of the deck; equal numbers in other notation are equal."""
     given = [(), ("parameters.wave=0.50", "nodes.tip.fixed=true"), ("parameters.wave=5e-1", "nodes.tip.fixed=false")]
     opened = with_overrides(tmp_path, given)
     both = [("0.4", "false"), ("0.5", "true"), ("0.5", "false")]
@@ -661,7 +661,7 @@ def test_labels_are_the_values_that_differ(tmp_path):
 
 
 def test_no_label_is_empty(tmp_path):
-    """A run without what the other one sets, an optional field for example."""
+    """A run without a value that the other one sets, such as an optional field."""
     given = [(), ("time.adaptive={tolerance: 1e-3}",)]
     assert labels(with_overrides(tmp_path, given)) == ["no time.adaptive", "time.adaptive = {tolerance: 1e-3}"]
 

@@ -1,4 +1,4 @@
-"""The README: short, its links lead somewhere, its deck runs, its numbers are those of the pages they come from."""
+"""The README: short, its links are valid, its deck runs, its numbers agree with their source pages."""
 
 import re
 from pathlib import Path

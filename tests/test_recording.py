@@ -1,4 +1,4 @@
-"""What `mecano run` writes: saved times and extremes, checked against a run of the same deck that saves every step."""
+"""Output of `mecano run`: saved times and extremes, against a run of the same deck that saves every step."""
 
 import signal
 import subprocess

@@ -64,7 +64,7 @@ BLOCKED = """
 
 
 def test_redundant_constraints_that_contradict_one_another_are_reported():
-    """A motor on what is held, which gives way by 1e-11 only: from the start on, or from 5 ms on."""
+    """A motor on a blocked joint whose compliance gives 1e-11 only, from the start or from 5 ms."""
     RecordedRun(deck(BLOCKED.format(0.0)))
     motor = "to prescribed_angle 'turn': moment that holds the angle"
     with pytest.raises(AssemblyError, match=f"contradict one another: the others leave a rate of -1 rad/s {motor}"):
@@ -128,7 +128,7 @@ def test_all_constraints_that_contradict_one_another_are_named():
 
 
 def test_a_motor_that_drives_on_a_stop_ends_the_run_with_both_names():
-    """The march ends at the stop, as one that cannot go on, not as a deck that cannot be assembled."""
+    """The run ends at the stop with exit code 3, not as a deck that cannot be assembled."""
     text = """
     mecano: 1
     gravity: [0, 0, 0]
@@ -202,7 +202,7 @@ def test_motion_is_planar_and_closes():
 
 
 def leaning(g_y, steps=1000, step=1e-3):
-    """The march of the linkage with gravity across its plane."""
+    """Run the linkage with the component ``g_y`` of gravity [m/s2] normal to its plane."""
     across = four_bar(end=steps * step, step=step)
     across.values["gravity"][1] = g_y
     return RecordedRun(across)

@@ -1,6 +1,6 @@
-"""Redundant and contradictory constraints: all joints that take part are named, also those that share unknowns.
+"""Redundant and contradictory constraints: all joints involved are named, also those that share unknowns.
 
-What takes part is known from statics: a group is a set of constraints that can bear against one another, and leaving
+The joints involved are known from statics: a group is a set of constraints that can load one another, and leaving
 any of its joints out makes what is left isostatic.
 """
 

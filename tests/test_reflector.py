@@ -74,7 +74,7 @@ def test_curved_shape_is_reached(deployment):
 
 
 def test_energy_is_balanced_and_then_never_grows(deployment):
-    """What members swing with after the shocks, the integrator damps."""
+    """The integrator damps the oscillations of members after the shocks."""
     balance, times = deployment["energy/balance"], deployment.time
     first = min(h.t for h in deployment.event_records if h.impulse != 0.0)
     kinetic = deployment["energy/kinetic"].max()

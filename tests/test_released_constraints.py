@@ -1,4 +1,4 @@
-"""Constraints on velocities that some on positions imply: these hold alone, and nothing rings (docs/theory.md, 3)."""
+"""Velocity constraints implied by position constraints are released, without ringing (docs/theory.md, 3)."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def released(prepared):
 
 
 def test_what_is_released():
-    """Of two wheels on one axle one, whose reaction is then that of the other; all else is exact."""
+    """One of two wheels on an axle is released, with the reaction of the other; all else is exact."""
     arm, axle = prepare(input_deck("trailing_wheel_bump")), prepare(input_deck("axle_on_slope"))
     assert released(arm) == ["rigid_wheel 'wheel': lateral force of the ground"]
     assert released(axle) == ["rigid_wheel 'left_wheel': lateral force of the ground"]
@@ -124,7 +124,7 @@ WALL = """
 
 
 def closed(prepared):
-    """Let the march begin with the plate at the wall."""
+    """Start the run with the plate at the wall."""
     s, system = prepared.state, prepared.system
     s.phases[:] = 1
     system.follow(s.phases)

@@ -1,4 +1,4 @@
-"""The page that reports on one run."""
+"""The page of a report on a run."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""What a user is told of a run, on the terminal and in the results: remarks, limits, defaults chosen, warnings."""
+"""Messages about a run, on the terminal and in the results: warnings, limits, chosen defaults."""
 
 import re
 from types import SimpleNamespace

@@ -69,7 +69,7 @@ def test_metadata(finished):
 
 
 def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):
-    """3 s before, 500 s while it runs; a file in which the latter are not told apart is an older one."""
+    """3 s of compiling before the run, 500 s during it; older files have no separate compile time."""
     monkeypatch.setattr(store, "_times", [3.0])
     with samples.create(tmp_path / "r.h5") as writer:
         writer._started -= 500.0

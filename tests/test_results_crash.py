@@ -1,4 +1,4 @@
-"""Results files of runs that were killed, interrupted, cut short or met a full disk, and of runs still going on."""
+"""Results files of runs killed, interrupted, truncated or stopped by a full disk, and of running ones."""
 
 import contextlib
 import errno
@@ -163,7 +163,7 @@ def test_no_instant_of_closing_a_file_seems_to_be_damage(closing):
 
 
 def test_changed_bytes_are_found_at_every_instant_of_a_run(tmp_path, monkeypatch):
-    """Of a file whose writer was killed after some change of it, every changed bit of what it holds is found."""
+    """Every changed bit of a file whose writer was killed at any instant is found."""
     path, rng = tmp_path / "r.h5", random.Random(11)
     log, start, *_ = record(path, monkeypatch)
     monkeypatch.undo()
@@ -311,7 +311,7 @@ FILL = """
 
 
 def check_full(process, path, reason):
-    """The process said why and ended in order; the file holds what it acknowledged."""
+    """Check that the process reported the reason and ended cleanly, and that its file holds all acknowledged data."""
     out, reported = process.communicate(timeout=60)
     assert process.returncode == 5 and reason in reported and reported.count("\n") == 1
     assert os.listdir(path.parent) in ([path.name], [])
@@ -327,7 +327,7 @@ def check_full(process, path, reason):
 
 
 def test_a_file_that_may_not_grow_keeps_what_it_has(tmp_path):
-    """Every size at which the system may refuse to go on, from the first byte to many rows."""
+    """The limit of the file size varies from the first byte to many rows."""
     sizes = [*range(1, 60_000, 19_001), *range(60_000, 800_000, 180_003)]
     (tmp_path / "d").mkdir()
     counts = []

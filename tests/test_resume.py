@@ -1,4 +1,4 @@
-"""Runs that end early and are gone on with: the same bits as without; what may not be gone on with; changed bytes."""
+"""Runs that end early and are resumed to the same bits; runs that cannot be resumed; changed bytes."""
 
 import ctypes
 import json

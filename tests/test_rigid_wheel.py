@@ -137,7 +137,7 @@ def test_the_paper_disc_wobbles_in_time():
 
 
 def steady(theta_deg, psidot, w3):
-    """March of a thin disc that rolls on a circle."""
+    """Run a thin disc that rolls on a circle."""
     theta = np.radians(theta_deg)
     c, s, r = np.cos(theta), np.sin(theta), 0.3225
     lean, w2 = np.pi / 2 - theta, psidot * s

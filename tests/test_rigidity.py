@@ -1,4 +1,4 @@
-"""What can move where flexible members are held stiff, against linkages whose motions are known."""
+"""Free motions with flexible members held stiff, against linkages with known motions."""
 
 import pytest
 from time_runs import deck, input_deck

@@ -1,4 +1,4 @@
-"""The state of a run is one value: saved, loaded and marched on, it gives the same bits."""
+"""The state of a run is one value: saved, loaded and continued, it gives the same bits."""
 
 import h5py
 import numpy as np
@@ -66,7 +66,7 @@ def test_rejected_steps_leave_nothing_behind():
 
 
 class EveryThird(TimeIntegrator):
-    """A march that rejects every third trial that it would accept, and tries the same size again."""
+    """A time integration that rejects every third acceptable trial, and repeats it with the same size."""
 
     accepted = 0
 
@@ -108,7 +108,7 @@ def check_equal(one, other, path=""):
 
 
 def marched(checked, run=None, times=(), end=None):
-    """March a deck from its start, or from ``run``, to each of ``times`` and on to the end: (run at each, events)."""
+    """Run a deck from its start, or from ``run``, via ``times`` to the end; return (RunStates at these, events)."""
     prepared, happened = prepare(checked), []
     integrator = integrator_of(prepared, (lambda accepted: happened.extend(accepted.event_records),))
     run = run or integrator.begin(prepared.state, checked.values["time"]["step"])

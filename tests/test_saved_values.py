@@ -1,4 +1,4 @@
-"""What is saved between two steps: values that the steps had, never more."""
+"""Values saved between two steps never exceed those of the steps."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""k and penalty only scale the linear system: whatever the deck says of them, motion and reactions are the same."""
+"""k and penalty only scale the linear system: motion and reactions do not depend on them."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ SCALES = [
 
 @pytest.fixture(scope="module", params=DECKS)
 def plain(request):
-    """(name of a deck, its end, the march with k and penalty chosen automatically)."""
+    """Return (name of a deck, its end, the run with automatic k and penalty)."""
     name, end = request.param, DECKS[request.param]
     return name, end, RecordedRun(input_deck(name, f"time.end={end}", "time.adaptive=null", *TIGHT))
 

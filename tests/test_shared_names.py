@@ -1,4 +1,4 @@
-"""A joint and an element of one name: their paths differ; a name that means both is answered with both in full."""
+"""A joint and an element with the same name: their paths differ; an ambiguous name is answered with both paths."""
 
 from types import SimpleNamespace
 

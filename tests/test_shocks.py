@@ -36,7 +36,7 @@ RODS = """
 
 
 def struck(checked, rates):
-    """(march, state before, Shock) of all events with shocks at once, at the start of a deck, at rates of joints."""
+    """Return (march, state before, Shock) of all shocks at once at the start of a deck, with rates of joints."""
     prepared = prepare(checked)
     integrator, s = integrator_of(prepared), prepared.state
     s.memory = integrator.system.commit(s)
@@ -87,7 +87,7 @@ STORED = 1.9985948912205949
 
 
 def test_spring_driven_elbow_locks():
-    """e3, two_rod_spring_elbow_lock: time and rates before converge with h^2; what is locked stands still."""
+    """e3, two_rod_spring_elbow_lock: time and rates before converge with h^2; locked joints stand still."""
     errors = []
     for step in (4e-3, 2e-3, 1e-3):
         recorded = RecordedRun(input_deck("deployment_lock", "time.adaptive=null", f"time.step={step}", "time.end=1.2"))
@@ -125,7 +125,7 @@ def test_panel_locks_to_the_ground_and_the_file_tells(tmp_path):
 
 
 def test_modes_about_a_saved_time_know_what_is_locked(tmp_path):
-    """The latch is in the mode that the events tell, and holds where it was; a saved time before is free."""
+    """The latch is in the phase of the events, and holds its position; at an earlier saved time it is free."""
     checked = input_deck("deployment_lock", "output.every=0.1")
     run(checked, tmp_path / "rods.h5")
     for time, locked in ((1.0, 0.0), (1.2, 1.0), (1.6, 1.0)):
@@ -164,7 +164,7 @@ def test_an_elastic_cable_gives_back_what_it_takes(verify):
 
 
 def test_a_winder_pays_out_and_is_fully_uncoiled():
-    """Closed form in the deck, less what the cable stretches."""
+    """Closed form in the deck, minus the stretch of the cable."""
     recorded = RecordedRun(input_deck("winder"))
     assert [h.name for h in recorded.event_records] == ["goes taut", "pays out", "is fully uncoiled"]
     end = recorded.event_records[-1]
@@ -193,7 +193,7 @@ def test_a_line_that_holds_keeps_the_energy_of_its_strain():
 
 
 def test_a_winder_that_is_too_strong_holds():
-    """A pull of 2 N does not move a brake of 6 N: the cable stretches, and the mass swings on it."""
+    """A pull of 2 N does not move a brake of 6 N: the cable stretches, and the mass oscillates on it."""
     recorded = RecordedRun(
         input_deck("winder", "initial.velocities=[]", "elements.cable.axial_stiffness=1e3", "time.end=2")
     )
@@ -376,7 +376,7 @@ def test_a_rigid_wheel_dropped_from_the_air_falls_and_is_caught():
 
 
 def test_a_rigid_wheel_over_a_bump_keeps_the_balance():
-    """It leaves the ground and comes down again: what the shocks take is in the balance."""
+    """It leaves the ground and lands again: the balance includes the energy lost in the shocks."""
     bump = "profile: {direction: [1, 0, 0], height: {bump: {start: 0.5, length: 2.0, height: 0.2}}}"
     rolling = "{nodes: [hub], velocity: [4, 0, 0], angular_velocity: [0, 13.333333333333334, 0]}"
     text = WHEEL.replace("normal: [0, 0, 1]}}", f"normal: [0, 0, 1]}}, {bump}}}").replace("end: 0.3", "end: 0.7")
@@ -404,7 +404,7 @@ DRIVEN = """
 
 
 def test_prescribed_motion_gives_work_in_a_shock():
-    """The motor turns on at 3 rad/s whatever the rope that is pulled straight takes: that is given."""
+    """The motor keeps 3 rad/s when the rope becomes taut: the work of the shock counts as given energy."""
     recorded = RecordedRun(deck(DRIVEN))
     (caught,) = recorded.event_records
     assert caught.impulse > 0.0

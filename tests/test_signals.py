@@ -1,4 +1,4 @@
-"""Signals at random instants, limits of processor time, closed terminals, killed parents: who ends, how, and when."""
+"""Signals at random instants, limits of CPU time, closed terminals, killed parents: which processes end, and how."""
 
 import os
 import pty
@@ -29,7 +29,7 @@ STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """An empty current folder with the deck of a run that would go on for hours, and a study of it."""
+    """A new working folder with the deck of a run of hours, and a study of it."""
     (tmp_path / "deck.yaml").write_text(SWING)
     (tmp_path / "study.yaml").write_text(STUDY)
     monkeypatch.chdir(tmp_path)
@@ -82,7 +82,7 @@ def ended_soon(number, before):
 
 
 def reported(process, wanted):
-    """Send a signal to a process: its exit code, and what it said."""
+    """Send a signal to a process; return its exit code and messages."""
     process.returncode = answered(process.pid, wanted)
     return process.returncode, process.stderr.read().decode()
 
@@ -163,7 +163,7 @@ def test_a_limit_of_processor_time(folder, started):
 
 
 def test_a_terminal_that_is_closed(folder):
-    """The run is told by SIGHUP, and finds that nobody listens any more."""
+    """The run receives SIGHUP, and its terminal is gone."""
     child, terminal = pty.fork()
     if child == 0:
         os.execv(COMMAND[0], [*COMMAND, "run", "deck.yaml"])
@@ -195,7 +195,7 @@ def children(number):
 
 
 def alive(number):
-    """True for a process that runs; what is the init of a container may leave zombies."""
+    """Return whether a process runs; zombies do not, which the init of a container may leave."""
     try:
         return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -204,7 +204,7 @@ def alive(number):
 
 @pytest.mark.parametrize("executor", ["local", "dask"])
 def test_a_killed_study_leaves_no_orphans(folder, started, executor):
-    """Its cases end as by SIGTERM, with checkpoints: the study goes on where they are."""
+    """Its cases end as by SIGTERM, with checkpoints from which the study resumes."""
     if executor == "dask":
         pytest.importorskip("distributed")
     words = ["sweep", "study.yaml", "--jobs", "2", "--executor", executor]
@@ -244,7 +244,7 @@ def test_a_study_that_is_stopped_while_it_compiles_ends_after_what_it_has_begun(
 
 
 def test_an_error_in_a_study_leaves_no_orphans(folder, monkeypatch):
-    """What the parent cannot write ends it; until then it waits for its cases, which write checkpoints."""
+    """A failed write ends the parent, after its cases have written checkpoints."""
     monkeypatch.chdir(folder)
     study = read_study("study.yaml")
     pool = Pool(Folder(folder / "study_runs", study), 2, Limits())

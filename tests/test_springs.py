@@ -163,7 +163,7 @@ def test_torsion_angle_of_swapped_nodes_is_opposite_off_alignment():
 
 @pytest.mark.parametrize("swing", [0.0, 0.9, 2.8])
 def test_torsion_tangent_on_and_off_alignment(swing):
-    """Aligned axes are what a hinge enforces; the tangent does not lose its part M dg there."""
+    """The term M dg of the tangent is kept for aligned axes, as enforced by a hinge."""
     rng = np.random.default_rng(7)
     A = rotations(1, 7)[0]
     spring = One(KINDS["torsion_spring_damper"], {"law": LINEAR, "axis": [0, 0, 1]}, [(np.zeros(3), np.eye(3))] * 2)

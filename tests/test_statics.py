@@ -1,4 +1,4 @@
-"""Static equilibrium: paths against closed forms, stability, failures by name, starts of marches."""
+"""Static equilibrium: paths against closed forms, stability, named failures, initial states of dynamic runs."""
 
 import re
 
@@ -89,7 +89,7 @@ def test_arc_length_that_does_not_reach_its_end(tmp_path):
 
 
 def test_arc_length_that_cannot_go_on():
-    """A force on what nothing holds: the path stops where it begins, and what is free is named."""
+    """A force on a free body: the path stops at its start, and the free motion is named."""
     with pytest.raises(ConvergenceError, match="it stopped at load factor 0") as caught:
         Path(arm("static: {method: arc_length}", stiffness=0.0))
     assert "node 'pin' turns about [0, 1, 0]" in str(caught.value)
@@ -106,7 +106,7 @@ def test_steps_stop_at_a_limit_point():
 
 
 def test_pendulum_falls_into_place():
-    """From the horizontal, where it has no stiffness, the pendulum hangs; the joint carries its weight."""
+    """A pendulum, horizontal and without stiffness at first, comes to hang; the joint carries its weight."""
     text = arm("static: {method: relaxation}", stiffness=1e-9)
     path = Path(text)
     assert path.turns_about_y("pin")[-1] == pytest.approx(np.pi / 2, abs=1e-8)
@@ -200,7 +200,7 @@ def test_wheel_settles_on_the_ground():
 
 
 def test_relaxation_does_not_end_at_an_unstable_equilibrium(tmp_path):
-    """The wheel falls flat, which its tyre refuses: motion and elements are named, the file keeps where it stood."""
+    """The wheel falls flat, outside the range of its tyre: motion and elements are named, the file keeps the path."""
     with pytest.raises(ConvergenceError, match="no stable equilibrium was found at load factor 1") as caught:
         run(deck_of_bytes(standing_wheel("relaxation").encode(), "wheel.yaml"), tmp_path / "wheel.h5")
     text = str(caught.value)

@@ -1,4 +1,4 @@
-"""What a step costs in Python, counted in calls, which do not depend on the machine; docs/benchmarks.md has times."""
+"""Cost of a step in Python, in calls, which do not depend on the machine; docs/benchmarks.md has times."""
 
 import sys
 from collections import Counter

@@ -25,7 +25,7 @@ YAW, SHIFT = (1.0, 0.0), (0.0, 1.0)  # (theta, eta)
 
 
 def exact(p, motion):
-    """Force and moment (2,) of the string with its delay at the path frequency p [1/m]."""
+    """Return force and moment (2,) of the exact string, with its delay, at the path frequency p [1/m]."""
     theta, eta = motion
     v1 = SIGMA * (theta - p * eta - A * p * theta) / (1 + SIGMA * p)
     front = eta + A * theta + v1
@@ -38,7 +38,7 @@ def exact(p, motion):
 
 
 def of_law(form):
-    """The same of a law as the element has it: F, M and X with v_C = 0, dy/dt = v_lat - V psi, at V = 1 m/s."""
+    """Return the response of a law as in the element: F, M and X with v_C = 0, dy/dt = v_lat - V psi, at V = 1 m/s."""
     r = prepare_string({**dict.fromkeys(FORMS), form: STRING, "relaxation_in_air": 1e-3})
 
     def response(p, motion):
@@ -75,7 +75,7 @@ def test_steady_rolling_has_the_cornering_stiffness_and_the_pneumatic_trail(form
 
 
 def lateral(form, **values):
-    """Override of a tire law."""
+    """Return the override of a tyre law."""
     fields = {**STRING, **values}
     if form == "straight_tangent":  # whose psi is no twist
         del fields["torsional_stiffness"]

@@ -1,4 +1,4 @@
-"""Studies: what a study file may say, the cases side by side, what is left of them, the table and its picture."""
+"""Studies: study files, cases in parallel, their files, the table and its picture."""
 
 import csv
 import os

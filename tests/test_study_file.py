@@ -1,4 +1,4 @@
-"""What is told of study files: `mecano explain study`, `mecano schema --study`."""
+"""Documentation of study files: `mecano explain study`, `mecano schema --study`."""
 
 import json
 import re

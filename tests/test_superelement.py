@@ -243,7 +243,7 @@ def test_inner_nodes_are_recovered(tmp_path):
 
 
 def test_inner_nodes_follow_the_full_model(tmp_path):
-    """The middle of one reduced bar in swift bending vibration against that of the beams it was made of."""
+    """The middle of a reduced bar in fast bending vibration against that of the original beams."""
     base = BAR.replace("root: {position: [0.2, 0.1, 0], ", "root: {position: [0.2, 0.1, 0], fixed: true, ").replace(
         "time: {end: 0.1, step: 0.001}", "loads:\n  f: {type: force, node: tip, value: 2.0, direction: [0, 0, 1]}\n"
         "time: {end: 0.05, step: 0.0005}",

@@ -1,4 +1,4 @@
-"""Files of reduced matrices: all formats mean the same, and what is wrong is told."""
+"""Files of reduced matrices: all formats are equivalent, and errors are reported."""
 
 import json
 

@@ -161,7 +161,7 @@ def test_bicycle(verify):
 
 @pytest.mark.parametrize("speeds", ["1,5,300", "6.0242,6.0243"])
 def test_how_well_a_critical_value_is_known(speeds):
-    """Free motions hide a real eigenvalue within 1e-9 m/s of the capsize speed; what is told of it holds."""
+    """Free motions hide a real eigenvalue within 1e-9 m/s of the capsize speed; the digits reported are correct."""
     (locus,) = sweep(INPUTS / "bicycle.yaml", (), [f"speed={speeds}"]).loci
     for c, exact in zip(locus.critical[::-1], (6.024262015388837, 4.292382536341), strict=False):
         assert abs(c.place - exact) < max(c.error, 5e-12) and c.error < 1e-9
@@ -261,7 +261,7 @@ def test_map_files_and_pictures(tmp_path):
 
 
 def test_critical_values_about_a_start_that_is_kicked(tmp_path):
-    """The arm swings at 0.1 rad/s: no mode runs steadily, and one of 1e-5 /s more or less even seems to be born."""
+    """The arm turns at 0.1 rad/s: no state is steady, and a mode of about 1e-5 /s even seems to appear."""
     kick = ("initial={velocities: [{nodes: all, velocity: [$speed, 0, 0]}, {nodes: [hub], angular_velocity: "
             "[0, '$speed/0.3', 0]}, {nodes: [arm], angular_velocity: [0, 0, 0.1]}]}")  # fmt: skip
     path = tmp_path / "kicked.h5"

@@ -1,4 +1,4 @@
-"""Words from elsewhere: what mecano has for them, each target of which can be explained or called."""
+"""Words of other programs and their equivalents in mecano, each of which can be explained or called."""
 
 import re
 

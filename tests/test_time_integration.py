@@ -1,4 +1,4 @@
-"""The march where it is easily wrong: jumps of loads, corners of motions, many turns in few steps, redundancy."""
+"""Critical cases of time integration: jumps of loads, corners of motions, many turns in few steps, redundancy."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A key, name, type or keyword in which one or two letters are wrong is answered with the right one."""
+"""A key, name, type or keyword with one or two wrong letters is answered with the correct one."""
 
 import random
 import re
@@ -67,7 +67,7 @@ def words_of(node):
 
 
 def answers(source, node, word, wrong):
-    """Problems of the deck with a word replaced; none where it is as good with it."""
+    """Return the Problems of the deck with a word replaced; [] if it is still valid."""
     lines = list(source.lines)
     line, column = lines[node.line], node.column
     assert line[column:].startswith(word)
@@ -89,7 +89,7 @@ def is_right(problems, word, wrong):
 
 
 def test_typos_are_answered_with_what_is_meant():
-    """Of single letters no other could be told apart; of names with one digit all that are equally near are offered."""
+    """Single letters are excluded, as any other is equally near; for names with one digit, all nearest are offered."""
     rng, found = random.Random(1), []
     sources = [read_source(path)[0] for path in sorted(INPUTS.glob("*.yaml")) if "reflector" not in path.name]
     trees = [list(words_of(compose(source, []))) for source in sources]

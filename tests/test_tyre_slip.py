@@ -1,4 +1,4 @@
-"""Tyres that slide: rates of a patch without mass are unique, an independent integration, the twist in rolling."""
+"""Sliding tyres: rates of a massless patch are unique, an independent integration, the twist in rolling."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Tyre data that do not fit a patch which slides or twists: warnings before a run, and what a failure says of them."""
+"""Tyre data unsuitable for a sliding or twisting patch: warnings before a run, and their repetition in failures."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Forces that swing faster than the steps are reported by name; those that the steps resolve are not."""
+"""Forces that oscillate faster than the steps are reported by name; resolved oscillations are not."""
 
 from itertools import pairwise
 
@@ -38,7 +38,7 @@ def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
 
 
 def test_swings_are_counted_from_step_to_step():
-    """Five changes of sign in eight steps; an event begins anew; the largest swing and its time are kept."""
+    """Five changes of sign in eight steps; an event resets the count; the largest oscillation and its time are kept."""
     watch = OscillationMonitor(np.array([1]))
     for i, (x0, x) in enumerate(pairwise((5.0, 6.0, 4.0, 6.0, 4.0, 7.0, 4.0))):
         assert not watch.found(np.zeros(1))

@@ -1,4 +1,4 @@
-"""Where wheels can go no further, or must not start: what the user is told, in the words of the deck."""
+"""Limits of wheels, in motion and at the start: messages in the words of the deck."""
 
 import re
 from dataclasses import replace

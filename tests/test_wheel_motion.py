@@ -44,7 +44,7 @@ TOW = "tow: {type: prescribed_position, node: fork, direction: [1, 0, 0], value:
 
 
 def towed(eps, tow=TOW, spin=0.0, end=0.033, step=1e-5, control="adaptive: {tolerance: 1.0e-5}"):
-    """The march of a wheel pressed down by 60 kN, its hub at 60 m/s."""
+    """Run a wheel pressed down by 60 kN, with its hub at 60 m/s."""
     return RecordedRun(deck(TOWED.format(eps=eps, tow=tow, spin=spin, end=end, step=step, control=control)))
 
 
@@ -59,7 +59,7 @@ def at_slip(recorded, eps, values):
 
 
 def coulomb_limit(marches, values=lambda integrator: integrator.time):
-    """Extrapolation to eps = 0 of what is linear in eps at the end of the slip, from eps = 0.1 and 0.01."""
+    """Extrapolate a quantity linear in eps at the end of slip to eps = 0, from eps = 0.1 and 0.01."""
     coarse, fine = (at_slip(marches[eps], eps, values(marches[eps])) for eps in (0.1, 0.01))
     return fine + (fine - coarse) / 9.0
 

@@ -1,4 +1,4 @@
-"""Newton's iteration converges quadratically with the tangents of wheels, in every regime that a drop passes."""
+"""Newton's iteration converges quadratically with the tangents of wheels, in every regime of a drop."""
 
 import numpy as np
 import pytest

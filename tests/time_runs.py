@@ -1,4 +1,4 @@
-"""Marching decks in memory, for tests that compare motions with known answers."""
+"""Dynamic runs in memory, for tests that compare motions with known solutions."""
 
 import textwrap
 from dataclasses import replace
@@ -15,12 +15,12 @@ INPUTS = Path(__file__).parent.parent / "inputs"
 
 
 def deck(text):
-    """A checked deck from its text, indented as the test likes."""
+    """Return the checked deck of a text with any indentation."""
     return deck_of_bytes(textwrap.dedent(text).encode(), "test.yaml")
 
 
 def input_deck(name, *overrides):
-    """A checked deck of inputs/ with overrides "a.b=value"."""
+    """Return the checked deck of inputs/ with overrides "a.b=value"."""
     return read_deck(INPUTS / f"{name}.yaml", overrides)
 
 
@@ -31,10 +31,10 @@ def in_python(integrator, run=None):
 
 
 class RecordedRun:
-    """A deck marched to its end: ``time`` (n,), ``self[path]`` (n, ...) at every accepted step, the start first."""
+    """A run of a deck to its end: ``time`` (n,), ``self[path]`` (n, ...) at the start and every accepted step."""
 
     def __init__(self, deck, *, start=lambda prepared: None, change=lambda integrator, run: run):
-        """``start(prepared)`` may alter the state, ``change(integrator, run)`` these two before the first step."""
+        """Run; ``start(prepared)`` may alter the state, ``change(integrator, run)`` both before the first step."""
         prepared = prepare(deck)
         bring_to_start(prepared)
         start(prepared)
@@ -71,5 +71,5 @@ class RecordedRun:
 
 
 def with_history(run, **changes):
-    """The run with parts of its history replaced."""
+    """Return the RunState with parts of its history replaced."""
     return replace(run, history=replace(run.history, **changes))

@@ -1,4 +1,4 @@
-"""A wheel that is led down onto the road at a slip angle, spins up and goes on rolling; its laws of the patch."""
+"""A wheel lowered onto the road at a slip angle, which spins up and then rolls; its laws of the patch."""
 
 import numpy as np
 from time_runs import deck

@@ -1,10 +1,10 @@
-"""Numbers of the tests for the verification manual: each is checked, as in any test, and told with its reference.
+"""Numbers of the tests for the verification manual: each is checked, as in any test, and reported with its reference.
 
 A test that asks for the fixture ``verify`` checks with it instead of with an assert of its own:
 
     verify("Mechanisms", "pendulum: period [s]", found, 2.367841947576237, "elliptic integral", relative=1e-8)
 
-``pytest --verification FILE`` runs these tests alone and writes what they told; docs/site/verification.py shows it.
+``pytest --verification FILE`` runs these tests alone and writes their reports; docs/site/verification.py shows it.
 """
 
 import json
@@ -39,7 +39,7 @@ class Verify:
         assert record["error"] <= record["tolerance"], record
 
     def second_order(self, subject, what, coarse, fine, reference, extrapolated, source):
-        """``check_second_order``; what is told is the value extrapolated from both steps, and the order."""
+        """Do as ``check_second_order``, and report the value extrapolated from both steps, and the order."""
         check_second_order(coarse, fine, reference, extrapolated)
         before, after = (np.abs(np.asarray(values) - reference).max() for values in (coarse, fine))
         self(
@@ -55,20 +55,20 @@ def text(value):
 
 
 class Manual:
-    """A plugin of pytest that gathers what tests tell, from all processes of a run, and writes it at the end."""
+    """A plugin of pytest that collects the reports of tests from all processes, and writes them at the end."""
 
     def __init__(self, path):
         self.path, self.records = Path(path), []
 
     @pytest.hookimpl
     def pytest_collection_modifyitems(self, config, items):
-        """Leave the tests that tell nothing out."""
+        """Deselect tests that report nothing."""
         config.hook.pytest_deselected(items=[item for item in items if "verify" not in item.fixturenames])
         items[:] = [item for item in items if "verify" in item.fixturenames]
 
     @pytest.hookimpl
     def pytest_runtest_logreport(self, report):
-        """Keep what a test told."""
+        """Collect the reports of a test."""
         if report.when == "call":
             self.records += [record for name, record in report.user_properties if name == PROPERTY]
 

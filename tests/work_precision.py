@@ -83,7 +83,7 @@ CASES = {
 
 
 def adaptive(name, tolerance):
-    """(march, error) of a deck with error control."""
+    """Return (march, error) of a deck with error control."""
     case = CASES[name]
     control = f"time={{end: {case.end}, step: {case.step}, adaptive: {{tolerance: {tolerance}}}}}"
     recorded = RecordedRun(input_deck(name, control))
@@ -91,7 +91,7 @@ def adaptive(name, tolerance):
 
 
 def fixed(name, h):
-    """(march, error) of a deck with steps of one size."""
+    """Return (march, error) of a deck with fixed steps."""
     recorded = RecordedRun(input_deck(name, f"time={{end: {CASES[name].end}, step: {h}}}"))
     return recorded, CASES[name].error(recorded)
 
