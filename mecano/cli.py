@@ -15,7 +15,7 @@ from mecano.process.interrupt import stopped_by
 from mecano.process.lifeline import watch_parent
 from mecano.process.memory import is_lack_of_memory
 
-OUT_OF_MEMORY = "mecano: out of memory; `mecano check` says how much a run takes, `ulimit -v` how much is allowed"
+OUT_OF_MEMORY = "mecano: out of memory; `mecano check` estimates the memory of a run, `ulimit -v` shows the limit"
 
 for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # for reproducible results

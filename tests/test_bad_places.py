@@ -124,4 +124,4 @@ def test_a_full_disk_under_a_run_loses_nothing_acknowledged(folder):
     saved = int(said.partition("; ")[2].split()[0])
     with mecano.open_results("full.h5") as results:
         assert results.status == "failed" and len(results.time) == saved > 100
-    assert "every byte is as it was written" in verify("full.h5")
+    assert "all bytes are unchanged" in verify("full.h5")

@@ -179,7 +179,7 @@ class TestRun:
         assert code == 5 and "deck.h5 exists already" in err and "--force" in err
         assert (folder / "deck.h5").read_text() == "precious"
         code, _, err = call("run", "deck.yaml", "--force", "-q")
-        assert code == 5 and "no results file" in err
+        assert code == 5 and "not a results file" in err
         assert (folder / "deck.h5").read_text() == "precious"
         assert call("run", "deck.yaml", "-q", "-o", "own.h5")[0] == 0
         (folder / "own.h5").replace(folder / "deck.h5")
@@ -252,9 +252,9 @@ class TestRun:
 @pytest.mark.parametrize(
     "words,message",
     [
-        (("a.h5", "--animate", "a.html", "--at", "1"), "--at: of pictures, which are not drawn with --animate"),
-        (("a.h5", "--report", "a.html", "-o", "b", "--csv"), "--output, --csv: of pictures"),
-        (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: of pictures"),
+        (("a.h5", "--animate", "a.html", "--at", "1"), "--at: only for pictures, not drawn with --animate"),
+        (("a.h5", "--report", "a.html", "-o", "b", "--csv"), "--output, --csv: only for pictures"),
+        (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: only for pictures"),
         (("a.h5", "--animate", "a.html", "--spectrum", "x"), "--spectrum: the page of --animate has plots over time"),
         (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report are about one results file"),
     ],
@@ -377,7 +377,7 @@ class TestResults:
         code, out, err = call("post", "deck.h5", "--plot", "hinge.angel")
         assert (code, out) == (2, "") and "no output 'hinge.angel'" in err and "did you mean hinge.angle" in err
         code, _, err = call("info", "deck.h5", "--names", "nothing.*")
-        assert code == 2 and "fits 'nothing.*'" in err
+        assert code == 2 and "matches 'nothing.*'" in err
         assert list(results.glob("*.png")) == []
 
     def test_info(self, call, results):

@@ -74,7 +74,7 @@ def test_a_file_beside_the_results_which_is_not_overwritten(own):
         export(own)
     written.write_text("old")
     assert export(own, force=True) == written and written.read_text().startswith("time")
-    with pytest.raises(ResultsError, match="no results file"):
+    with pytest.raises(ResultsError, match="not a results file"):
         export(own, own.with_suffix(".csv").rename(own.with_suffix(".vtkhdf")), force=True)
 
 
@@ -206,7 +206,7 @@ def test_cells_are_added_to_the_results_file_which_keeps_the_rest(own):
 
 def test_a_file_with_cells_is_checked_to_the_last_byte(own):
     export(own, vtk=True)
-    assert verify(own).endswith("every byte is as it was written")
+    assert verify(own).endswith("all bytes are unchanged")
     whole = own.read_bytes()
     place = whole.rindex(b"UnstructuredGrid")
     own.write_bytes(whole[:place] + b"X" + whole[place + 1 :])

@@ -110,7 +110,7 @@ def test_modes_that_are_not_converged_are_marked(tmp_path, monkeypatch):
     text, found, _ = modes(block((0, 0)), tmp_path / "m.h5")
     lines = text.splitlines()
     assert "oscillation, not converged" in lines[2] and "not converged" not in "".join(lines[3:8])
-    assert "modes marked 'not converged' do not fulfil the equations, by up to 0.001" in lines[-1]
+    assert "modes marked 'not converged' do not satisfy the equations (residual up to 0.001" in lines[-1]
     assert not found.converged[0] and found.converged[1:].all()
     np.testing.assert_array_equal(read_modes(tmp_path / "m.h5").converged, found.converged)
     assert info_other(tmp_path / "m.h5").count("oscillation, not converged") == 1

@@ -186,7 +186,7 @@ def test_massless_nodes(more, expected):
 
 def test_a_model_without_mass():
     text = HEAD.replace("weight: {type: point_mass, node: b, mass: 2}", "")
-    assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is it meant so?"]
+    assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is this intended?"]
 
 
 DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]

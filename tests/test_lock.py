@@ -99,10 +99,10 @@ def record(path, **changed):
     "changed, message",
     [
         ({}, r"is being written by process \d+ on .*: wait for it, end it"),
-        ({"host": "node7", "process": 4711}, r"process 4711 on node7 .*cannot be told on .*remove .*\.r\.h5\.lock and"),
-        ({"machine": "another of the same name"}, "cannot be told on"),
-        ({"space": "pid:[1]"}, "cannot be told on"),
-        ({"process": None}, "does not tell"),
+        ({"host": "node7", "process": 4711}, r"process 4711 on node7 .*unknown on .*remove .*\.r\.h5\.lock and"),
+        ({"machine": "another of the same name"}, "which is unknown on"),
+        ({"space": "pid:[1]"}, "which is unknown on"),
+        ({"process": None}, "does not name the process"),
     ],
 )
 def test_records_that_are_respected(path, changed, message):
@@ -124,7 +124,7 @@ def test_records_that_are_stale(path, changed):
 def test_a_record_that_is_cut_is_respected(path):
     lock_of(path).write_text('{"process": 47')
     with (
-        pytest.raises(ResultsError, match=r"does not tell; if nothing writes it any more, remove .*\.r\.h5\.lock"),
+        pytest.raises(ResultsError, match=r"does not name the process; if no process .* remove .*\.r\.h5\.lock"),
         locked(path),
     ):
         pass

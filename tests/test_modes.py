@@ -491,5 +491,5 @@ def test_pictures(tmp_path):
     modes(deck(column(1.0)), tmp_path / "c.h5")
     picture = draw_modes(tmp_path / "c.h5")
     assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
-    with pytest.raises(ResultsError, match="is no file of modes|is not a results file"):
+    with pytest.raises(ResultsError, match="is not a file of modes|is not a results file"):
         draw_modes(picture)

@@ -92,7 +92,7 @@ def test_events_that_would_happen_at_rest_are_reported(swinging):
     push = "loads: {push: {type: couple, nodes: [elbow, tip], axis: [0, 0, 1], value: 0.5}}\n        time:"
     beyond = deck(array("time: {end: 2.0, step: 2.0e-3}").replace("time:", push))
     text, _, _ = modes(beyond, None, at=f"{path}:0.1", at_rest=True)
-    assert "at rest these events would happen, and were left out: hinge 'elbow' (" in text.replace("\nmecano: ", " ")
+    assert "at rest these events would occur, and were ignored: hinge 'elbow' (" in text.replace("\nmecano: ", " ")
 
 
 def test_where_there_is_no_rest(tmp_path):
@@ -109,7 +109,7 @@ def test_where_there_is_no_rest(tmp_path):
         about(deck(text), str(tmp_path / "fall.h5"), at_rest=True)
     static = deck(arm("static: {}"))
     run_static(static, tmp_path / "arm.h5")
-    with pytest.raises(UsageError, match="without --at-rest"):
+    with pytest.raises(UsageError, match="leave out --at-rest"):
         about(static, str(tmp_path / "arm.h5"), at_rest=True)
 
 

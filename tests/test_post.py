@@ -391,7 +391,7 @@ class TestRequests:
         with pytest.raises(UnknownNameError, match="each.h5.*'one_wheel.radal_force'.*did you mean.*radial_force"):
             self.sheet("one_wheel.radal_force", runs)
         assert UnknownNameError.exit_code == UsageError.exit_code == 2
-        with pytest.raises(UsageError, match="fits 'nothing.*'"):
+        with pytest.raises(UsageError, match="matches 'nothing.*'"):
             self.sheet("nothing.*", runs)
         with pytest.raises(UsageError, match="several numbers .x, y, z., the horizontal axis needs one"):
             self.sheet("one_hinge.angle:one_hinge.force", runs)
@@ -586,14 +586,14 @@ class TestInfo:
 
     def test_times_say_of_which_clock_they_are(self, path, runs):
         text, data = " ".join(info(path).split()), runs[0].results.metadata
-        assert f"{data['wall_time']:.2f} s by the clock for the march" in text
+        assert f"{data['wall_time']:.2f} s of wall-clock time for the run" in text
         assert f"{data['processor_time']:.2f} s of CPU time for the whole process" in text
 
     def test_compiling_is_separate(self, tmp_path):
         path = every_kind.write(tmp_path / "compiled.h5")
         with h5py.File(path, "a") as file:
             file["run/compile_time"][()] = 12.5
-        assert "s by the clock for the march and 12.50 s for compiling;" in " ".join(info(path).split())
+        assert "s of wall-clock time for the run and 12.50 s for compiling;" in " ".join(info(path).split())
 
     def test_only_the_first_events(self, tmp_path):
         events = tuple((0.01 * i, f"event_{i}") for i in range(30))
@@ -601,7 +601,7 @@ class TestInfo:
         assert "Events: 30; the first 20 lines, mecano info" in text and "event 19" in text and "event 20" not in text
         together = tuple((0.1, "same") for _ in range(3)) + tuple((0.2 + 0.01 * i, f"event_{i}") for i in range(27))
         text = info(every_kind.write(tmp_path / "together.h5", events=together))
-        assert "Events: 30, those that are alike at one instant in one of 28 lines; the first 20 lines, mecano" in text
+        assert "Events: 30, like ones at one instant merged, in 28 lines; the first 20 lines, mecano" in text
 
     def test_extremes(self, path, runs):
         extreme = runs[0].results.extremes["elements/one_wheel/radial_force"]
@@ -631,7 +631,7 @@ class TestInfo:
             for output in kind.outputs:
                 unit = f" [{output.unit}]" if output.unit != "-" else ""
                 assert f"{kind.section}.one_{kind.name}.{output.name}{unit}" in text
-        with pytest.raises(UnknownNameError, match="fits 'nothing'"):
+        with pytest.raises(UnknownNameError, match="matches 'nothing'"):
             info(path, "nothing")
 
 

@@ -137,7 +137,7 @@ def test_saving_within_one_step_looks_at_signals(tmp_path, monkeypatch):
         CheckpointWriter, "__call__", lambda keeper, run: None
     )  # it came after the last question of the step
     deck = input_deck("free_body", "time={end: 10, step: 1}", "output.every=1.01e-5")
-    with pytest.raises(Stopped, match="stopped by SIGTERM among the saved times of one step"):
+    with pytest.raises(Stopped, match="stopped by SIGTERM between two saved times of a step"):
         run(deck, tmp_path / "r.h5", interruption=interruption)
     with mecano.open_results(tmp_path / "r.h5") as results:
         assert results.status == "stopped" and 1000 < len(results.time) < 20_000

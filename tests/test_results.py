@@ -177,7 +177,7 @@ def test_names_that_are_wrong(finished, name, message):
     [
         ("arm.moment", "write arm.1.moment to arm.11.moment"),
         ("arm.moment.y", "write arm.1.moment to arm.11.moment"),
-        ("tip.displacement.z", "of nodes the position is known; write tip.position"),
+        ("tip.displacement.z", "nodes have positions only; write tip.position"),
     ],
 )
 def test_names_of_divided_members_and_displacements_are_answered(name, answer):
@@ -276,7 +276,7 @@ def _newer(path):
         (lambda path: path.write_bytes(b""), "not a results file"),
         (lambda path: path.write_text("time: 1\n" * 1000), "not a results file"),
         (lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10)), "cannot be read"),
-        (_other_hdf5, "no results of mecano"),
+        (_other_hdf5, "not a results file of mecano"),
         (_newer, "format 99 of a newer mecano"),
     ],
 )

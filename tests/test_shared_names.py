@@ -31,5 +31,5 @@ def test_a_name_that_means_both_is_answered_with_both():
     lookup = Lookup([SimpleNamespace(path=path, shape=()) for path in paths])
     assert lookup.find("leg.angle")[0].path == "joints/leg/angle"
     assert lookup.find("elements.leg.force")[0].path == "elements/leg/force"
-    with pytest.raises(UnknownNameError, match=r"any of joints\.leg\.force, elements\.leg\.force: write more"):
+    with pytest.raises(UnknownNameError, match=r"may be joints\.leg\.force, elements\.leg\.force: write more"):
         lookup.find("leg.force")

@@ -305,14 +305,14 @@ def test_limits_and_signals(folder):
     """A case that would never end is stopped by its time, taken up again, stopped by Ctrl-C, and killed for memory."""
     (folder / "study.yaml").write_text(HEAD + "list: [{time.end: 1.0e5}]\n")
     code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "5")
-    assert code == 3 and "1 cases: 1 stopped\n  1 x exit code 75: stopped by the end of its wall-clock time" in out
+    assert code == 3 and "1 cases: 1 stopped\n  1 x exit code 75: stopped by the limit of wall-clock time" in out
     file = folder / "study_runs" / "0001.h5"
     before = file.exists() and file.stat().st_ino
     process = subprocess.Popen([*COMMAND, "sweep", "study.yaml", "--resume", "-q"], stderr=subprocess.PIPE, text=True)
     wait_until(lambda: file.exists() and file.stat().st_ino != before)  # the run has been taken up again
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
-    assert process.returncode == 130 and "go on with: mecano sweep study.yaml -q --resume" in err
+    assert process.returncode == 130 and "continue with: mecano sweep study.yaml -q --resume" in err
     assert read_table("study_runs/table.h5")["case/status"].tolist() == ["stopped"]
     code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--memory-limit", "20")
     assert code == 3 and "1 x exit code -9: used more than 20 MB of memory" in out
@@ -387,7 +387,7 @@ def test_the_cases_as_tasks_of_dask(folder):
     wait_until(lambda: all((runs / name).exists() for name in ("0001.json", "0002.json", "0003.h5")))
     process.send_signal(signal.SIGINT)
     err = process.communicate(timeout=60)[1]
-    assert process.returncode == 130 and "stopped by SIGINT after 3 of 3 cases; go on with: mecano sweep" in err, err
+    assert process.returncode == 130 and "stopped by SIGINT after 3 of 3 cases; continue with: mecano sweep" in err, err
     table = read_table(runs / "table.h5")
     assert table["case/status"].tolist() == ["complete", "failed", "stopped"] and "Traceback" not in err
     assert table["case/exit_code"].tolist() == [0, 2, 143] and table["outputs/way"][0] == pytest.approx(2.0)
@@ -411,7 +411,7 @@ def test_dask_that_is_not_there(folder, monkeypatch):
     [
         (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler belongs to --executor dask"),
         (["--wait"], "--sbatch and --wait belong to --executor slurm"),
-        (["--executor", "slurm", "--jobs", "2"], "--jobs is of this machine"),
+        (["--executor", "slurm", "--jobs", "2"], "--jobs is for this machine"),
     ],
 )
 def test_options_of_another_executor_are_refused(folder, options, message):
@@ -439,7 +439,7 @@ def test_the_study_of_the_page(folder):
 def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     assert {kind.name for kind in all_kinds()} > set(KINDS)
     reported = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
-    assert reported[0] == "running the beginning of deck.yaml" and str(store.folder()) in reported[-1]
+    assert reported[0] == "running the first steps of deck.yaml" and str(store.folder()) in reported[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
 
 

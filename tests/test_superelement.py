@@ -107,7 +107,7 @@ def test_a_part_of_a_frame_with_joints_inside():
 @pytest.mark.parametrize(
     ("change", "nodes", "error", "text"),
     [
-        ("", ["root", "top"], UsageError, "node 'top' is none of the part"),
+        ("", ["root", "top"], UsageError, "node 'top' does not belong to the part"),
         ("", ["root", "root"], UsageError, "share unknowns or are named twice"),
         ("fixed", ["root"], UsageError, "node 'tip' is fixed: it can only be a boundary node"),
         ("joint", ["root"], AssemblyError, "resists rigid motions|hold its boundary nodes"),

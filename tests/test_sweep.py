@@ -268,7 +268,7 @@ def test_critical_values_about_a_start_that_is_kicked(tmp_path):
     text, _ = sweep_into(path, INPUTS / "caster_shimmy.yaml", (kick,), ["speed=40:60:20"])
     lines = [line for line in text.splitlines() if line.startswith("critical")]
     assert lines[-1] == (
-        "critical speed about 50.4: mode 2 (oscillates at 11.7 Hz) grows below it, of an instant only: the states "
+        "critical speed about 50.4: mode 2 (oscillates at 11.7 Hz) grows below it, for an instant only: the states "
         "there are not steady"
     )
     assert text.count("do not fit the constraints") == 1  # told once, not of each speed with its numbers

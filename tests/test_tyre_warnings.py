@@ -35,7 +35,7 @@ def test_a_twist_that_swings_with_the_spin_is_warned_of(share, warned):
         said = warnings_of(prepare(towed(MORELAND % (0.0, share * needed, KAP), angle=ROLLING, lean=lean)))
         assert len(said) == warned
         for text in said:
-            assert "flexible_wheel 'tire': where it rolls at the slip angle of its start, 5 deg at 60 m/s" in text
+            assert "flexible_wheel 'tire': rolling at its initial slip angle, 5 deg at 60 m/s" in text
             assert f"'tire_law.lateral.moreland.yaw_time' ({share * needed:g} s) is more than {needed:.2g} s" in text
 
 
@@ -71,4 +71,4 @@ def test_a_failed_run_names_what_was_warned_of(tmp_path):
         in said
     )
     assert "a greater 'tire_law.lateral.moreland.yaw_time' (now 1e-05 s)" in said
-    assert said.count("warning: test.yaml:") == 1 and "swings with the spin of the wheel" in said
+    assert said.count("warning: test.yaml:") == 1 and "oscillate with growing amplitude" in said

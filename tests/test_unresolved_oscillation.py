@@ -34,7 +34,7 @@ def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
     texts = [text for text in said if "do not resolve" in text]
     assert len(texts) == rings and ("elements.spring.force by" in reason) == rings
     if rings:
-        assert "take a smaller 'time.step'" in texts[0] and texts[0] in reason
+        assert "use a smaller 'time.step'" in texts[0] and texts[0] in reason
 
 
 def test_swings_are_counted_from_step_to_step():

@@ -31,7 +31,7 @@ class CheckpointWriter:
     def poll(self):
         """Raise Stopped within a step, on request; no checkpoint of its beginning is written."""
         if self.interruption.wanted(time.monotonic(), self.recorder.writer.closing_time):
-            raise self.interruption.stopped("among the saved times of one step")
+            raise self.interruption.stopped("between two saved times of a step")
 
     def write(self, run):
         """Write a checkpoint; raises ResultsError."""
@@ -48,8 +48,9 @@ def restore(state, integrator):
         integrator.from_plain(json.loads(state["march"]))
         recorder = state["recorder"]
     except (KeyError, TypeError, ValueError) as error:
-        raise ResultsError(f"the checkpoint cannot be read; it is of another version of mecano: {error}") from error
+        text = "the checkpoint cannot be read; it was written by another version of mecano"
+        raise ResultsError(f"{text}: {error}") from error
     expected = integrator.system.initial_state()
     if any(getattr(run.motion, name).shape != getattr(expected, name).shape for name in ("z", "R", "phases", "memory")):
-        raise ResultsError("the checkpoint does not fit the deck; it is of another version of mecano")
+        raise ResultsError("the checkpoint does not fit the deck; it was written by another version of mecano")
     return run, recorder

@@ -28,7 +28,7 @@ def cut_short(values, cuts, final):
     yield (
         f"the fixed step of {values['step']:g} s is too large: Newton's method failed in {len(cuts)} trials, first at "
         f"t = {since:.4g} s, and steps were cut to as little as {smallest:.3g} s ({final.steps} steps in all); without "
-        "control of the error the result may be far off: take a smaller 'time.step', or 'time.adaptive'"
+        "error control the result may be far off: use a smaller 'time.step', or 'time.adaptive'"
     )
 
 
@@ -41,11 +41,11 @@ def unbalanced(values, sampler, extremes):
     if not off > max(UNBALANCED * exchanged, NOISE * max(max(high[i], -low[i]) for i in energies)):
         return
     first, last = extremes.high_time[balance], extremes.low_time[balance]
-    what = "Energy comes from nothing, by errors of the steps"
+    what = "Integration error creates energy"
     if last > first:
         rho = values["rho_inf"]
-        damping = f"the numerical damping of what is too fast for the steps (time.rho_inf = {rho:g}) or by "
-        what = f"Energy is lost, by {damping if rho < 1.0 else ''}errors of the steps"
+        damping = f"numerical damping of motions too fast for the steps (time.rho_inf = {rho:g}) or by "
+        what = f"Energy is lost by {damping if rho < 1.0 else ''}integration error"
     yield (
         f"the energy balance varies by {off:.3g} J, {100 * off / exchanged:.3g} % of the largest change of an energy: "
         f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
@@ -73,8 +73,9 @@ def unresolved(values, sampler, ringing):
     ]
     smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
     yield (
-        f"the steps do not resolve {len(worst)} force(s), which swing from step to step: {some(worst, MOST_FORCES)}. "
-        f"Their values are not those of the model; take a smaller {smaller}, or give what swings its damping"
+        f"the steps do not resolve {len(worst)} force(s), which oscillate from step to step: "
+        f"{some(worst, MOST_FORCES)}. Their values are not those of the model; use a smaller {smaller}, or add damping "
+        "to the oscillating parts"
     )
 
 

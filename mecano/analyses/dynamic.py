@@ -70,7 +70,7 @@ def _refuse_existing(path, force):
         refuse_existing(path, force)
     except ResultsError as error:
         if _resumable(path):
-            raise ResultsError(f"{error}, or --resume to go on with it") from None
+            raise ResultsError(f"{error}, or --resume to continue it") from None
         raise
 
 
@@ -115,7 +115,7 @@ def _resume(deck, path, *around):
         verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
         announce(COMPLETE.format(path))
         return None
-    announce(f"there is no checkpoint in {path} yet: the run begins at its start")
+    announce(f"{path} has no checkpoint yet: the run starts anew")
     with _from_the_start(deck, path, True, *around) as ongoing:
         return ongoing.to_the_end()
 

@@ -99,7 +99,7 @@ def rest(prepared, state):
     s, monitor = statics.polish(point.state, state.t), EventMonitor(system)
     crossed = monitor.values(s) > CLOSED * prepared.length
     kept = [f"{event.element} ({event.name})" for event in monitor.apply(s, crossed)[1]]
-    warnings = [f"at rest these events would happen, and were left out: {', '.join(kept)}"] if kept else []
+    warnings = [f"at rest these events would occur, and were ignored: {', '.join(kept)}"] if kept else []
     return s, (*warnings, *_stability_warnings(prepared, follower, point))
 
 
@@ -124,7 +124,7 @@ def _stability_warnings(prepared, follower, point):
     if not point.stability.stable:
         loading, unstable = follower.statics.loading, point.stability.unstable > 0
         text = freedom(prepared.system, point.state, point.stability, prepared.length)
-        state = "unstable" if unstable else "neutral: it may be anywhere along a motion that is free"
+        state = "unstable" if unstable else "neutral: it may lie anywhere along a free motion"
         yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
 
 

@@ -45,7 +45,7 @@ def _strained(deck, system, s):
         if _is_much(strain, fields, d["type"]):
             text = (
                 f"{d['type']} '{name}' is strained by {100.0 * strain:.3g} % at the start: its nodes are "
-                f"{natural * (1.0 + strain):.6g} m apart, and without force {natural:.6g} m"
+                f"{natural * (1.0 + strain):.6g} m apart, its length without force is {natural:.6g} m"
             )
             yield Problem(text, deck.mark("elements", name))
 
@@ -83,8 +83,8 @@ def _swinging(deck, system, s):
         needed = speed * inertia * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
         if 0.0 < law["yaw_time"] < needed:
             text = (
-                f"{d['type']} '{name}': where it rolls at the slip angle of its start, {math.degrees(angle):.3g} deg "
-                f"at {speed:.3g} m/s, the twist of its patch swings with the spin of the wheel, ever wider, unless "
+                f"{d['type']} '{name}': rolling at its initial slip angle, {math.degrees(angle):.3g} deg at "
+                f"{speed:.3g} m/s, the twist of its patch and its spin oscillate with growing amplitude, unless "
                 f"'tire_law.lateral.moreland.yaw_time' ({law['yaw_time']:g} s) is more than {needed:.2g} s"
             )
             yield Problem(text, deck.mark("elements", name))
@@ -117,7 +117,7 @@ def _massless(deck, system, s, length):
 def _no_mass(deck, node, sorts):
     names = node.removeprefix("node ").split(", ")
     text = (
-        f"{node}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is it meant "
-        "so, or is a point_mass or a rigid_body missing?"
+        f"{node}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is this "
+        "intended, or is a point_mass or a rigid_body missing?"
     )
     return Problem(text, next((mark for name in names if (mark := deck.mark("nodes", name))), None))

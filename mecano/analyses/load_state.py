@@ -43,7 +43,7 @@ def rest_at(prepared, text):
     """
     state, factor, words = _saved(prepared, text)
     if factor is not None:
-        raise UsageError("the results are those of statics: the body is at rest there, without --at-rest")
+        raise UsageError("the results are those of statics: the model is at rest there already; leave out --at-rest")
     state, warnings = rest(prepared, _moving(prepared, state))
     return state, f"equilibrium at rest near {words}", warnings
 
@@ -123,14 +123,14 @@ def _matrix(q):
 def _moving(prepared, state):
     """Return the State of a dynamic run with consistent velocities, accelerations and reactions."""
     if prepared.deck.values["time"] is None:
-        raise UsageError("the results are those of a march, the deck is one of statics")
+        raise UsageError("the results are those of a dynamic run, but the deck is one of statics")
     return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
 
 
 def _resting(prepared, state, factor):
     """Return the equilibrium at a load factor, with its reactions, and its function ``assemble``."""
     if prepared.deck.values["static"] is None:
-        raise UsageError("the results are those of statics, the deck is one of a march")
+        raise UsageError("the results are those of statics, but the deck is one of dynamics")
     statics = loaded(prepared, prepared.deck.values["static"])
     s, found = statics.correct(state, float(factor))
     if not found.ok:

@@ -25,7 +25,7 @@ from mecano.solve.time.increments import displaced
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
 NOT_CONVERGED = "not converged"
-HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "what moves most")
+HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "largest motions")
 
 
 @dataclass
@@ -120,9 +120,9 @@ def _sticking(deck, system, s):
     ]
     if stuck:
         yield (
-            f"{', '.join(stuck)}: friction that is regularized is a strong viscous damper as long as the joint sticks, "
-            "and these are the modes with that damper; leave out the friction for the modes of a joint that slides, "
-            "or put a fixed joint in its place for those of one that holds"
+            f"{', '.join(stuck)}: regularized friction acts as a strong viscous damper while the joint sticks, and "
+            "these modes include that damper; for the modes of a sliding joint remove the friction, for those of a "
+            "sticking joint replace it by a fixed joint"
         )
 
 
@@ -142,14 +142,14 @@ def doubts(variation, residuals):
     """Yield warnings about matrices that are not constant, and about modes that do not satisfy the equations."""
     if variation > CONSTANT:
         yield (
-            f"the equations of small motions are not constant in these axes (they change by {variation:.2g} when "
-            "the fastest body turns by 1 rad): the modes are those of this instant only; see --frame"
+            f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "
+            "fastest body turns by 1 rad): the modes hold for this instant only; see --frame"
         )
     worst = float(np.max(residuals, initial=0.0))
     if worst > CONVERGED:
         yield (
-            f"modes marked '{NOT_CONVERGED}' do not fulfil the equations, by up to {worst:.2g} of their terms: neither "
-            "their eigenvalues nor their shapes can be relied on; try the other --solver, dense or sparse"
+            f"modes marked '{NOT_CONVERGED}' do not satisfy the equations (residual up to {worst:.2g} of the terms): "
+            "neither their eigenvalues nor their shapes are reliable; try the other --solver, dense or sparse"
         )
 
 

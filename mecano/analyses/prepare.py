@@ -140,12 +140,12 @@ def startup_warnings(prepared, start=None):
         texts += _friction_of(prepared.system, group)
     if not analysis.complete:
         texts.append(
-            f"more than {DENSE_ROWS} constraints stand in closed loops: which of them are redundant is not analysed, "
-            "and the run allows for any"
+            f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
+            "allows for any"
         )
     texts += warnings_of(prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
-        texts.append("nothing in the model has a mass: is it meant so?")
+        texts.append("nothing in the model has a mass: is this intended?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 
@@ -191,8 +191,8 @@ def _friction_of(system, group):
     if not owners:
         return []
     return [
-        f"the friction of {', '.join(owners)} is driven by reactions that are not unique: it depends on how the equal "
-        "compliances of the redundant constraints share them, and so does the motion; release what is redundant, or "
+        f"the friction of {', '.join(owners)} depends on reactions that are not unique: it, and so the motion, follows "
+        "from their distribution by equal compliances of the redundant constraints; release redundant constraints, or "
         "give other joints of the group a 'compliance'"
     ]
 

@@ -117,7 +117,7 @@ class Recorder:
             raise self._not_finite(t, which)
         if code == ENDED:
             name, d, *_, text = self.ends[which]
-            raise ConvergenceError(f"no way on from t = {t:.9g} s: {d['type']} '{name}' {text}")
+            raise ConvergenceError(f"cannot continue from t = {t:.9g} s: {d['type']} '{name}' {text}")
 
     def _not_finite(self, t, i):
         """Return the error that names the output of number ``i`` of the row, which is not finite."""
@@ -128,6 +128,6 @@ class Recorder:
         titles = of_nodes | {b.paths[e][0]: b.names[e] for b in self.sampler.system.batches for e in range(len(b.p))}
         owner = f"{titles[path]}: {output}" if path in titles else column.path
         return NonFiniteError(
-            f"no way on from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this state; "
-            "a smaller time.step or time.adaptive, if the motion so far is not what it should be"
+            f"cannot continue from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this "
+            "state; a smaller time.step or time.adaptive, if the motion so far is not as expected"
         )

@@ -56,7 +56,7 @@ def part_of(deck, elements, boundary):
     }
     for name in boundary:
         if name not in used | inside:
-            raise UsageError(f"node '{name}' is none of the part; it has {', '.join(sorted(used)[:12])}")
+            raise UsageError(f"node '{name}' does not belong to the part; it has {', '.join(sorted(used)[:12])}")
     held = [node.name for node in whole.nodes if node.name in used and node.fixed and node.name not in boundary]
     if held:
         raise UsageError(f"node '{held[0]}' is fixed: it can only be a boundary node of the part")

@@ -12,7 +12,7 @@ from mecano.results.layout import FORMAT_VERSION
 from mecano.results.provenance import plugins, provenance, to_json
 from mecano.results.reader import open_results
 
-COMPLETE = "{} is complete: there is nothing to go on with"
+COMPLETE = "{} is complete: there is nothing to resume"
 AT_ONCE = 2**21  # numbers copied at once, 16 MB
 MOST = 5  # differences named
 SURROUNDINGS = {"processor": "processor", "machine": "machine", "threads": "number of threads"}  # and the versions
@@ -58,7 +58,7 @@ class InterruptedRun:
         if found:
             more = f"\n  and {len(found) - MOST} more" if len(found) > MOST else ""
             raise UsageError(
-                f"{self.path} is of another deck and cannot be gone on with; it has\n  "
+                f"{self.path} belongs to another deck and cannot be resumed; it has\n  "
                 + "\n  ".join(found[:MOST]) + more
             )  # fmt: skip
         if changed := self._changed_plugins():
@@ -87,13 +87,13 @@ class InterruptedRun:
         names = SURROUNDINGS | {key: key.replace("_", " of ") for key in now if key.startswith("version_")}
         pairs = [(name, was.get(key), now[key]) for key, name in names.items()]
         changed = ", ".join(f"{name} ({before}, now {after})" for name, before, after in pairs if before != after)
-        doubt = "results may differ in their last digits from those of a run that was never stopped"
-        return f"{reported}; {doubt}, for other is: {changed}" if changed else reported
+        doubt = "results may differ in their last digits from those of an uninterrupted run"
+        return f"{reported}; {doubt}, because of another {changed}" if changed else reported
 
     def check_layout(self, layout):
         """Raise ResultsError unless the rows of the file have the ``layout`` of the resumed run."""
         if layout.to_json() != self.results.layout.to_json():
-            raise ResultsError(f"{self.path} holds other outputs; it is of another version of mecano")
+            raise ResultsError(f"{self.path} holds other outputs; it was written by another version of mecano")
 
     def copy_to(self, writer, interruption):
         """Copy all rows and events up to the checkpoint to a new Writer, and close.
@@ -101,7 +101,7 @@ class InterruptedRun:
         Raises ResultsError, also for damaged rows, and the errors of ``Interruption.check``.
         """
         size = Path(self.path).stat().st_size
-        what, done, begun = f"taking up {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
+        what, done, begun = f"copying {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
         for table, rows in self._rows():
             writer.extend(table, rows)
             done += rows.nbytes

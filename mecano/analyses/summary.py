@@ -44,7 +44,7 @@ def summary_of(prepared, every=False):
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
     if not analysis.complete:
-        text = f"mobility         not computed: more than {DENSE_ROWS} constraints stand in closed loops"
+        text = f"mobility         not computed: more than {DENSE_ROWS} constraints form closed loops"
         return "\n".join([*lines, text])
     lines += abandonable(lambda: list(_mobility(prepared, every)))
     redundant = sum(group.count for group in prepared.redundant)
@@ -69,7 +69,7 @@ def _mobility(prepared, every):
     yield text
     found = analysis.mechanisms if stiff is None else stiff
     if found is None:
-        yield f"  what can move is not named where there are more than {DENSE_ROWS} degrees of freedom"
+        yield f"  free motions are not listed for more than {DENSE_ROWS} degrees of freedom"
     for text in _free(found or (), every):
         yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
 
@@ -150,14 +150,14 @@ def _amounts(prepared):
     """Yield the lines on steps, saved times and the initial state, with warnings about implausibly many."""
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)
-    kind = f"{count} of {time['step']:g} s" if count is not None else f"from the error, the first of {time['step']:g} s"
+    kind = f"{count} of {time['step']:g} s" if count is not None else f"adaptive, the first of {time['step']:g} s"
     yield f"steps            {kind}, from {time['start']:g} to {time['end']:g} s"
     yield f"saved times      {'every step' if saved is None else saved}"
     if first := values["initial"]["static"]:
         yield f"initial          the static equilibrium, found by {first['method']}"
         yield from _start(prepared)
     if values["initial"]["steady"]:
-        yield f"initial          {words_of_start(prepared.deck)}, found when it begins"
+        yield f"initial          {words_of_start(prepared.deck)}, computed when the run starts"
     for text in amount_warnings(prepared):
         yield from _labelled("warning", text)
 

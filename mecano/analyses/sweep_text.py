@@ -51,7 +51,7 @@ def _states(axis, locus):
 def _modes(name, locus):
     """Yield a line for each mode: family, frequency, damping and largest motions where it is least damped."""
     yield "modes, where they are least damped:"
-    rows = [("mode", "family", "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "what moves most")]
+    rows = [("mode", "family", "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "largest motions")]
     for b, values in enumerate(locus.values):
         i, frequency = least_damped(values, locus.least), values.imag / (2.0 * np.pi)
         unsure = int(np.sum(~locus.converged[b]))
@@ -99,7 +99,7 @@ def _critical(name, locus):
         grows = f"mode {c.branch + 1} ({what}) grows {side} it"
         if locus.of_instant(c):
             about = f"critical {name} about {c.place:.{INSTANT_DIGITS}g}"
-            yield f"{about}: {grows}, of an instant only: the states there are not steady"
+            yield f"{about}: {grows}, for an instant only: the states there are not steady"
         else:
             yield f"critical {name} {known(c.place, c.error)}: {grows}"
 

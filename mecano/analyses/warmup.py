@@ -31,13 +31,13 @@ def warmup(decks=(), overrides=()):
     before = store.size()
     if decks:
         for path in decks:
-            yield f"running the beginning of {path}"
+            yield f"running the first steps of {path}"
             _begin(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
         _compile(kinds)
-        yield "running the beginnings of the decks of `mecano new`"
+        yield "running the first steps of the decks of `mecano new`"
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
             _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))

@@ -8,7 +8,7 @@ from mecano.commands import overrides, plugins, show
 @click.command()
 @click.argument("deck", type=click.Path())
 @overrides
-@click.option("--all", "every", is_flag=True, help="Name all that can move, however many there are.")
+@click.option("--all", "every", is_flag=True, help="List all free motions, however many there are.")
 @plugins
 def check(deck, overrides, every):
     """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
@@ -50,7 +50,7 @@ def explain(name):
 
 @click.command()
 @click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
-@click.option("--study", is_flag=True, help="Of study files, instead of decks.")
+@click.option("--study", is_flag=True, help="Describe study files instead of decks.")
 @plugins
 def schema(output, study):
     """Write the JSON Schema of decks, with which editors complete, explain and check decks while you type."""
@@ -93,7 +93,7 @@ def _starters(context, parameter, begun):
 @click.command()
 @click.argument("template", required=False, shell_complete=_starters)
 @click.argument("deck", required=False, type=click.Path())
-@click.option("--list", "every", is_flag=True, help="List the decks to begin with, and the examples.")
+@click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
 def new(template, deck, every):
     """Write a commented starter deck, by default to TEMPLATE.yaml here; without TEMPLATE: list them."""
     from mecano.deck.new import list_of_examples, list_of_starters, starter, write_text

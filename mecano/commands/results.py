@@ -18,16 +18,16 @@ from mecano.commands import plugins, show
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
 @click.option(
     "-o", "--output", type=click.Path(),
-    help="Folder, or beginning of the names of the pictures; default: beside the results file, with its name.",
+    help="Folder, or prefix of the names of the pictures; default: beside the results file, with its name.",
 )  # fmt: skip
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
-@click.option("--csv", "columns", is_flag=True, help="Write the plotted numbers too.")
+@click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
 @click.option("--title", help="Title of the pictures; default: that of the deck.")
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
-@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a page with everything on one run.")
+@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run.")
 @plugins
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
@@ -75,15 +75,17 @@ def _refuse_strays(results, **given):
         raise click.UsageError("--animate and --report are about one results file")
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
-        raise click.UsageError(f"{', '.join(strays)}: of pictures, which are not drawn with --animate or --report")
+        raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")
 
 
 @click.command()
 @click.argument("results", type=click.Path())
 @click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf (added if left out).")
-@click.option("--series", multiple=True, metavar="NAME", help="Only this one, or those of a pattern; may be repeated.")
-@click.option("--vtk", is_flag=True, help="Cells and points for ParaView instead; without -o into RESULTS itself.")
-@click.option("--force", is_flag=True, help="Replace what exists.")
+@click.option(
+    "--series", multiple=True, metavar="NAME", help="Only this output, or those of a pattern; may be repeated."
+)
+@click.option("--vtk", is_flag=True, help="Write cells and points for ParaView instead; without -o, to RESULTS itself.")
+@click.option("--force", is_flag=True, help="Replace an existing file or group.")
 def export(results, output, series, vtk, force):
     """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
 
@@ -102,9 +104,9 @@ def export(results, output, series, vtk, force):
 @click.argument("results", type=click.Path())
 @click.option(
     "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
-    help="Outputs with units and meanings, of a pattern such as 'wheel.*' or all.",
+    help="List outputs with units and descriptions, all or those matching a pattern such as 'wheel.*'.",
 )  # fmt: skip
-@click.option("--events", is_flag=True, help="List all events, each in a line of its own.")
+@click.option("--events", is_flag=True, help="List all events, one per line.")
 def info(results, pattern, events):
     """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text

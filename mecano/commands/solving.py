@@ -13,14 +13,14 @@ from mecano.process.interrupt import Interruption, again, seconds
 @click.argument("deck", type=click.Path())
 @click.option("-o", "--output", type=click.Path(), help="Results file; default: the deck's name with .h5, here.")
 @click.option("--force", is_flag=True, help="Replace an existing results file.")
-@click.option("--resume", is_flag=True, help="Go on with the results file from its last checkpoint, if there is one.")
-@click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time, for --resume: 3600, 2h30m or 02:30:00.")
+@click.option("--resume", is_flag=True, help="Resume the results file from its last checkpoint, if it has one.")
+@click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time to --resume: 3600, 2h30m or 02:30:00.")
 @click.option(
     "--checkpoint", "interval", type=click.FloatRange(0), metavar="SECONDS",
     help="Wall-clock time between checkpoints; default: 30.",
 )  # fmt: skip
 @click.option("--live", is_flag=True, help="Show the motion in a browser while it is computed; prints the address.")
-@click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @overrides
 @plugins
 def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
@@ -30,7 +30,7 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
     continues it to the same bits. A second Ctrl-C ends it at once.
     """
     if resume and force:
-        raise click.UsageError("--resume goes on with a results file, --force replaces it")
+        raise click.UsageError("--resume continues a results file, --force replaces it")
     interruption = Interruption(seconds(limit) if limit else None, again())
     interruption.listen()
     from mecano.deck.read import read_deck
@@ -56,15 +56,15 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
 )  # fmt: skip
 @click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
-    help="Axes in which the motions are seen: that turn with a node, or with an angular velocity [rad/s].",
+    help="Axes of the motions: those of a node, or turning with an angular velocity [rad/s].",
 )  # fmt: skip
 @click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
 @click.option(
     "-o", "--output", type=click.Path(), help="File; default: the deck's name with _modes.h5, or _sweep.h5, here."
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
-@click.option("--csv", "columns", is_flag=True, help="Write the numbers of a sweep beside the file, too.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress of a sweep, and nothing of compiling.")
+@click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep, beside the file.")
+@click.option("-q", "--quiet", is_flag=True, help="Print no progress of a sweep or of compiling.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
@@ -127,7 +127,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 @click.command(name="reduce")
 @click.argument("deck", type=click.Path())
 @click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all of the deck.")
-@click.option("--nodes", metavar="A,B,...", required=True, help="Its boundary nodes, which the superelement will have.")
+@click.option("--nodes", metavar="A,B,...", required=True, help="Boundary nodes of the part and superelement.")
 @click.option("--modes", "number", metavar="N|all", default="10", show_default=True, help="Modes kept.")
 @click.option("-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, here.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")

@@ -17,22 +17,22 @@ from mecano.process.interrupt import Interruption, seconds
 @click.option(
     "-o", "--output", type=click.Path(), help="Folder of the cases; default: the study's name with _runs, here."
 )
-@click.option("--jobs", type=click.IntRange(1), metavar="N", help="Cases side by side; default: one for each core.")
-@click.option("--time-limit", metavar="TIME", help="Of each case, by the clock: 3600, 2h30m or 02:30:00.")
-@click.option("--memory-limit", type=click.IntRange(1), metavar="MB", help="Of each case.")
-@click.option("--resume", is_flag=True, help="Run what is not complete and has not failed.")
-@click.option("--again", type=click.Choice(["failed"]), help="As --resume, and what has failed from its start.")
-@click.option("--force", is_flag=True, help="Begin anew, whatever there is.")
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="Number of parallel cases; default: one per core.")
+@click.option("--time-limit", metavar="TIME", help="Wall-clock time of each case: 3600, 2h30m or 02:30:00.")
+@click.option("--memory-limit", type=click.IntRange(1), metavar="MB", help="Memory of each case.")
+@click.option("--resume", is_flag=True, help="Run the cases that are neither complete nor failed.")
+@click.option("--again", type=click.Choice(["failed"]), help="As --resume, and run failed cases from their start.")
+@click.option("--force", is_flag=True, help="Delete existing cases and run all.")
 @click.option("--executor", type=click.Choice(["local", "slurm", "dask"]), default="local", show_default=True)
-@click.option("--scheduler", metavar="ADDRESS", help="Of Dask; default: workers on this machine.")
+@click.option("--scheduler", metavar="ADDRESS", help="Scheduler of Dask; default: workers on this machine.")
 @click.option(
     "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
 )
-@click.option("--wait", is_flag=True, help="With Slurm: until all its tasks have ended, then write the table.")
-@click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of what there is.")
+@click.option("--wait", is_flag=True, help="With Slurm: wait until all tasks have ended, then write the table.")
+@click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of existing results.")
 @click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
-@click.option("--plot", is_flag=True, help="Draw the outputs over what is varied into a picture beside the table.")
-@click.option("-q", "--quiet", is_flag=True, help="No progress.")
+@click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, beside the table.")
+@click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
 def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, scheduler, options, wait,
           only_table, number, plot, quiet):  # fmt: skip
@@ -74,7 +74,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
     if cases:
         perform.compile_first(deck, progress.note)
-    interruption.raise_if_asked("before the cases were begun")
+    interruption.raise_if_asked("before the cases started")
     table = perform.perform(folder, units, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)
@@ -83,13 +83,13 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
 def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
     """Raise UsageError for options that exclude each other."""
     if resume and force:
-        raise click.UsageError("--resume goes on with the cases, --force begins anew")
+        raise click.UsageError("--resume continues the cases, --force runs all anew")
     if scheduler and executor != "dask":
         raise click.UsageError("--scheduler belongs to --executor dask")
     if (sbatch or wait) and executor != "slurm":
         raise click.UsageError("--sbatch and --wait belong to --executor slurm")
     if jobs and (scheduler or executor == "slurm"):
-        raise click.UsageError("--jobs is of this machine: elsewhere Slurm, or the workers of Dask, say how many")
+        raise click.UsageError("--jobs is for this machine: elsewhere Slurm, or the workers of Dask, set the number")
 
 
 def _runner(executor, scheduler):

@@ -226,7 +226,7 @@ def sweep(
         cases = perform.due(place, resume=resume, force=force)
         if cases:
             perform.compile_first(deck, progress.note)
-        interruption.raise_if_asked("before the cases were begun")
+        interruption.raise_if_asked("before the cases started")
         run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
         perform.perform(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
     progress.done(len(cases))

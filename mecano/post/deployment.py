@@ -40,7 +40,7 @@ def deployment_sheet(runs):
                 reported.append(margin_told(angle, margin))
     panels = [Panel("torque of a motor", tuple(torques))] if torques else []
     panels += [Panel("deployment margin", tuple(margins), note="\n".join(reported))] if margins else []
-    return Sheet("deployment", "Deployment: motors over what resists, to the first lock", tuple(panels))
+    return Sheet("deployment", "Deployment: torque of motors and resistance, to the first lock", tuple(panels))
 
 
 def margin_told(angle, margin):

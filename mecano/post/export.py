@@ -73,7 +73,7 @@ def _target(output, vtk):
 
 def _check(target, series, vtk):
     if target and target.suffix not in (OF_COLUMNS, OF_CELLS):
-        raise UsageError(f"-o {target}: what is written is told by its ending, {OF_COLUMNS} or {OF_CELLS}")
+        raise UsageError(f"-o {target}: the extension must be {OF_COLUMNS} or {OF_CELLS}")
     if target and vtk and target.suffix == OF_COLUMNS:
         raise UsageError(f"-o {target}: --vtk writes {OF_CELLS} files, or into the results file without -o")
     if series and (vtk or (target and target.suffix == OF_CELLS)):
@@ -94,7 +94,7 @@ def _into_results(run, force):
     """Add the cells to the results file. Raises ResultsError if it is being written or truncated."""
     if run.results.status in ("running", "truncated"):
         state = "is still being written" if run.results.status == "running" else "is cut short"
-        raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write a file of its own with -o")
+        raise ResultsError(f"{run.results.path} {state}: nothing is added to it; write another file with -o")
     with locked(run.results.path):
         add_grids(run.results.path, grids_of(run), run.results.time, force=force)
     return run.results.path

@@ -24,7 +24,7 @@ WIDTH = 100
 NOTICED = 0.01  # s, least compile time reported
 RESUME = "--resume"
 ENERGIES = ("kinetic", "potential", "dissipated", "given")
-ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are there", "truncated": "cut short"}
+ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
 
 def info(path, pattern=None, every_event=False):
@@ -81,8 +81,8 @@ def _spent(data):
     """Return a text on the wall-clock times of run and compilation, and on the CPU time of the process."""
     compiling = f" and {data['compile_time']:.2f} s for compiling" if data["compile_time"] >= NOTICED else ""
     return (
-        f"{data['wall_time']:.2f} s by the clock for the march{compiling}; {data['processor_time']:.2f} s of CPU time "
-        "for the whole process, its start and compiling included"
+        f"{data['wall_time']:.2f} s of wall-clock time for the run{compiling}; {data['processor_time']:.2f} s of CPU "
+        "time for the whole process, its start and compiling included"
     )
 
 
@@ -92,7 +92,7 @@ def _run(results):
     for label, text in [*facts(results), *warnings, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
     lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
-    return [*lines, *(f"  {'go on with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped
+    return [*lines, *(f"  {'resume with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped
 
 
 def _going_on(results):
@@ -170,7 +170,7 @@ def _holds(results):
     groups = {}
     for (section, kind, owner), names in owners.items():
         groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
-    lines = ["Outputs (units and meanings, and all names: mecano info FILE --names)"]
+    lines = ["Outputs (units and descriptions, and all names: mecano info FILE --names)"]
     ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0]))
     for (section, kind, names), members in ranked:
         shown = ", ".join(members[:MOST_NAMES]) + (
@@ -196,7 +196,7 @@ def _events(results, every):
     shown = found if every else found[:MOST_EVENTS]
     lines = [f"Events: {len(results.events)}"]
     if len(found) < len(results.events):
-        lines[0] += f", those that are alike at one instant in one of {len(found)} lines"
+        lines[0] += f", like ones at one instant merged, in {len(found)} lines"
     if len(shown) < len(found):
         lines[0] += f"; the first {len(shown)} lines, mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
@@ -219,7 +219,7 @@ def _event(group, unit, width):
 def _names(results, pattern):
     paths = results.names(pattern)
     if not paths:
-        raise UnknownNameError(f"no output of {results.path} fits '{pattern}'; 'wheel.*' fits all of a wheel")
+        raise UnknownNameError(f"no output of {results.path} matches '{pattern}'; 'wheel.*' matches all of a wheel")
     lines, declared = [], results.series
     for path in paths:
         series = declared[path]
@@ -245,7 +245,7 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")
     if paths is None:
-        lines.append("  without nodes, and without what is zero or rounding beside others of its unit")
+        lines.append("  without nodes, and without values that are zero or rounding errors")
     return lines
 
 

@@ -103,7 +103,7 @@ def _handles(file):
         text = text if len(text) <= longest else text[: longest - 3] + "..."
         handles.append(Line2D([], [], color=_colour(b), linestyle=_dashes(b), label=text))
     if len(order) > MOST_NAMED:
-        handles.append(Line2D([], [], linestyle="none", label=f"and {len(order) - MOST_NAMED} that are more stable"))
+        handles.append(Line2D([], [], linestyle="none", label=f"and {len(order) - MOST_NAMED} more stable ones"))
     return handles
 
 

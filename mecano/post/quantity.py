@@ -112,7 +112,7 @@ def _found(results, name):
     if "*" in name or "?" in name:
         paths = results.names(name)
         if not paths:
-            raise UsageError(f"no output of {results.path} fits '{name}'; `mecano info --names` lists them")
+            raise UsageError(f"no output of {results.path} matches '{name}'; `mecano info --names` lists them")
         return [q for path in paths for q in find(results, path)]
     if inner := recovered.named(results, name):
         return _recovered(results, *inner)
@@ -170,7 +170,7 @@ def _derived(results, stem, name):
     derived = DERIVED[name]
     traces = [results.find(f"{stem}.{needed}") for needed in derived.needs]
     if any(trace.components for trace in traces):
-        raise UsageError(f"'{name}' is known of springs and dampers only, whose force is one number; not of '{stem}'")
+        raise UsageError(f"'{name}' exists for springs and dampers only, whose force is a scalar, not for '{stem}'")
     path = traces[0].path.rpartition("/")[0] + "/" + name
     values = derived.function(*(trace.values for trace in traces))
     return Quantity(path, derived.unit, derived.doc, SAVED, results.time, values)

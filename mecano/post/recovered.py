@@ -56,7 +56,7 @@ def _matrices(quaternions):
 
 WHATS = {
     "position": ("position of an inner node, inertial", "positions"),
-    "displacement": ("displacement of an inner node from its place in the frame, axes of the frame", "displacements"),
+    "displacement": ("displacement of an inner node relative to the frame, axes of the frame", "displacements"),
 }
 
 

@@ -20,7 +20,7 @@ MOST_EXTREMES = 400
 LONGEST_LIST = 24  # entries of a list of the deck that are shown
 HEALTH = {
     "step_size": "size of the step", "iterations": "Newton iterations", "rejected": "rejected trials of a step",
-    "error_over_tolerance": "estimated error over what is allowed", "force_residual": "force residual over its scale",
+    "error_over_tolerance": "estimated error over its allowed value", "force_residual": "force residual over its scale",
     "constraint_residual": "constraint residual over its scale",
 }  # fmt: skip
 
@@ -155,7 +155,7 @@ def _events(results):
     """Yield the parts on events; shocks with impulse and energy lost."""
     events = results.events
     shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
-    columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "mode", "impulse", "energy lost [J]")
+    columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "phase", "impulse", "energy lost [J]")
     if shown:
         yield Table(columns if shocks else columns[:4], [_event(event)[: None if shocks else 4] for event in shown], 4)
     if len(shown) < len(events):
@@ -203,7 +203,7 @@ def _deck(results):
     yield Text(results.deck_text, True, "As written")
     plain = _shortened(results.resolved)
     resolved = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, default_flow_style=None, width=110)
-    yield Text(resolved, True, "As understood, with all defaults")
+    yield Text(resolved, True, "Resolved, with all defaults")
 
 
 def _shortened(value):

@@ -132,7 +132,7 @@ def _solver(runs):
         _history(runs, "Newton iterations", ("iterations",)),
         _history(runs, "residuals over their tolerances", ("force_residual", "constraint_residual", "increment")),
         _history(runs, "estimated error of a step", ("error_estimate",)),
-        _history(runs, "error of a step over what is allowed", ("error_over_tolerance",)),
+        _history(runs, "error of a step over its allowed value", ("error_over_tolerance",)),
         _history(runs, "rejected trials", ("rejected",)),
     )
     return Sheet("solver", "Solver", tuple(panel for panel in panels if panel is not None))

@@ -81,7 +81,7 @@ def _frame(points):
 def _heading(run, travels, fixed):
     """Return the heading of the figure."""
     of = f"configurations of {run.label}" if run.label else "configurations"
-    return of + ", all on one scale" + ", each about its middle" * travels + "; dots: what is fixed" * fixed
+    return of + ", all on one scale" + ", each about its middle" * travels + "; dots: fixed nodes" * fixed
 
 
 def _named(saved, asked):

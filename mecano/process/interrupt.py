@@ -13,7 +13,7 @@ CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGXCPU": 152, "SIGUSR1"
 EXIT_CODES = {getattr(signal, name): code for name, code in CODES.items() if hasattr(signal, name)} | {CLOCK: 75}
 HANGUP = getattr(signal, "SIGHUP", None)
 SIGNALS = tuple(number for number in EXIT_CODES if number in signal.valid_signals())
-WORDS = {CLOCK: "the end of its wall-clock time"}
+WORDS = {CLOCK: "the limit of wall-clock time"}
 STACK = 2**26  # B for a thread: compilers need more than the half megabyte of some systems
 BEGUN = time.monotonic()  # start of the process, without the startup of Python
 RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s] at most, for the last checkpoint
@@ -60,7 +60,7 @@ class Interruption:
         if not self._postponed:
             raise Stopped(number)  # may be lost where exceptions cannot propagate; ``wanted`` still returns True
         if _abandonable or (again and number == signal.SIGINT):
-            raise self.stopped("in the midst of a step")
+            raise self.stopped("within a step")
 
     @contextmanager
     def postponed(self):
@@ -91,7 +91,7 @@ class Interruption:
             The limit of wall-clock time leaves none for the integration, and would not if the run were repeated.
         """
         if self._number not in (None, CLOCK):
-            raise Stopped(self._number, f" while {what}; the file is as it was")
+            raise Stopped(self._number, f" while {what}; the file is unchanged")
         now = time.monotonic()
         if now + ending > self._deadline:
             from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
@@ -99,7 +99,7 @@ class Interruption:
             needed = now - BEGUN + left + ending
             raise UsageError(
                 f"--max-walltime is too short: {what}, and closing it again, takes about {needed:.2g} s, which leaves "
-                "no time for a step; allow several times as much. The file is as it was"
+                "no time for a step; allow several times as much. The file is unchanged"
             )
 
     def wanted(self, now, ending=0.0):
@@ -121,7 +121,7 @@ class Interruption:
 
     def stopped(self, where):
         """Return the exception that ends the run; ``where`` describes the place, such as "at t = 1 s"."""
-        return Stopped(self._number, f" {where}; go on with: {self.again}" if self.again else f" {where}")
+        return Stopped(self._number, f" {where}; continue with: {self.again}" if self.again else f" {where}")
 
 
 def abandonable(call, *arguments):
@@ -193,5 +193,5 @@ def seconds(text):
     if not total:
         from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
 
-        raise UsageError(f"'{text}' is no wall-clock time; write 3600, 2h30m or 02:30:00")
+        raise UsageError(f"'{text}' is not a wall-clock time; write 3600, 2h30m or 02:30:00")
     return total

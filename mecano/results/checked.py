@@ -150,7 +150,7 @@ def cut_short(paths):
             source = Checked(path)
             source.close()
             if source.missing:
-                yield f"{path} is cut short by {source.missing} bytes: only what is left of it is shown"
+                yield f"{path} is cut short by {source.missing} bytes: only the remaining data are shown"
 
 
 @contextmanager
@@ -209,7 +209,7 @@ def checked(path):
         raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
     try:
         if source.size < len(SIGNATURE) or source.read(len(SIGNATURE)) != SIGNATURE:
-            raise ResultsError(f"{path} is not a results file of mecano: no HDF5 file")
+            raise ResultsError(f"{path} is not a results file of mecano: not an HDF5 file")
         if source.sums is None:
             _refuse_deadly(path)
     except (OSError, ResultsError) as error:
@@ -232,7 +232,7 @@ def _refuse_deadly(path):
     if _ends[version] < 0:
         how = signal.Signals(-_ends[version])
         raise ResultsError(
-            f"{path} is damaged: the sums at its end, by which it is checked, are missing, and reading it "
+            f"{path} is damaged: the checksums at its end are missing, and reading it "
             + ("does not end" if how == signal.SIGPROF else f"ends by {how.name}")
         )
 
@@ -271,10 +271,10 @@ def unreadable(source, error, what=""):
     if source.damaged:
         return (
             f"{name} cannot be read: bytes have changed {source.place(source.damaged)}; "
-            f"`mecano verify {source.path}` tells what they belong to"
+            f"`mecano verify {source.path}` names the data affected"
         )
     if source.missing:
         return f"{name} cannot be read: the file is cut short by {source.missing} bytes ({error})"
     text = str(error).strip("\"'")
-    lost = "; the sums at its end, by which it is checked, are missing or have changed" if source.sums is None else ""
+    lost = "; the checksums at its end are missing or have changed" if source.sums is None else ""
     return f"{name} cannot be read: {text}{lost}"

@@ -92,7 +92,7 @@ def _make_run(file, axes):
     describe(counters, long_name="saved times, steps, events, slot of the extremes; the others are reserved")
     name_axes(counters, axes.scale(8))
     clock = run.create_dataset("clock", data=np.zeros(2))
-    describe(clock, units="s", long_name="wall-clock time since the start, but for compiling; processor time of all")
+    describe(clock, units="s", long_name="wall-clock time since the start without compiling; CPU time of the process")
     name_axes(clock, axes.scale(2))
     compiling = run.create_dataset("compile_time", data=0.0)
     describe(compiling, units="s", long_name="wall-clock time for compiling, also before the start")
@@ -106,5 +106,5 @@ def _make_extremes(file, axes, layout):
     outputs.make_scale("output")
     for name, doc in EXTREMES.items():
         dataset = group.create_dataset(name, data=np.full((2, layout.size), np.nan))
-        describe(dataset, long_name=f"{doc} over all accepted steps; run/acknowledged[3] says which row holds")
+        describe(dataset, long_name=f"{doc} over all accepted steps; run/acknowledged[3] is the valid row")
         name_axes(dataset, axes.scale(2), outputs)

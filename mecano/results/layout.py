@@ -64,7 +64,7 @@ STEPS = (
     Series("step_size", "s", "size of the accepted step"),
     Series("iterations", "", "Newton iterations of the accepted step"),
     Series("error_estimate", "", "estimated local error, relative to the length scale or to one radian"),
-    Series("error_over_tolerance", "", "estimated local error over what the tolerance allows; 0 for fixed steps"),
+    Series("error_over_tolerance", "", "estimated local error over its allowed value; 0 for fixed steps"),
     Series("rejected", "", "attempts rejected before this step was accepted"),
     Series("force_residual", "", "largest residual force over its scale"),
     Series("constraint_residual", "", "largest residual constraint over its scale"),
@@ -81,10 +81,10 @@ EXTREMES = {
 """Datasets of the extremes of every number over all accepted steps."""
 
 EVENT_TEXTS = {
-    "element": "element, joint or load where it happened",
-    "name": "what happened",
-    "before": "mode before",
-    "after": "mode after",
+    "element": "element, joint or load of the event",
+    "name": "name of the event",
+    "before": "phase before",
+    "after": "phase after",
     "impulse_unit": "unit of the impulse; empty for an event without shock",
 }
 """Texts of an event."""

@@ -73,7 +73,7 @@ def _take(path, record, content):
                 _remove_stale(record, there)
         except FileNotFoundError:  # its process has just ended
             continue
-    raise ResultsError(f"{path}: others keep starting to write it")
+    raise ResultsError(f"{path}: other processes keep starting to write it")
 
 
 def _made(record, content):
@@ -119,18 +119,18 @@ def _remove_stale(record, there):
 
 def _refuse_living(path, record, content):
     """Raise ResultsError unless the process of a record is known to have ended."""
-    advice = f"if nothing writes it any more, remove {record} and try again"
+    advice = f"if no process writes it any more, remove {record} and try again"
     try:
         reported = json.loads(content)
         state = _state(reported)
         who = f"process {reported['process']} on {reported['host']} (since {reported['since']})"
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise ResultsError(f"{path} may be being written: who does so, {record} does not tell; {advice}") from None
+        raise ResultsError(f"{path} may be being written: {record} does not name the process; {advice}") from None
     if state == HERE:
         raise ResultsError(f"{path} is being written by {who}: wait for it, end it, or give another name with -o")
     if state == ELSEWHERE:
         raise ResultsError(
-            f"{path} is being written by {who}; whether that lives cannot be told on {platform.node()}: {advice}"
+            f"{path} is being written by {who}, unless that has ended, which is unknown on {platform.node()}: {advice}"
         )
 
 

@@ -52,7 +52,7 @@ class Lookup:
         found = self._by_ending.get(dotted, [])
         if len(found) > 1:
             paths = ", ".join(one.path.replace("/", ".") for one in found[:6])
-            raise UnknownNameError(f"'{dotted}' may be any of {paths}: write more of its path")
+            raise UnknownNameError(f"'{dotted}' is ambiguous, it may be {paths}: write more of the path")
         return found[0] if found else None
 
     @staticmethod
@@ -66,10 +66,10 @@ class Lookup:
     def _suggest(self, dotted):
         pieces = self._pieces(dotted) or self._pieces(_split(dotted, 1)[0])
         if pieces:
-            return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * for the number to have all"
+            return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * instead of the number for all"
         node = dotted.removeprefix("nodes.").partition(".")[0]
         if ".displacement" in dotted and f"{node}.position" in self._by_ending:
-            return f": of nodes the position is known; write {node}.position"
+            return f": nodes have positions only; write {node}.position"
         close = difflib.get_close_matches(dotted, self._by_ending, 3)
         close = close or difflib.get_close_matches(_split(dotted, 1)[0], self._by_ending, 3)
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"

@@ -22,7 +22,7 @@ NUMBERS = (
     ("frequency", "Hz", "damped frequency"),
     ("natural_frequency", "Hz", "modulus of the eigenvalue over 2 pi"),
     ("damping_ratio", "", "minus the real part over the modulus; nan for free motions"),
-    ("residual", "", "what the mode leaves of the equations, relative to the sizes of their terms"),
+    ("residual", "", "residual of the equations, relative to the magnitudes of their terms"),
 )
 SHAPES = {
     "translation": ("", "displacement, inertial, real and imaginary part; the largest of a mode is 1"),
@@ -71,7 +71,7 @@ def _fill(file, contents, source):
         "converged",
         found.converged,
         "",
-        "1 where the mode fulfils the equations, 0 where it does not",
+        "1 where the mode satisfies the equations, 0 where it does not",
         file["mode"],
     )
     for name, node in contents["nodes"].items():
@@ -103,7 +103,7 @@ def read_modes(path):
     """Read a file of modes. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is no file of modes")
+            raise ResultsError(f"{path} is not a file of modes")
         numbers = {name: file[name][:] for name, _, _ in NUMBERS}
         nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
         inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}

@@ -126,7 +126,7 @@ class Results:
 
     def _check_format(self):
         if _as_text(self._file.attrs.get("format")) != FORMAT:
-            raise ResultsError(f"{self.path} is an HDF5 file, but no results of mecano")
+            raise ResultsError(f"{self.path} is an HDF5 file, but not a results file of mecano")
         if self.format_version > FORMAT_VERSION:
             raise ResultsError(
                 f"{self.path} has format {self.format_version} of a newer mecano; this one reads {FORMAT_VERSION}"

@@ -84,7 +84,7 @@ def read_study(path):
     """Read the StudyTable of a file. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is no table of a study")
+            raise ResultsError(f"{path} is not a table of a study")
         columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
         run = file["run"].attrs
         return StudyTable(run["title"], file["study/text"][()].decode(), run["deck_path"], columns)

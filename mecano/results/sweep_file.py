@@ -21,7 +21,7 @@ MODES = (
     ("imaginary_part", "rad/s", "imaginary part of the eigenvalue; of a conjugate pair the positive one"),
     ("frequency", "Hz", "damped frequency"),
     ("damping_ratio", "", "minus the real part over the modulus"),
-    ("converged", "", "1 where the mode fulfils the equations, 0 where it does not"),
+    ("converged", "", "1 where the mode satisfies the equations, 0 where it does not"),
 )
 MAP = (
     ("growth", "1/s", "largest real part of all modes but free motions; nan where no state was found"),
@@ -33,9 +33,9 @@ CRITICAL = (
     ("other", "", "value of the second parameter; nan where there is none"),
     ("frequency", "Hz", "damped frequency of the mode there"),
     ("mode", "", "number of the mode, from 1"),
-    ("error", "", "of that value, at most, as far as rounding goes; not of an instant"),
+    ("error", "", "bound of the rounding error of the value; not for values of an instant"),
     ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
-    ("of_instant", "", "1 where the states there are not steady: the modes, and the value, are those of an instant"),
+    ("of_instant", "", "1 where the states there are not steady: the modes and the value hold for an instant only"),
 )
 
 
@@ -112,7 +112,7 @@ def read_sweep(path):
     """Read a file of a sweep. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is no file of a sweep")
+            raise ResultsError(f"{path} is not a file of a sweep")
         groups = {key: _columns(file.get(key, {}), columns)
                   for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
         motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []

@@ -15,8 +15,8 @@ from mecano.results.table import event_sum
 
 ROWS = 1024  # read at once
 MOST = 24  # datasets named: a block may hold many short ones
-LOST = "its last bytes, which hold the sums to check by, are missing or have changed, unless an older mecano wrote it"
-STRUCTURE = "what describes the datasets (names, shapes, attributes, texts of the deck)"
+LOST = "its last bytes, with the checksums, are missing or have changed, unless an older version of mecano wrote it"
+STRUCTURE = "metadata (names, shapes, attributes, texts of the deck)"
 
 
 def verify(path):
@@ -43,7 +43,7 @@ def _changed(source):
     if sums is None:
         return ""
     if isinstance(sums, Seal) and not sums.whole:
-        return f"{path} is damaged: the sums at its end, by which it is checked, have changed"
+        return f"{path} is damaged: the checksums at its end have changed"
     changed = source.changed()
     if not len(changed):
         return ""
@@ -52,12 +52,12 @@ def _changed(source):
     named = "; ".join(of[:MOST]) + (f"; and {len(of) - MOST} more" if len(of) > MOST else "")
     total = -(-min(sums.covered, source.size) // block)
     where = f"{len(changed)} of {total} blocks of {block} bytes, the first at byte {block * changed[0]}"
-    return f"{path} is damaged: bytes have changed in {where}. They belong to: {named}"
+    return f"{path} is damaged: bytes have changed in {where}. Data affected: {named}"
 
 
 def _undamaged(path, source):
     """Return the summary of a file without changed bytes. Raises ResultsError if checksums or bytes are missing."""
-    whole = "every byte is as it was written"
+    whole = "all bytes are unchanged"
     if format_of(path) not in ("", FORMAT):
         if source.sums is None:
             raise ResultsError(f"{path}: {format_of(path)}; {LOST}")
@@ -71,7 +71,7 @@ def _undamaged(path, source):
             return f"{reported}; {'it was not closed; ' if status in ('running', 'killed') else ''}{whole}"
         if status == "truncated":
             raise ResultsError(f"{reported}; it is cut short by {source.missing} bytes")
-        raise ResultsError(f"{reported}; {LOST}; by those in its last checkpoint, {_checked(results)}")
+        raise ResultsError(f"{reported}; {LOST}; {_checked(results)}")
 
 
 def owners(path, blocks, size):
@@ -113,7 +113,7 @@ def _extents(file):
 def _checked(results):
     """Return a text on the rows before the last checkpoint, checked by its sums. Raises ResultsError."""
     if results.checkpoint is None:
-        return "of which there is none, nothing can be told"
+        return "without a checkpoint its data cannot be verified"
     saved, steps, events = map(int, results.checkpoint["file"]["rows"])
     found = {
         "storage/output": _sum(results, "output", saved),
@@ -124,7 +124,7 @@ def _checked(results):
     wrong = [name for (name, total), expected in zip(found.items(), wanted, strict=True) if total != expected]
     if wrong:
         raise ResultsError(f"{results.path} is damaged: bytes have changed in {', '.join(wrong)}")
-    return f"its {saved} saved times, {steps} steps and {events} events are as they were written"
+    return f"by its last checkpoint, its {saved} saved times, {steps} steps and {events} events are unchanged"
 
 
 def _sum(results, table, count):

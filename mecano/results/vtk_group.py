@@ -119,7 +119,7 @@ def _refuse_damaged(path):
     source = checked(path)
     try:
         if source.sums is not None and len(source.changed()):
-            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify tells what has changed")
+            raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify names the data affected")
     finally:
         source.close()
 

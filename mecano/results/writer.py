@@ -220,7 +220,7 @@ class Writer:
         self.flush()
         now = self._position()
         if not all(np.array_equal(now[key], position[key]) for key in ("rows", "sums")):
-            raise ResultsError(f"what {self.path} holds before its checkpoint has changed since it was written")
+            raise ResultsError(f"the data of {self.path} before its checkpoint have changed since they were written")
         for name, values in position["extremes"].items():
             getattr(self.extremes, name)[:] = values
         self._started -= position["clock"][0]
@@ -261,7 +261,7 @@ class Writer:
         cause = self._disk.error
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
-        kept = "" if isinstance(cause, FileNotFoundError) else f"; {safe} are in it"
+        kept = "" if isinstance(cause, FileNotFoundError) else f"; {safe} are kept"
         self._end("failed")
         raise ResultsError(f"cannot write {self.path}: {cause.strerror}{kept}") from cause
 
@@ -334,7 +334,7 @@ def refuse_existing(path, force):
     except OSError as error:
         raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
     if begins != SIGNATURE:
-        raise ResultsError(f"{path} exists already and is no results file; give another name")
+        raise ResultsError(f"{path} exists already and is not a results file; give another name")
 
 
 def _opened(disk, layout):

@@ -71,7 +71,7 @@ def perform(folder, units, cases, run_cases, progress=lambda done, total, text: 
     done = len(table.records)
     table.written()
     if number is not None:
-        raise Stopped(number, f" after {done} of {len(cases)} cases; go on with: {resume_by or again()}")
+        raise Stopped(number, f" after {done} of {len(cases)} cases; continue with: {resume_by or again()}")
     return table
 
 

@@ -235,4 +235,4 @@ def gist(said):
     """Return the line of the output of a process that gives the reason of its end, or ""."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""
-    return line.removeprefix("mecano: ").partition("; go on with: ")[0][:LONGEST_REASON]
+    return line.removeprefix("mecano: ").partition("; continue with: ")[0][:LONGEST_REASON]

@@ -155,7 +155,7 @@ def _command(words, reported, first):
         os._exit(code)
 
 
-CUT = ("cut short", "there is no checkpoint")  # what commands say of files that are read as far as they reach
+CUT = ("cut short", "has no checkpoint")  # what commands say of files that are read as far as they reach
 
 
 def _verdict(code, said, whole, command):

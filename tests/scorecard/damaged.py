@@ -122,7 +122,7 @@ def resumed(name, path, seen):
     found = held(path)
     if isinstance(found, dict) and found["status"] == "complete" and not differs(found, reference(name)[0]):
         return ""
-    return "nothing to go on with was said of a damaged file" if seen else "resumed from damaged data"
+    return "a damaged file was said to be complete" if seen else "resumed from damaged data"
 
 
 def other_format(data, version, folder):

@@ -77,7 +77,7 @@ class Follower:
         self.statics.system.observe(s)
         if text := self.ended(s):
             raise ConvergenceError(
-                f"no way on from {self.statics.loading.name} {p:.6g}{self.statics.loading.unit}: {text}"
+                f"cannot continue from {self.statics.loading.name} {p:.6g}{self.statics.loading.unit}: {text}"
             )
 
     def _watch(self, point, critical):
