@@ -1,4 +1,4 @@
-"""Mutations of all decks of inputs/: each is read, or refused with line and column in time, without a warning of Python.
+"""Mutations of all decks of inputs/: each is read, or refused in time with line and column, without a Python warning.
 
 200 decks per run, the same ones each time; marked slow: 5,000.
 """
