@@ -1,1 +1,1 @@
-"""Small motions about a state: their matrices, modes, families; reduction of a part."""
+"""Small motions about a state: linearization, modes, mode families; reduction of a part."""

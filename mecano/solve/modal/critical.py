@@ -1,8 +1,8 @@
-"""Values of a parameter at which a mode becomes unstable or stable, found between two neighbouring values.
+"""Critical values of a parameter, at which a mode becomes unstable or stable, between two neighbouring values.
 
-How well they are known is measured. Close to a root of the real part this is a parabola, and what it scatters about it
-is rounding, of the eigenvalues as of the states. Where growth sets in as (p - p0)^n, two places beyond give n, and so
-how far from p0 growth can be told from rounding.
+The error of each value is estimated. Close to a root, the real part is fitted by a parabola; the scatter about the
+parabola is the rounding of eigenvalues and states. Where growth starts as (p - p0)^n, two values beyond p0 give n, and
+hence the distance from p0 at which growth exceeds rounding.
 """
 
 import math
@@ -15,30 +15,31 @@ from mecano.solve.modal.tracking import GROWS, unstable
 
 TOLERANCE = 1e-11  # of the value of the parameter
 BISECTIONS = 60
-JUMP = 0.1  # an eigenvalue ten times farther off than the ends of the branch are from one another is another one
-SMALL = 1e-5  # of the eigenvalue: its real part at the value found, else the branches were mixed up
-NEAR = 1e-6  # of the distance of the ends: how far from the value found its surroundings are looked at
-LEAST = 1e-8  # of the value found, the same
-AROUND = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
-SURE = 3.0  # times the scatter
+JUMP = 0.1  # an eigenvalue ten times farther away than the distance of the branch's ends belongs to another branch
+SMALL = 1e-5  # of the eigenvalue: largest real part at the value found; if it is larger, branches were confused
+NEAR = 1e-6  # of the distance of the ends: distance from the value found at which the spectrum is sampled
+LEAST = 1e-8  # of the value found: lower bound of that distance
+AROUND = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # sample points of the parabola, in units of that distance
+SURE = 3.0  # error bound in standard deviations of the scatter
 
 
 @dataclass(frozen=True)
 class Critical:
-    """A mode whose growth changes sign: where, its eigenvalue there [1/s], its branch, the way it goes."""
+    """A point at which a mode becomes unstable or stable."""
 
-    place: float
-    value: complex
+    place: float  # value of the parameter
+    value: complex  # eigenvalue there [1/s]
     branch: int
-    destabilizes: bool  # as the parameter grows
-    error: float  # of the place, at most
+    destabilizes: bool  # True if the mode becomes unstable as the parameter increases
+    error: float  # error bound of ``place``
 
 
 def critical(spectrum_at, left, right, branch):
-    """The Critical between two ends of a branch, or None where the branch does not go through.
+    """Return the Critical between two ends of a branch, or None if the branch is not continuous between them.
 
-    ``spectrum_at(place)`` gives a Spectrum; ``left``, ``right``: (place, eigenvalue, shape), the ends, of which one is
-    unstable. Where the other is damped, the root of the real part, where it is neutral, the border of growth.
+    ``spectrum_at(place)`` returns a Spectrum; ``left``, ``right``: (place, eigenvalue, shape), the ends, one of which
+    is unstable. If the other end is damped, the point is the root of the real part; if it is neutral, the point is the
+    onset of growth.
     """
     trace = _Trace(spectrum_at, left, right)
     low, high = left[0], right[0]
@@ -57,9 +58,9 @@ def critical(spectrum_at, left, right, branch):
 
 
 def _refined(trace, place, low, high, xtol):
-    """The root of the parabola through the real parts around ``place``, and its error.
+    """Return (root of the parabola fitted to the real parts around ``place``, error bound).
 
-    It is better than ``place``: where a real eigenvalue passes zero, free motions hide it from both sides.
+    It is more accurate than ``place``: a real eigenvalue close to zero cannot be separated from free motions.
     """
     reach = min(max(NEAR * (high - low), LEAST * abs(place)), 0.1 * min(place - low, high - place))
     if reach <= 4.0 * np.spacing(abs(place)):
@@ -74,7 +75,7 @@ def _refined(trace, place, low, high, xtol):
 
 
 def _doubt(trace, place, low, high):
-    """How far from the border of growth found the true one may be."""
+    """Return the error bound of an onset of growth found at ``place``."""
     side = 1.0 if unstable(trace(high)) else -1.0
     reach = NEAR * (high - low)
     near, far = (trace(min(max(place + side * k * reach, low), high)) for k in (1.0, 2.0))
@@ -85,7 +86,7 @@ def _doubt(trace, place, low, high):
 
 
 def _border(trace, low, high, xtol):
-    """Where growth sets in, by bisection, and the eigenvalue on the neutral side."""
+    """Return (onset of growth, found by bisection, eigenvalue at the last point evaluated)."""
     grows, value = bool(unstable(trace(low))), 0j
     for _ in range(BISECTIONS):
         if abs(high - low) <= xtol:
@@ -100,7 +101,7 @@ def _border(trace, low, high, xtol):
 
 
 class _Trace:
-    """The eigenvalue of a branch between two ends, by what interpolates them."""
+    """The eigenvalue of a branch between two ends: at each place the one closest to the interpolated eigenvalue."""
 
     def __init__(self, spectrum_at, left, right):
         self.spectrum_at, self.known = spectrum_at, [left, right]
@@ -118,7 +119,7 @@ class _Trace:
         guess, shape = below[1] + share * (above[1] - below[1]), (below, above)[share > 0.5][2]
         i = spectrum.nearest(guess, shape)
         value, reach = spectrum.values[i], abs(above[1] - below[1])
-        if abs(guess) <= reach < JUMP * abs(value - guess):  # the branch went to zero, among the free motions
+        if abs(guess) <= reach < JUMP * abs(value - guess):  # the branch has reached zero, among the free motions
             return 0j
         self.known.append((place, value, spectrum.shapes[i]))
         return value

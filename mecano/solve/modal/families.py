@@ -1,10 +1,10 @@
-r"""Families of modes, by the direction or the axis of most of their motion.
+r"""Families of modes, by the dominant direction or axis of their motion.
 
-With the axes longitudinal (the mean velocity of the nodes, without its vertical part; x where nothing runs), vertical
-(against gravity; z without it) and lateral (vertical x longitudinal), a shape y is split into its translations along,
-and its rotations about, each of them, and into the own unknowns of elements. The part :math:`y_k` with the largest
-kinetic energy :math:`y_k^* M y_k` tells the family: longitudinal, lateral, vertical; roll, pitch, yaw; deformation. A
-motion without inertia is judged by the squares of its displacements, rotations counted by the length scale.
+With the axes longitudinal (the horizontal mean velocity of the nodes; x for a model at rest), vertical (against
+gravity; z without gravity) and lateral (vertical x longitudinal), a shape y is split into translations along each axis,
+rotations about each axis, and scalar unknowns of elements. The part :math:`y_k` with the largest kinetic energy
+:math:`y_k^* M y_k` determines the family: longitudinal, lateral, vertical; roll, pitch, yaw; deformation. For a motion
+without inertia the squared displacements are compared instead, with rotations times the length scale.
 """
 
 import numpy as np
@@ -12,12 +12,12 @@ import numpy as np
 from mecano.model.numbering import ROTATION, SCALAR, TRANSLATION
 
 FAMILIES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw", "deformation")
-SLOW = 1e-6  # of the fastest velocity: a mean one below it is no running
+SLOW = 1e-6  # of the largest velocity: a smaller mean velocity counts as zero
 MASSLESS = 1e-12  # of the largest inertia, times the square of the displacement
 
 
 def running_axes(system, s):
-    """Unit vectors (3, 3) by rows, inertial: longitudinal, lateral, vertical."""
+    """Return the unit vectors longitudinal, lateral, vertical as rows (3, 3), inertial."""
     gravity, of = system.context.gravity, system.numbering
     size = np.linalg.norm(gravity)
     up = -gravity / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
@@ -34,7 +34,7 @@ def running_axes(system, s):
 
 
 def families(lin, kind, axes, shapes):
-    """Numbers (m,) in FAMILIES of the ``shapes`` (m, n_q) of a Linearization.
+    """Return the indices (m,) into FAMILIES of the ``shapes`` (m, n_q) of a Linearization.
 
     ``kind`` (n_q,) as in numbering.py, ``axes`` (3, 3) by rows.
     """
@@ -50,8 +50,8 @@ def families(lin, kind, axes, shapes):
 
 
 def _parts(kind, axes, shape):
-    """The shape (n_q,) split by families, (7, n_q)."""
-    n = int(np.argmax(np.append(kind, SCALAR) == SCALAR))  # nodes come first, in threes
+    """Return the shape (n_q,) split by families, (7, n_q)."""
+    n = int(np.argmax(np.append(kind, SCALAR) == SCALAR))  # unknowns of nodes come first, in groups of three
     along = shape[:n].reshape(-1, 3) @ axes.T
     parts = np.zeros((len(FAMILIES), len(shape)), complex)
     for k in range(3):

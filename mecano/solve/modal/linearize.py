@@ -1,8 +1,9 @@
-r"""The equations of small motions about a state, at rest or moving, with their constraints.
+r"""Equations of small motions about a state, at rest or moving, with their constraints.
 
-The elements give the derivatives K, C, M of the residual by material rotations, by velocities and by accelerations
-(element_interface.py). Small motions are counted in a frame that turns with a constant angular velocity w (zero:
-inertial axes): displacements :math:`\delta x = Q \xi`, rotations :math:`\delta R = \widehat{Q \varphi}\, R`, with
+The elements give the derivatives K, C, M of the residual with respect to displacements and material rotations,
+velocities and accelerations (element_interface.py). Small motions are measured in a frame that rotates with a constant
+angular velocity w (zero: inertial axes): displacements :math:`\delta x = Q \xi`, rotations
+:math:`\delta R = \widehat{Q \varphi}\, R`, with
 :math:`\dot Q = \hat w Q` and Q = 1 now. With the angular velocity :math:`\omega = R \Omega` of a node,
 
 .. math::
@@ -16,8 +17,8 @@ so that, with P = diag(1, R^T) and the three block-diagonal matrices G of these 
 
 .. math::  M' = P^T M P, \quad C' = P^T (C P + M P G_2), \quad K' = P^T (K P + C P G_1 + M P G_3)
 
-are those of :math:`M' \ddot y + C' \dot y + K' y = 0`, exactly. They are constant where the state is an equilibrium
-relative to the frame: a top that only spins, a wheel that rolls straight (w = 0), a rotor seen from the rotor.
+are the exact matrices of :math:`M' \ddot y + C' \dot y + K' y = 0`. They are constant if the state is an equilibrium
+relative to the frame: a top that only spins, a wheel that rolls straight (w = 0), a rotor in its own axes.
 """
 
 from dataclasses import dataclass
@@ -28,28 +29,31 @@ import scipy.sparse as sp
 from mecano.model.numbering import ROTATION
 from mecano.solve.time.increments import displaced, moved
 
-PROBE = 1e-6  # rad, by which the state is moved on to see whether the matrices are constant
+PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 
 
 @dataclass(frozen=True)
 class Linearization:
-    """M, C, K (n, n), sparse: n_q motions, then multipliers, bordered by -B and -B^T (B' in C for velocities)."""
+    """Sparse M, C, K (n, n) of small motions: n_q motions, then multipliers.
+
+    K is bordered by -B and -B^T; the rows of constraints on velocities are in C.
+    """
 
     M: sp.csr_matrix
     C: sp.csr_matrix
     K: sp.csr_matrix
     n_q: int
-    groups: np.ndarray  # (n_q,) motions of one node have one number
-    root: np.ndarray  # (n_q,) 1, or the length scale [m] of rotations: makes motions comparable
-    variation: float = 0.0  # relative change of the matrices by a turn of one radian; zero for an equilibrium
-    pace: float = 0.0  # [1/s] at which the matrices change: what moves more slowly has no eigenvalue of any meaning
+    groups: np.ndarray  # (n_q,) group number: motions of one node share it
+    root: np.ndarray  # (n_q,) 1 for displacements, the length scale [m] for rotations: makes motions comparable
+    variation: float = 0.0  # relative change of the matrices over one radian of rotation; zero for an equilibrium
+    pace: float = 0.0  # [1/s] rate of change of the matrices: smaller eigenvalues have no meaning
 
 
 def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
-    """Linearization of ``system`` at ``s`` with its velocities, accelerations and multipliers.
+    """Return the Linearization of ``system`` at ``s`` with its velocities, accelerations and multipliers.
 
-    ``frame`` (3,) [rad/s] is the angular velocity of the axes, inertial; ``assemble`` takes the place of that of the
-    system (loading.py); ``compliance`` that of redundant constraints.
+    ``frame`` (3,) [rad/s]: angular velocity of the axes, inertial; ``assemble`` replaces that of the system
+    (loading.py); ``compliance``: compliance of redundant constraints.
     """
     assemble = assemble or system.assemble
     w = np.asarray(frame, float)
@@ -67,7 +71,7 @@ def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, complianc
 
 
 def _matrices(system, s, w, Q, assemble):
-    """M', C', K' in the axes Q that turn with w."""
+    """Return M', C', K' in the axes Q, which rotate with w."""
     parts = []
     for weights in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
         assemble(s, 1.0, 0.0, *weights)
@@ -81,7 +85,7 @@ def _matrices(system, s, w, Q, assemble):
 
 
 def _blocks(system, s, w, Q):
-    """P, G1, G2, G3 (n, n): identity and zeros for scalars and multipliers."""
+    """Return P, G1, G2, G3 (n, n): for scalars and multipliers, identity in P and zeros in the others."""
     of, n = system.numbering, system.n
     w_hat = _hat(Q.T @ w)
     places, blocks = [], []
@@ -98,7 +102,7 @@ def _blocks(system, s, w, Q):
 
 
 def _diagonal(n, places, blocks, rest, value):
-    """Block-diagonal (n, n) with 3x3 blocks at ``places`` and ``value`` at ``rest``."""
+    """Return the block-diagonal matrix (n, n) with 3x3 blocks at ``places`` and ``value`` at ``rest``."""
     first = np.array(places, int)[:, None, None]
     shape = (len(places), 3, 3)
     rows = np.broadcast_to(first + np.arange(3)[:, None], shape).ravel()
@@ -109,12 +113,12 @@ def _diagonal(n, places, blocks, rest, value):
 
 
 def _fastest(system, s, w):
-    """Largest angular velocity [rad/s] of all bodies and of the axes."""
+    """Return the largest angular velocity [rad/s] of the bodies and the axes."""
     return max([np.linalg.norm(w), *(np.linalg.norm(s.v[d : d + 3]) for d in system.numbering.rotation_dof)])
 
 
 def _variation(system, s, w, rate, assemble, now):
-    """Largest relative change of the matrices by a turn of one radian, or a displacement by one length unit of time."""
+    """Return the largest relative change of the matrices in the time of one radian at angular velocity ``rate``."""
     of = system.numbering
     if rate == 0.0:
         return 0.0
@@ -136,6 +140,6 @@ def _hat(a):
 
 
 def _turn(a):
-    """Rotation matrix of the rotation vector a (3,), after Rodrigues."""
+    """Return the rotation matrix of the rotation vector a (3,), by Rodrigues' formula."""
     angle, H = np.linalg.norm(a), _hat(a)
     return np.eye(3) + np.sinc(angle / np.pi) * H + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * H @ H

@@ -2,8 +2,8 @@ r"""Modes of small motions under constraints: complex eigenvalues and shapes of
 
 .. math::  (\lambda^2 M + \lambda C + K)\, y + D \mu = 0, \qquad B y = 0, \qquad (\lambda E + F)\, y = 0.
 
-All of them for small models (modes_dense.py), those nearest to zero for large ones (modes_sparse.py).
-Every pair is judged by what it leaves of the equations above, relative to the sizes of their terms.
+All modes of small models (modes_dense.py), those nearest to zero of large ones (modes_sparse.py). Every pair is
+checked by its residual in the equations above, relative to the magnitudes of their terms.
 """
 
 from dataclasses import dataclass
@@ -16,21 +16,21 @@ from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.small_motions import SmallMotions
 
 DENSE = 400  # motions up to which all eigenvalues are computed
-FREE = 1e-9  # of the sizes of its terms, that K y may leave for a motion without stiffness
-REAL = 1e-9  # of an eigenvalue, that its imaginary part is rounding
-CONVERGED = 1e-6  # residual up to which a mode counts as found
-GROWS = 1e-7  # of an eigenvalue, above which a positive real part counts
+FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
+REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
+CONVERGED = 1e-6  # residual up to which a mode is converged
+GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes, natural frequencies ascending: of a conjugate pair the one with the positive imaginary part."""
+    """Modes by ascending natural frequency; of a conjugate pair, the one with the positive imaginary part."""
 
     values: np.ndarray  # (m,) complex eigenvalues [1/s]; zero for motions without stiffness
     shapes: np.ndarray  # (m, n_q) complex; displacements inertial [m], rotations inertial [rad], scalars
-    residuals: np.ndarray  # (m,) relative to the sizes of the terms
+    residuals: np.ndarray  # (m,) relative to the magnitudes of the terms
     method: str
-    found: int  # how many modes there are; of a sparse solution, how many were computed
+    found: int  # number of modes of the model; of a sparse solution, number of modes computed
 
     @property
     def frequency(self):
@@ -50,12 +50,12 @@ class Modes:
 
     @property
     def converged(self):
-        """(m,) bool: False for a mode that does not fulfil the equations."""
+        """(m,) bool: False for a mode that does not satisfy the equations."""
         return self.residuals <= CONVERGED
 
     @property
     def kinds(self):
-        """(m,) texts: free, oscillation, flutter, decay or divergence."""
+        """(m,) names: free, oscillation, flutter, decay or divergence."""
         return [_kind(value) for value in self.values]
 
 
@@ -69,16 +69,16 @@ def _kind(value):
 
 
 def solve(lin, number=10, method="automatic"):
-    """The ``number`` modes of lowest natural frequency of a Linearization, and all unstable ones that were computed.
+    """Return the ``number`` Modes of lowest natural frequency of a Linearization, and all computed unstable ones.
 
-    ``method`` dense, sparse or automatic (by size). Shapes have the largest displacement 1, rotations counted by the
-    length scale, real there. Raises ConvergenceError when ARPACK fails.
+    ``method``: dense, sparse or automatic (by size). Shapes are scaled so that their largest component is 1 (rotations
+    times the length scale). Raises ConvergenceError if ARPACK fails.
     """
     if method == "automatic":
         method = "dense" if lin.n_q <= DENSE else "sparse"
     scaled = SmallMotions(lin)
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
-    exact = method == "dense" and scaled.on_velocity.any()  # there free motions have the eigenvalue zero already
+    exact = method == "dense" and scaled.on_velocity.any()  # then free motions already have the eigenvalue zero
     values, shapes = _one_of_each_pair(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
     order = np.argsort(np.abs(values), kind="stable")
     growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
@@ -89,13 +89,13 @@ def solve(lin, number=10, method="automatic"):
 
 
 def _normal(shape):
-    """The shape with its largest component 1."""
+    """Return the shape scaled so that its largest component is 1."""
     largest = shape[np.argmax(np.abs(shape))]
     return shape / largest if largest else shape
 
 
 def _with_free(scaled, values, shapes):
-    """The pairs with those that have no stiffness replaced by a basis of them, with the eigenvalue zero."""
+    """Return the pairs, with those without stiffness replaced by a basis of their space with eigenvalue zero."""
     largest = np.abs(values).max(initial=0.0)
     still = np.array([_is_free(scaled, value, y, largest) for value, y in zip(values, shapes, strict=True)], bool)
     if not still.any():
@@ -108,7 +108,7 @@ def _with_free(scaled, values, shapes):
 
 
 def _plain_zeros(values, shapes):
-    """The pairs, those with the eigenvalue zero with plainer shapes."""
+    """Return the pairs, with a sparser basis for the shapes of eigenvalue zero."""
     free, shapes = values == 0.0, shapes.astype(complex)
     if free.any():
         shapes[free] = _plain(shapes[free].real)
@@ -116,13 +116,13 @@ def _plain_zeros(values, shapes):
 
 
 def _plain(basis):
-    """The same space (f, n_q) by motions of which each has a place of its own where the others vanish."""
+    """Return a basis (f, n_q) of the same space in which each motion has one component where all others vanish."""
     _, _, order = la.qr(basis, pivoting=True, mode="economic")
     return np.linalg.solve(basis[:, order[: len(basis)]], basis)
 
 
 def _is_free(scaled, value, y, largest):
-    """Whether the pair is a motion at rest anywhere along it: nothing in the equations but rounding."""
+    """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping are rounding."""
     size = np.linalg.norm(abs(scaled.K) @ abs(y))
     if not size:
         return abs(value) <= 1e-7 * largest
@@ -135,7 +135,7 @@ def _is_free(scaled, value, y, largest):
 
 
 def _one_of_each_pair(values, shapes):
-    """One of each conjugate pair, imaginary parts of rounding removed."""
+    """Return one of each conjugate pair, with imaginary parts that are rounding set to zero."""
     real = np.abs(values.imag) <= REAL * np.abs(values)
     values = np.where(real, values.real + 0j, values)
     keep = values.imag >= 0.0

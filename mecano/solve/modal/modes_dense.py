@@ -1,10 +1,10 @@
 r"""All modes of a small model, by dense matrices.
 
-Holonomic constraints leave the motions y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
-comes from a constraint, redundant or not. Constraints on velocities leave :math:`\dot p = N r + G p`, with N the null
-space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and damping are condensed. A symmetric undamped
-problem is solved as one (eigh), any other in first order: by QR, where motions without inertia follow from their
-damping, or by QZ where that is singular, too.
+Holonomic constraints restrict motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
+belongs to a constraint, redundant or not. Constraints on velocities restrict them further to
+:math:`\dot p = N r + G p`, with N the null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
+damping are condensed. A symmetric undamped problem is solved by eigh, any other one in first-order form: by QR if the
+rates of motions without inertia follow from their damping, by QZ if that damping is singular.
 """
 
 import numpy as np
@@ -12,14 +12,14 @@ import scipy.linalg as la
 
 from mecano.solve.statics.stability import null_space
 
-MASSLESS = 1e-13  # of the largest inertia
-ZERO, SINGULAR = 1e-12, 1e-9  # of the largest: singular values that are rounding; inertia that is none
-EXACT_ZERO = 2e-14  # of the largest, where stiff and soft motions stand side by side and nothing but rounding is zero
+MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
+ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singular matrix
+EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
 def dense(scaled):
-    """All eigenvalues and shapes: (values, shapes (m, n_q), text)."""
+    """Return all eigenvalues and shapes: (values (m,), shapes (m, n_q), name of the method)."""
     Z = null_space(scaled.B.toarray())
     M, C, K = (Z.T @ A @ Z for A in (scaled.M.toarray(), scaled.C.toarray(), scaled.K.toarray()))
     if not Z.shape[1]:
@@ -38,7 +38,7 @@ def dense(scaled):
 
 
 def _condensed(M, C, K):
-    """M, C, K without the motions that have neither inertia nor damping, and the matrix that gives back all."""
+    """Return (M, C, K without motions that have neither inertia nor damping, matrix that recovers all motions)."""
     w, U = la.eigh(0.5 * (M + M.T))
     U2 = U[:, w <= MASSLESS * w[-1]]
     drag = np.vstack([C @ U2, C.T @ U2])
@@ -55,7 +55,7 @@ def _condensed(M, C, K):
 
 
 def _first_order(M, C, K):
-    """Eigenvalues and position parts (m, r) of the vectors of M y'' + C y' + K y = 0."""
+    """Return the eigenvalues (m,) and the position parts (m, r) of the eigenvectors of M y'' + C y' + K y = 0."""
     r = len(M)
     rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0  # makes positions and velocities comparable
     M, C, K = M * rate**2, C * rate, K
@@ -67,7 +67,7 @@ def _first_order(M, C, K):
         eye, zero = np.eye(r), np.zeros((r, r))
         values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
         return values * rate, vectors[:r].T
-    rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v): what has no inertia moves as its damping lets it
+    rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v); without inertia, rates follow from the damping
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
     A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
@@ -76,12 +76,12 @@ def _first_order(M, C, K):
 
 
 def _all(A, E):
-    """Eigenvalues of A x = value E x and their vectors, by QR; E is regular and well conditioned."""
+    """Return eigenvalues and eigenvectors of A x = value E x by QR; E must be regular and well conditioned."""
     return la.eig(np.linalg.solve(E, A))
 
 
 def _finite(A, E):
-    """Finite eigenvalues of A x = value E x and their vectors, by QZ."""
+    """Return the finite eigenvalues and their eigenvectors of A x = value E x by QZ."""
     (alpha, beta), vectors = la.eig(A, E, homogeneous_eigvals=True)
     size = np.hypot(np.abs(alpha), np.abs(beta))
     finite = np.abs(beta) > INFINITE * size
@@ -89,7 +89,7 @@ def _finite(A, E):
 
 
 def _on_velocities(scaled, Z, M, C, K):
-    """Eigenvalues and p (m, r) where constraints hold velocities, too."""
+    """Return eigenvalues (m,) and p (m, r) of a model with constraints on velocities."""
     E, F = scaled.E @ Z, scaled.F @ Z
     N, G = null_space(E), -np.linalg.pinv(E, rcond=1e-12) @ F
     L = null_space((Z.T @ scaled.D[:, scaled.on_velocity]).T).T
@@ -103,12 +103,12 @@ def _on_velocities(scaled, Z, M, C, K):
 
 
 def _without_zeros(A, E, least, solve, chains=False):
-    """Finite eigenvalues of A x = value E x and their vectors; zeros are taken out first, in exact zeros.
+    """Return finite eigenvalues and eigenvectors of A x = value E x; zero eigenvalues are deflated first, exactly.
 
-    Positions and headings that nothing determines come as chains (what turns runs away): vectors of the eigenvalue
-    zero for which A x is E times another one. Left in, they blur all small eigenvalues to the root of the rounding.
-    Vectors of the eigenvalue zero proper are returned; those further up the chains are not, with ``chains`` none.
-    Singular values up to ``least`` are zero; ``solve(A, E)`` finds the eigenvalues that are left.
+    Undetermined positions and headings form Jordan chains of the eigenvalue zero (a change of heading makes the
+    position drift): vectors for which A x is E times another vector of the chain. Without deflation they perturb all
+    small eigenvalues by the square root of rounding. Eigenvectors of zero are returned, generalized ones are not; with
+    ``chains`` neither is. Singular values up to ``least`` are zero; ``solve(A, E)`` finds the remaining eigenvalues.
     """
     _, sigma, Vt = np.linalg.svd(A)
     rank = int(np.sum(sigma > least))

@@ -1,7 +1,7 @@
 r"""Some modes of a large model: the eigenvalues nearest to a real shift, by ARPACK.
 
-The bordered matrix :math:`K + \sigma C + \sigma^2 M` is factored once (linear.py), the shift is zero where K is
-regular. Lanczos' method where the problem is symmetric and undamped, else Arnoldi's on
+The bordered matrix :math:`K + \sigma C + \sigma^2 M` is factored once (solve/linear/sparse.py); the shift is zero if K
+is regular. A symmetric undamped problem is solved by Lanczos' method, any other one by Arnoldi's on
 
 .. math::  (y, u) \to (y', y + \sigma y'), \qquad y' = -(K + \sigma C + \sigma^2 M)^{-1} (M u + C y + \sigma M y),
 
@@ -17,16 +17,16 @@ from mecano.errors import ConvergenceError
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.modal.modes_dense import dense
 
-CANCELLED = 1e-12  # a pivot cancelled to less than this asks for a shift
-FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved dense
-EXTRA = 6  # eigenvalues asked of ARPACK beyond those wanted
-SHIFTS = (-6, -5, -4, -3, -2)  # powers of ten of the mean frequency
+CANCELLED = 1e-12  # relative pivot below which a larger shift is tried
+FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved by dense matrices
+EXTRA = 6  # eigenvalues requested from ARPACK beyond those wanted
+SHIFTS = (-6, -5, -4, -3, -2)  # decimal exponents of the shifts tried, relative to the mean frequency
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
 def sparse(scaled, number):
-    """The eigenvalues nearest to a small shift: (values, shapes (m, n_q), text)."""
-    mobility = scaled.n_q - scaled.B.shape[0]  # at least
+    """Return the eigenvalues nearest to a small shift: (values (m,), shapes (m, n_q), name of the method)."""
+    mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
         return dense(scaled)
     inverse, shift = _shifted(scaled)
@@ -40,7 +40,7 @@ def sparse(scaled, number):
 
 
 def _shifted(scaled):
-    """The solver of K + s C + s^2 M, bordered, and the shift s: zero where K is regular."""
+    """Return the solution function of the bordered K + s C + s^2 M, and the shift s, zero if K is regular."""
     M, C, K = scaled.full
     rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
     k = float(abs(K.diagonal()[: scaled.n_q]).mean()) or 1.0
@@ -57,7 +57,7 @@ def _shifted(scaled):
 
 
 def _penalty(scaled, k):
-    """k B^T B, which changes no motion that the constraints allow, and the full diagonal of the pattern."""
+    """Return k B^T B, which does not affect motions that the constraints allow, padded with zeros to full size."""
     n = scaled.full[2].shape[0]
     top = k * (scaled.B.T @ scaled.B)
     corner = sp.csr_matrix((n - scaled.n_q,) * 2)
@@ -82,7 +82,7 @@ def _lanczos(scaled, inverse, shift, wanted):
     squares, vectors = spla.eigsh(
         scaled.K, wanted, M=scaled.M, sigma=-(shift**2), OPinv=operator, v0=start, ncv=min(n_q, 3 * wanted + 20)
     )
-    K, M = (vectors.T @ (A @ vectors) for A in (scaled.K, scaled.M))  # vectors that Lanczos mixed are told apart
+    K, M = (vectors.T @ (A @ vectors) for A in (scaled.K, scaled.M))  # separates vectors that Lanczos mixed
     squares, mixed = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
     vectors = vectors @ mixed
     values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))

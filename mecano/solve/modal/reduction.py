@@ -1,13 +1,13 @@
 r"""Reduction of a part to its boundary nodes and some modes (Craig & Bampton 1968).
 
-With the boundary coordinates b, the inner motions i, and the equations :math:`(\omega^2 M, K)` of the part at rest,
-where its holonomic constraints :math:`B\, u = 0` hold, the motions are
+With the boundary coordinates b, the inner motions i, and the matrices M, K of the part at rest under its holonomic
+constraints :math:`B\, u = 0`, the motions are
 
 .. math::  u = T \begin{pmatrix} u_b \\ \eta \end{pmatrix}, \qquad
     T = \begin{pmatrix} 1 & 0 \\ \Psi & \Phi \end{pmatrix}
 
-Psi: inner motions under unit displacements of the boundary; Phi: modes of the part with its boundary held. Those of the
-lowest frequencies are kept, scaled so that an amplitude is in metres: their modal mass is the mass of the part.
+Psi: inner motions under unit displacements of the boundary; Phi: modes of the part with its boundary fixed. The modes
+of lowest frequency are kept and scaled to a modal mass equal to the mass of the part, so amplitudes are in metres.
 """
 
 from dataclasses import dataclass
@@ -24,29 +24,29 @@ from mecano.solve.modal.linearize import linearize
 from mecano.solve.statics.stability import null_space
 
 DENSE = 500  # inner motions up to which all modes are computed
-STRESSED = 1e-9  # of stiffness times length, that a force at the start may be
-SOFT = 1e-13  # of the largest stiffness with unit masses: what is softer counts as free
-MASSLESS = 1e-13  # of the largest inertia with unit stiffness
-TIED = 1e-9  # of the largest entry of the constraints, that they may be left unsatisfied
-ASYMMETRIC = 1e-8  # of the largest entry
+STRESSED = 1e-9  # of stiffness times length: largest force in the reference
+SOFT = 1e-13  # of the largest stiffness: a softer motion is free
+MASSLESS = 1e-13  # of the largest inertia with unit stiffness: a smaller one counts as zero
+TIED = 1e-9  # of the largest entry of the constraints: largest residual of the constraints
+ASYMMETRIC = 1e-8  # of the largest entry of the stiffness: largest asymmetry
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """The content of a file of reduced matrices, and what to tell of it."""
+    """The content of a file of reduced matrices, and data for the summary."""
 
     content: dict  # key -> array, see docs/superelements.md
-    frequencies: np.ndarray  # (m,) of the modes kept [Hz], boundary held
-    inner: int  # motions of the part besides the boundary
-    found: int  # modes with inertia that the part has; -1 where not all were computed
+    frequencies: np.ndarray  # (m,) frequencies of the modes kept [Hz], boundary fixed
+    inner: int  # number of inner motions of the part
+    found: int  # number of modes of the part that have inertia; -1 if not all were computed
     mass: float  # [kg]
 
 
 def reduce(system, boundary, number, length):
-    """The Reduction of ``system``, at rest in its reference, to the nodes named ``boundary``.
+    """Return the Reduction of ``system``, at rest in its reference, to the nodes named ``boundary``.
 
-    ``number`` of modes, or None for all. Axes are those of the first boundary node, positions are counted from it.
-    Raises UsageError (names, numbers), AssemblyError (a part that is stressed, held, or free inside).
+    ``number`` of modes, or None for all. Axes and origin are those of the first boundary node. Raises UsageError
+    (names, numbers), AssemblyError (a part that is stressed, held, or has free inner motions).
     """
     nodes, own = _boundary(system, boundary)
     state = system.initial_state()
@@ -75,7 +75,7 @@ def reduce(system, boundary, number, length):
 
 
 def _boundary(system, names):
-    """Indices of the boundary nodes and their unknowns (6 n,)."""
+    """Return the indices (n,) of the boundary nodes and those of their unknowns (6 n,)."""
     index = {node.name: i for i, node in enumerate(system.nodes)}
     of, nodes, own = system.numbering, [], []
     for name in names:
@@ -85,7 +85,7 @@ def _boundary(system, names):
         first = (of.x[i], of.r[i])
         if max(first) >= of.n_q:
             what = "position" if of.x[i] >= of.n_q else "rotation"
-            raise UsageError(f"node '{name}' cannot be a boundary node: nothing in the part works on its {what}")
+            raise UsageError(f"node '{name}' cannot be a boundary node: no element of the part acts on its {what}")
         nodes.append(i)
         own += [d + k for d in first for k in range(3)]
     if len(set(own)) < len(own):
@@ -94,14 +94,14 @@ def _boundary(system, names):
 
 
 def _matrices(system, state, length):
-    """M, C, K (n, n) about the reference, inertial axes; raises AssemblyError when it is under stress."""
+    """Return M, C, K (n, n) about the reference, inertial axes; raises AssemblyError if the reference is stressed."""
     lin = linearize(system, state, length)
     stiffness = abs(lin.K[: system.n_q, : system.n_q]).max()
     system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0)
     force = np.abs(system.residual[: system.n_q])
     if force.max(initial=0.0) > STRESSED * stiffness * length:
         worst = int(np.argmax(force))
-        text = f"the part is not free of forces at the start: {force[worst]:.3g} in {system.numbering.name[worst]}"
+        text = f"forces act in the part at the start: {force[worst]:.3g} in {system.numbering.name[worst]}"
         raise AssemblyError(f"{text}; a part is reduced about its unstressed reference, without loads and gravity")
     gap = abs(lin.K - lin.K.T).max()
     if gap > ASYMMETRIC * abs(lin.K).max():
@@ -110,13 +110,13 @@ def _matrices(system, state, length):
 
 
 def _inner_motions(K, rest, n_q):
-    """Basis (n_rest, m) of the inner motions that the constraints allow with the boundary held; None for all."""
+    """Return a basis (n_rest, m) of the inner motions under the constraints, boundary fixed; None if all are free."""
     B = K[n_q:, :n_q]
     return null_space(B[:, rest].toarray()) if B.shape[0] else None
 
 
 def _basis(system, M, K, own, rest, Z, number):
-    """T (n_q, n_b + m), frequencies of the modes kept [Hz], how many modes there are."""
+    """Return T (n_q, n_b + m), the frequencies (m,) of the modes kept [Hz], and the number of modes or -1."""
     n_q = system.n_q
     K_ii, M_ii = K[rest][:, rest], M[rest][:, rest]
     if Z is not None:
@@ -132,7 +132,7 @@ def _basis(system, M, K, own, rest, Z, number):
 
 
 def _factor(system, K_ii, M_ii, rest, Z):
-    """Solution with the inner stiffness; raises AssemblyError where it is singular."""
+    """Return a function that solves with the inner stiffness; raises AssemblyError if it is singular."""
     n = K_ii.shape[0]
     if not n:
         return lambda b: b
@@ -141,17 +141,20 @@ def _factor(system, K_ii, M_ii, rest, Z):
         if values[0] <= SOFT * values[-1]:
             shape = np.abs(vectors[:, 0] if Z is None else Z @ vectors[:, 0])
             name = motion_name(system.numbering.name[rest[int(np.argmax(shape))]])
-            raise AssemblyError(f"the part is free inside when its boundary is held: {name} has no stiffness")
+            raise AssemblyError(f"with its boundary held, the part can still move freely: {name} has no stiffness")
         factor = la.cho_factor(K_ii.toarray())
         return lambda b: la.cho_solve(factor, b)
     try:
         return spla.splu(sp.csc_matrix(K_ii), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
     except RuntimeError as error:
-        raise AssemblyError(f"the part is free inside when its boundary is held: {error}") from None
+        raise AssemblyError(f"with its boundary held, the part can still move freely: {error}") from None
 
 
 def _static(K, own, rest, n_q, Z, solve):
-    """Psi (n_rest, n_b): inner motions under unit displacements of the boundary, which constraints may tie."""
+    """Return Psi (n_rest, n_b), the inner motions under unit displacements of the boundary.
+
+    Raises AssemblyError if constraints hold the boundary nodes.
+    """
     K_ib = K[rest][:, own].toarray()
     if not len(rest):
         return K_ib
@@ -165,7 +168,7 @@ def _static(K, own, rest, n_q, Z, solve):
 
 
 def _modes(K, M, number, solve):
-    """omega^2 ascending (m,), shapes (n, m) of unit modal mass, how many there are or -1."""
+    """Return omega^2 ascending (m,), shapes (n, m) of unit modal mass, and the number of modes or -1."""
     n = K.shape[0]
     if number == 0 or n == 0:
         return np.zeros(0), np.zeros((n, 0)), -1
@@ -187,13 +190,13 @@ def _symmetric(A):
 
 
 def _positions(system, chosen, origin, axes):
-    """Places (n, 3) of nodes from the node ``origin``, in ``axes``."""
+    """Return the positions (n, 3) of nodes relative to the node ``origin``, in ``axes``."""
     x = np.array([system.nodes[i].x for i in chosen], float).reshape(-1, 3)
     return (x - system.nodes[origin].x) @ axes
 
 
 def _springs(K, own, n_modes):
-    """Stiffness (n,) of the elements at the boundary coordinates, the same along all axes of a node; 0 for modes."""
+    """Return the stiffness (n,) of elements at the boundary coordinates, equal along all axes; 0 for modes."""
     largest = K.diagonal()[own].reshape(-1, 3).max(axis=1)
     return np.concatenate([np.repeat(largest, 3), np.zeros(n_modes)])
 
@@ -210,7 +213,7 @@ def _without_rigid_forces(K, positions, stiffness):
 
 
 def _interior(system, nodes, T, axes):
-    """Names, places and displacements (3 rows each) of the nodes inside the part."""
+    """Return names, positions and displacements (3 rows each) of the inner nodes of the part."""
     of = system.numbering
     inner = [
         i for i in range(len(system.nodes)) if i not in nodes and of.x[i] < of.n_q and " " not in system.nodes[i].name

@@ -1,16 +1,20 @@
-"""The matrices of small motions in one unit, in blocks of motions and constraints, and what a pair leaves of them."""
+"""Matrices of small motions in uniform units, split into motions and constraints; residuals of modes."""
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-SYMMETRIC = 1e-9  # of the largest entry
-ROUNDED = 1e-8  # of the largest stiffness: terms smaller than this are judged against it
+SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiffness
+ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
 
 class SmallMotions:
-    """The matrices in motions of one unit (rotations times the length scale), split into their blocks."""
+    """The matrices of a Linearization with rotations times the length scale, split into blocks.
+
+    M, C, K (n_q, n_q): of motions; D (n_q, n_l): columns of multipliers; B: holonomic constraints, B y = 0;
+    E, F: constraints on velocities, (value E + F) y = 0.
+    """
 
     def __init__(self, lin):
         n_q = self.n_q = lin.n_q
@@ -26,14 +30,14 @@ class SmallMotions:
 
     @property
     def undamped(self):
-        """True when the problem is symmetric, without first-order terms."""
+        """True if the problem is symmetric, without first-order terms."""
         M, C, K = self.size
         scale = np.sqrt(M * K)
         asymmetric = abs(self.K - self.K.T).max() if self.K.nnz else 0.0
         return not self.on_velocity.any() and C <= 1e-14 * scale and asymmetric <= SYMMETRIC * K
 
     def residual(self, value, y):
-        """What a pair leaves of the equations, relative to the sizes of their terms."""
+        """Return the residual of an eigenpair in the equations, relative to the magnitudes of their terms."""
         terms = [value**2 * (self.M @ y), value * (self.C @ y), self.K @ y]
         r = sum(terms)
         size = abs(value) ** 2 * np.linalg.norm(abs(self.M) @ abs(y))
@@ -47,7 +51,7 @@ class SmallMotions:
         return float(max([np.linalg.norm(r) / max(size, 1e-300), *gaps]))
 
     def least(self, r):
-        """Multipliers mu with the least r + D mu."""
+        """Return the multipliers mu that minimize |r + D mu|."""
         if self.D.shape[0] <= DENSE_ROWS:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
         parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]

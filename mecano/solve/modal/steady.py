@@ -1,20 +1,21 @@
-r"""Straight steady running: a motion that looks the same at every instant to one who moves along.
+r"""Straight steady running: a motion that is constant in a frame moving with the vehicle.
 
-All nodes have the velocity V, angular velocities are constant, nothing accelerates: only wheels and what turns with
-them spin. Wanted are positions (deflections of tyres and springs, y and psi of patches), spins and reactions with
+All nodes have the velocity V, angular velocities are constant, accelerations are zero: only wheels and parts that
+rotate with them spin. Unknown are positions (deflections of tyres and springs, y and psi of patches), spins and
+reactions with
 
 .. math::
    f(q, v, a = 0) - B^T \Lambda = 0, \quad \Phi(q) = 0, \quad \Phi_v(q, v) = 0, \quad v = (V, \omega_0 + N \sigma).
 
-Which angular velocities change nothing follows from the tangent: with its columns K_x by displacements and K_r by
-rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has the least
-solution :math:`\omega_0`, and N spans what may turn besides: the spins.
+The angular velocities that leave the forces constant follow from the tangent: with its columns K_x for displacements
+and K_r for rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has
+the minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the free spins.
 
-Newton's method on :math:`(q, \sigma, \Lambda)`, solved for the least change: the place on the road, an angle of spin, a
-reaction that nothing determines stay where they are; steps are halved until the residual falls. A sliding wheel does
-not tell how far from rolling it is: the spin of a wheel that no constraint makes roll is found from the moment about
-its axle alone, which grows with it, at every iteration. Where Newton's method does not arrive the state creeps, against
-a drag that fades with the forces, and Newton's method goes on from there.
+Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: positions along the road, angles of spin
+and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. The force on a
+sliding wheel hardly depends on its spin: therefore the spin of a wheel that no constraint makes roll is found, in every
+iteration, from the moment about its axle, which increases with the spin. If Newton's method does not converge, the
+state is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there.
 """
 
 from dataclasses import dataclass
@@ -31,39 +32,39 @@ from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
-LARGEST = 4000  # equations, solved by dense least squares
-ITERATIONS, CREEPS = 60, 300
-RANK = 1e-12  # of the largest singular value: what counts as zero
-SPINS = 1e-9  # the same, for what may turn without any change
-FARTHEST = 0.2  # of the length scale, or rad, in one iteration
-FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # of the forces at work; of length scale or speed; of length scale, or rad
-ROUGHLY = 1e-4  # of the forces at work: Newton's method goes on from there
-LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # of the residual that a step must take away, the whole one; of a step
-FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # of the length scale, by the largest force; change of the drag in a step
-MOST_GROWTH, HARDER = 1.5, 4.0  # of the largest force in a creeping step; of the drag where it grows more
-STEADY = 1e-6  # of the forces at work, that may change per radian or length scale; of the speed
-ROUNDED = 1e-12  # of the speed, and of that over the length scale: slower motions are rounding
-WIDER, WIDENINGS = 2.0, 40  # of the bracket of a spin
+LARGEST = 4000  # largest number of equations, which are solved by dense least squares
+ITERATIONS, CREEPS = 60, 300  # largest numbers of Newton iterations and of relaxation steps
+RANK = 1e-12  # of the largest singular value: smaller ones are zero
+SPINS = 1e-9  # the same, for rotations that leave the forces constant
+FARTHEST = 0.2  # largest change in one iteration, in length scales or rad
+FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of length scale or speed; length scales or rad
+ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
+LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
+FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; limits of the change of the drag per step
+MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
+STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
+ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
+WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
 
 @dataclass
 class Tangent:
-    """A state without accelerations: its derivatives by positions K (n, n) and velocities C (n, n_q), and residuals."""
+    """Derivatives and residuals of a state without accelerations."""
 
-    K: np.ndarray
-    C: np.ndarray
+    K: np.ndarray  # (n, n) derivatives by positions and multipliers
+    C: np.ndarray  # (n, n_q) derivatives by velocities
     k: float  # mean stiffness [N/m], which makes rows of forces and of constraints comparable
-    f: np.ndarray  # (n_q,) forces out of balance
-    size: np.ndarray  # (n_q,) the forces at work
-    gap: np.ndarray  # (n_l,) constraints on positions; those on velocities over speed and length scale
-    rates: np.ndarray  # (n_l,) rates of the constraints on positions; the constraints on velocities
-    force: float  # the largest force out of balance, moments over the length scale [N]
+    f: np.ndarray  # (n_q,) out-of-balance forces
+    size: np.ndarray  # (n_q,) sums of the magnitudes of the forces
+    gap: np.ndarray  # (n_l,) values of constraints on positions [m]; of those on velocities, times length scale / speed
+    rates: np.ndarray  # (n_l,) rates of constraints on positions; values of constraints on velocities
+    force: float  # largest out-of-balance force [N], moments divided by the length scale
     merit: float  # norm of all residuals
-    excess: float  # the largest residual over its tolerance
+    excess: float  # largest ratio of a residual to its tolerance
 
 
 class Steady:
-    """The search of one system for running with the velocity ``V`` (3,) [m/s], inertial."""
+    """Solver for the steady running of a system with the velocity ``V`` (3,) [m/s], inertial."""
 
     def __init__(self, system, length, V):
         self.system, self.length, self.V = system, length, np.asarray(V, float)
@@ -71,7 +72,7 @@ class Steady:
         self.n_q, self.of_rates = system.n_q, of.of_rates
         self.turning = of.kind[: self.n_q] == ROTATION
         self.root = np.where(self.turning, length, 1.0)
-        self.speed = float(np.linalg.norm(self.V)) or length  # [m/s]; at rest a length per second
+        self.speed = float(np.linalg.norm(self.V)) or length  # [m/s]; at rest, one length scale per second
         self.along = np.zeros(of.n_all)
         for first in np.unique(of.x[of.x < self.n_q]):
             self.along[first : first + 3] = self.V
@@ -79,9 +80,9 @@ class Steady:
         self.k = None  # [N/m] mean stiffness at the start
 
     def find(self, start):
-        """The steady State near ``start``. Raises ConvergenceError, which says why there is none."""
+        """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
-            raise ConvergenceError(f"steady running is searched for in models of up to {LARGEST} equations only")
+            raise ConvergenceError(f"steady running can be computed for models of at most {LARGEST} equations")
         s, arrived = self._newton(self._begun(start))
         if not arrived:
             s, arrived = self._newton(self._creep(self._begun(start)))
@@ -97,7 +98,7 @@ class Steady:
         return s
 
     def _newton(self, s):
-        """(state, whether it is steady to rounding); steps are halved until the residual falls."""
+        """Return (state, whether Newton's method converged); steps are halved until the residual decreases."""
         s, N, at = self._spun(s)
         last = np.inf
         for _ in range(ITERATIONS):
@@ -118,7 +119,7 @@ class Steady:
         return s, False
 
     def _creep(self, s):
-        """The state near an equilibrium, after steps of implicit Euler against a drag; or as far as they come."""
+        """Return the state after relaxation by implicit Euler steps against a drag, close to an equilibrium if any."""
         s, N, at = self._spun(s)
         drag = at.force / (FIRST_CREEP * self.length)
         for _ in range(CREEPS):
@@ -136,7 +137,7 @@ class Steady:
         return s
 
     def tangent(self, s):
-        """The Tangent of a state."""
+        """Return the Tangent of a state."""
         system, n = self.system, self.system.n
         parts = []
         for weights in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
@@ -158,13 +159,16 @@ class Steady:
         )
 
     def _excess(self, f, size, gap):
-        """What is left of the equations, over the tolerances."""
+        """Return the largest ratio of a residual to its tolerance."""
         forces = np.abs(f / self.root).max(initial=0.0) / (FORCE * max((size / self.root).max(initial=0.0), 1e-300))
         worst = max(forces, np.abs(gap).max(initial=0.0) / (GAP * self.length))
         return worst if np.isfinite(worst) else np.inf
 
     def _step(self, at, N, drag=0.0):
-        """An iteration, or a creeping step: changes of (q, spins, reactions), scaled, and the largest of q."""
+        """Return the step of an iteration, or of relaxation if ``drag``: (changes of q, spins, reactions), largest q.
+
+        The largest change of q is in length scales or rad; inf if the equations are not finite.
+        """
         n_q, spins, k = self.n_q, N.shape[1], at.k
         rows = np.where(self.of_rates, self.length / self.speed, 1.0)
         A = np.hstack([at.K[:, :n_q] / self.root, at.C @ N * (self.speed / self.length), at.K[:, n_q:] * k])
@@ -178,7 +182,7 @@ class Steady:
         return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[:n_q]).max(initial=0.0)) / self.length
 
     def _moved(self, s, step, N, share):
-        """The state after a share of a step."""
+        """Return the state after a share of a step."""
         dq, spin, reaction = step
         s = displaced(s, share * dq, self.system.numbering)
         s.v[: self.n_q] += share * (N @ spin)
@@ -186,14 +190,14 @@ class Steady:
         return s
 
     def _stiffness(self, K):
-        """Mean stiffness [N/m] of the tangent."""
+        """Return the mean stiffness [N/m] of the tangent."""
         diagonal = np.abs(np.diag(K)[: self.n_q]) / self.root**2
         return float(diagonal[diagonal > 0].mean()) if np.any(diagonal > 0) else 1.0
 
     def _spun(self, s):
-        """The state with angular velocities that change nothing, wheels rolling as far as that can be told; N; Tangent.
+        """Return (state with steady angular velocities and rolling wheels, N, its Tangent).
 
-        Elements are in the modes that the state tells.
+        Elements are put into the phases that belong to the state.
         """
         s = self.monitor.settle(s.copy())
         omega, N = self._turning(s)
@@ -208,13 +212,13 @@ class Steady:
         return s, N, at
 
     def _turning(self, s):
-        """Angular velocities (n_q,) that follow from the running, and what may turn besides, N (n_q, spins)."""
+        """Return the angular velocities (n_q,) that follow from V, and the free spins N (n_q, spins)."""
         running = s.copy()
         running.v[:] = self.along
         at = self.tangent(s)
         K = at.K[:, : self.n_q].copy()
         for d in self.system.numbering.rotation_dof:
-            if d < self.n_q:  # of moments in inertial axes: a spin does not turn those that are out of balance
+            if d < self.n_q:  # out-of-balance moments are fixed in inertial axes: a spin does not rotate them
                 K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
         change = K @ self.along[: self.n_q]
         change[self.n_q :] = np.where(
@@ -229,7 +233,7 @@ class Steady:
         return omega, _plain(N)
 
     def _roll(self, s, direction):
-        """Set the spin along ``direction`` (n_q,) of ``s`` in place so that no moment is left about it."""
+        """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes."""
         before = s.v[: self.n_q].copy()
 
         def moment(spin):
@@ -250,33 +254,33 @@ class Steady:
         s.v[: self.n_q] = before + found * direction
 
     def _judge(self, s, arrived):
-        """Refuse what is no steady running."""
+        """Raise ConvergenceError if the state is not in steady running."""
         at = self.tangent(s)
         text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"
         tries = (
-            "what to try: initial positions nearer to it; a velocity along the road; what balances the drag; wheels in "
-            "balance about their axles (inertias are given in the axes of the node)"
+            "what to try: initial positions nearer to it; a velocity along the road; a force that balances the drag; "
+            "wheels in balance about their axles (inertias are given in the axes of the node)"
         )
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         if not arrived:
             raise ConvergenceError(
-                f"{text}: forces remain out of balance, or constraints unfulfilled; most of all\n"
+                f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
                 f"{worst_equations(self.system)}\n{tries}"
             )
         off = np.abs(at.rates) / self.speed
         if off.max(initial=0.0) > STEADY:
             name = self.system.numbering.name[self.n_q + int(np.argmax(off))]
-            raise ConvergenceError(f"{text}: it would not fulfil '{name}' as time goes by\n{tries}")
+            raise ConvergenceError(f"{text}: the constraint '{name}' would be violated over time\n{tries}")
         K, v = at.K[: self.n_q, : self.n_q], s.v[: self.n_q]
         change, force = np.abs(K @ v) / self.root, (at.size / self.root).max(initial=0.0)
         rate = max(self.speed / self.length, np.abs(v[self.turning]).max(initial=0.0))
         if change.max(initial=0.0) > STEADY * force * rate:
             name = self.system.numbering.name[int(np.argmax(change))]
-            raise ConvergenceError(f"{text}: the forces change as time goes by, in {name}\n{tries}")
+            raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
 
 
 def _plain(N):
-    """The same space (n, s) by unit directions of which each has a place of its own where the others vanish."""
+    """Return unit vectors (n, s) that span the same space, each with one component where all others vanish."""
     if not N.shape[1]:
         return N
     _, _, order = la.qr(N.T, pivoting=True, mode="economic")

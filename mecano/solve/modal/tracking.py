@@ -1,6 +1,6 @@
-"""Eigenvalues of small motions followed over a parameter: which mode of one value is which of the next.
+"""Tracking of modes over a parameter: branches of eigenvalues through the spectra at successive values.
 
-Both eigenvalues of a conjugate pair are followed, so that pairs may part into real ones and real ones meet to pairs.
+Both eigenvalues of a conjugate pair are tracked, so that pairs can split into real ones and real ones merge into pairs.
 """
 
 from dataclasses import dataclass
@@ -8,27 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-SHAPE = 0.5  # how much a shape that is quite another counts, beside an eigenvalue that is
-GROWS = 1e-7  # of an eigenvalue: a real part below it is rounding
-ALIKE = 1e-9  # difference of damping ratios that is rounding
-ROUNDED = 1e-12  # of the largest eigenvalue: smaller ones are rounding
+SHAPE = 0.5  # weight of a change of shape relative to a change of eigenvalue
+GROWS = 1e-7  # of an eigenvalue: positive real part above which it is unstable
+ALIKE = 1e-9  # damping ratios that differ less are equal
+ROUNDED = 1e-12  # of the largest eigenvalue: smaller ones count as zero
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """All eigenvalues of one state that are not zero, conjugates among them, and their shapes."""
+    """All nonzero eigenvalues of one state, including conjugates, and their shapes."""
 
     values: np.ndarray  # (m,) complex [1/s]
-    shapes: np.ndarray  # (m, n_q) complex, rotations counted by the length scale
-    least: float = 0.0  # [1/s]: what is smaller means no more than zero
-    families: np.ndarray | None = None  # (m,) numbers in families.py
+    shapes: np.ndarray  # (m, n_q) complex, rotations times the length scale
+    least: float = 0.0  # [1/s] modulus up to which an eigenvalue is not significant
+    families: np.ndarray | None = None  # (m,) indices into FAMILIES of families.py
     converged: np.ndarray | None = None  # (m,) bool
 
     @classmethod
     def of(cls, found, root, pace=0.0, families=None):
-        """That of Modes, which tell one of each conjugate pair; ``root`` (n_q,) and ``pace`` as in Linearization.
+        """Return the Spectrum of Modes, which contain one of each conjugate pair.
 
-        ``families`` (m,) numbers of the modes in families.py.
+        ``root`` (n_q,) and ``pace`` as in Linearization; ``families`` (m,): indices into FAMILIES of families.py.
         """
         moving = np.flatnonzero(found.values != 0.0)
         values = found.values[moving]
@@ -42,36 +42,36 @@ class Spectrum:
 
     @property
     def counting(self):
-        """The eigenvalues of positive or no imaginary part that mean more than zero."""
+        """The significant eigenvalues with nonnegative imaginary part."""
         return self.values[(self.values.imag >= 0.0) & (np.abs(self.values) > self.least)]
 
     def costs(self, value, shape, largest):
-        """How unlike each eigenvalue with its shape is to ``value`` with ``shape``, (m,)."""
+        """Return the dissimilarity (m,) of each eigenpair to ``value`` with ``shape``."""
         apart = np.abs(self.values - value) / (np.abs(self.values) + abs(value) + 0.01 * largest)
         sizes = np.linalg.norm(self.shapes, axis=1) * np.linalg.norm(shape)
         alike = np.abs(self.shapes.conj() @ shape) / np.maximum(sizes, 1e-300)
         return apart + SHAPE * (1.0 - alike**2)
 
     def nearest(self, value, shape):
-        """Number of the eigenvalue most like ``value`` with ``shape``."""
+        """Return the index of the eigenpair most similar to ``value`` with ``shape``."""
         return int(np.argmin(self.costs(value, shape, float(np.abs(self.values).max()))))
 
 
 def unstable(value):
-    """True where an eigenvalue, or each of an array, grows by more than rounding."""
+    """Return whether an eigenvalue (or each of an array) is unstable, beyond rounding."""
     return np.real(value) > GROWS * np.abs(value)
 
 
 def damping(values):
-    """Damping ratios of eigenvalues; nan where they are nan or zero."""
+    """Return the damping ratios of eigenvalues; nan where they are nan or zero."""
     size = np.abs(values)
     return -np.real(values) / np.where(size > 0.0, size, np.nan)
 
 
 def least_damped(values, least=0.0):
-    """Place of the eigenvalue (n,) of the least damping ratio, of equal ones that which decays most slowly.
+    """Return the index of the least damped of the eigenvalues (n,); of equal ones, that with the slowest decay.
 
-    Those that are nan do not count, nor those up to ``least``, (n,) or one, unless there are no others.
+    Ignores nan, and moduli up to ``least`` (a number or (n,)) unless there are no others.
     """
     counts = np.isfinite(values) & (np.abs(values) > least)
     counts = counts if counts.any() else np.isfinite(values)
@@ -81,9 +81,9 @@ def least_damped(values, least=0.0):
 
 
 def growing(row, spectra):
-    """Whether a branch grows at each place (n,); a stretch of growth in which it nowhere means more than zero is none.
+    """Return whether a branch is unstable at each place (n,); intervals without a significant eigenvalue are not.
 
-    ``row`` (n,): its numbers in the ``spectra``, see ``track``.
+    ``row`` (n,): indices of the branch in the ``spectra``, see ``track``.
     """
     known = np.flatnonzero(row >= 0)
     values = np.array([spectra[i].values[row[i]] for i in known])
@@ -95,10 +95,10 @@ def growing(row, spectra):
 
 
 def track(spectra, places):
-    """Numbers (branches, n) of the eigenvalues of each branch in the spectra at ``places`` (n,), -1 where it has none.
+    """Return the indices (branches, n) of the eigenvalues of each branch in the spectra at ``places`` (n,), or -1.
 
-    A branch goes on where the eigenvalue, extrapolated, and the shape change least, all branches together. Spectra that
-    are None, where nothing was found, are passed over.
+    Branches are continued by the assignment with the least total change of shape and of eigenvalue relative to its
+    extrapolation. Spectra that are None, where nothing was found, are skipped.
     """
     known = [i for i, spectrum in enumerate(spectra) if spectrum is not None]
     rows = []
@@ -117,7 +117,7 @@ def track(spectra, places):
 
 
 def _costs(row, spectra, places, before, i):
-    """How little each eigenvalue of spectrum i goes on the branch ``row``, last seen at ``before``."""
+    """Return the cost (m,) of continuing the branch ``row``, last found at ``before``, with each eigenvalue of i."""
     value, shape = spectra[before].values[row[before]], spectra[before].shapes[row[before]]
     earlier = [j for j in range(before) if row[j] >= 0]
     largest = float(np.abs(spectra[i].values).max())
@@ -128,9 +128,9 @@ def _costs(row, spectra, places, before, i):
 
 
 def loci(rows, spectra):
-    """Eigenvalues (branches, n) along branches, imaginary parts not negative, nan where there is none; and the rows.
+    """Return the eigenvalues (branches, n) along branches, imaginary parts nonnegative, nan where missing; and rows.
 
-    Of two branches that are conjugate everywhere one is kept.
+    Of two branches that are conjugate everywhere, one is kept.
     """
     values = np.full(rows.shape, np.nan, complex)
     for b, i in zip(*np.nonzero(rows >= 0), strict=True):
