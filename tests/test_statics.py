@@ -236,7 +236,7 @@ def test_relaxation_leaves_the_straight_column(load):
         """)
     x, y = elastica(load / 1.0e3)
     np.testing.assert_allclose(path.positions("tip")[-1], (x, y, 0.0), atol=2e-4)
-    assert path.points[-1].stability.stable and "was met and left on the way" in path.result.warnings[0]
+    assert path.points[-1].stability.stable and "was found and left on the way" in path.result.warnings[0]
 
 
 def test_relaxation_leaves_a_column_in_balance():

@@ -1,7 +1,7 @@
 """Mobility analysis: groups of redundant constraints and remaining mechanisms, by name.
 
-Both come from projectors of the scaled constraint gradient B, which do not depend on the choice of a basis: the
-left null space of B couples redundant constraints, its null space the unknowns that can move.
+Both follow from projectors of the scaled constraint gradient B, which do not depend on the choice of a basis: the left
+null space of B couples redundant constraints, its null space couples unknowns that can move.
 """
 
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from mecano.model.numbering import ROTATION, motion_name
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
-NEARLY = 0.99  # of the largest: values above count as equal to it
-DENSE_ROWS = 3000  # beyond this many constraints in closed loops, or unknowns, no singular values are computed
+NEARLY = 0.99  # of the largest value: larger ones count as equal to it
+DENSE_ROWS = 3000  # with more constraints in closed loops, or more unknowns, no singular values are computed
 
 
 @dataclass(frozen=True)
 class Group:
-    """Redundant constraints, ``count`` too many, or unknowns that move together in ``count`` free motions."""
+    """Constraints with ``count`` redundancies, or unknowns that move together in ``count`` free motions."""
 
     count: int
     names: tuple
@@ -48,28 +48,28 @@ class Entries(NamedTuple):
 class Analysis:
     """Mobility of a model at one configuration.
 
-    ``complete`` is False where too many constraints in closed loops leave the rank unknown.
+    ``complete`` is False if the rank is unknown because of too many constraints in closed loops.
     """
 
     rank: int
     redundant: tuple  # Group
-    dependent: object  # projector on the reactions in a redundancy, see ``_directions``; None where there is none
+    dependent: object  # projector on the reactions in redundancies, see ``_directions``, or None
     release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
     gradient: Entries
     names: list  # of the equations of the unknowns
-    signals: np.ndarray  # (n_q,) bool: which of the unknowns are signals, no motions
+    signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     complete: bool = True
 
     @property
     def mobility(self):
-        """Number of independent motions that the constraints leave."""
+        """Number of independent motions that the constraints allow."""
         return self.gradient.shape[1] - self.rank - int(self.signals.sum())
 
     @cached_property
     def mechanisms(self):
-        """Groups of unknowns that can move together; None where they are too many, or the rank is unknown, to tell.
+        """Groups of unknowns that can move together; None if there are too many unknowns or the rank is unknown.
 
-        Found when it is asked for: a run does not, and the decomposition of all constraints takes time.
+        Computed on demand, because a run does not need it and the decomposition of all constraints takes time.
         """
         if not self.small:
             return None
@@ -79,17 +79,17 @@ class Analysis:
 
     @property
     def small(self):
-        """True where the rank is known, and the unknowns are few enough to tell what can move."""
+        """True if the rank is known and the unknowns are few enough for a decomposition."""
         return self.complete and self.gradient.shape[1] <= DENSE_ROWS
 
     @property
     def motions(self):
-        """Names of the unknowns (n_q,)."""
+        """Names (n_q,) of the motions of the unknowns."""
         return [motion_name(name) for name in self.names]
 
     @property
     def released(self):
-        """Constraints (n,) that are let go."""
+        """Indices (n,) of the released constraints."""
         return (
             np.zeros(0, np.int64)
             if self.release_matrix is None
@@ -98,7 +98,7 @@ class Analysis:
 
 
 def analyse(system, s, length):
-    """Redundant constraints and mechanisms of ``system`` at ``s``; rotations are counted by the length scale."""
+    """Return the Analysis of ``system`` at ``s``; rotations are multiplied by the length scale."""
     B, size, holds = gradient(system, s, length)
     of = system.numbering
     loops, n_l = in_loops(B, of.group), int(holds.sum())
@@ -118,9 +118,10 @@ def analyse(system, s, length):
 
 
 def gradient(system, s, length):
-    """B = dPhi/dq (n_l, n_q): columns of rotations over the length scale, rows of length 1; sizes; what holds.
+    """Return the scaled gradient B = dPhi/dq (Entries (n_l, n_q)), sizes (n_l,) of its rows, active rows (n_l,) bool.
 
-    A constraint that is let go in the present modes has a diagonal entry, and no gradient.
+    Columns of rotations are divided by the length scale, then rows are normalized. A constraint that is inactive in the
+    current phases has a diagonal entry in the tangent, and no gradient.
     """
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
@@ -138,18 +139,19 @@ def gradient(system, s, length):
 
 
 def dependent_rows(B, group):
-    """Rows of B that stand in closed loops, and an orthonormal basis (m, d) of the y with B^T y = 0 for them.
+    """Return (indices (m,) of the rows of B in closed loops, orthonormal basis (m, d) of their left null space).
 
-    None in the place of the basis where more than ``DENSE_ROWS`` stand there; ``group`` numbers the columns of a node.
+    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the number of the node of each column.
     """
     loops = in_loops(B, group)
     return loops, (None if len(loops) > DENSE_ROWS else _left_null(B.dense(loops)))
 
 
 def in_loops(B, group):
-    """Rows that are left when those are peeled off which a node of their own makes independent, again and again.
+    """Return the indices of the rows of B in closed loops.
 
-    What hangs on a chain peels off from its end; only closed loops stay.
+    Rows whose columns of one node are independent of all other rows are removed repeatedly: open chains are removed
+    from their ends, closed loops remain.
     """
     alive = np.ones(B.shape[0], bool)
     blocks = [_block(B, entries) for entries in _by_node(B, group)]
@@ -169,14 +171,14 @@ def in_loops(B, group):
 
 
 def _by_node(B, group):
-    """The entries of each node that constraints tie, as arrays of their numbers."""
+    """Return, for each constrained node, the indices of its entries of B."""
     node = group[B.cols]
     order = np.argsort(node, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(node[order])) + 1)
 
 
 def _block(B, entries):
-    """Rows (m,) that some entries belong to, and the matrix (m, n) of these rows and of the columns of the entries."""
+    """Return (rows (m,) of some entries, dense matrix (m, n) of these rows and of the columns of the entries)."""
     rows, i = np.unique(B.rows[entries], return_inverse=True)
     cols, j = np.unique(B.cols[entries], return_inverse=True)
     block = np.zeros((len(rows), len(cols)))
@@ -185,7 +187,7 @@ def _block(B, entries):
 
 
 def _left_null(B):
-    """Orthonormal basis (m, d) of the y with B^T y = 0."""
+    """Return an orthonormal basis (m, d) of the y with B^T y = 0."""
     if not B.size:
         return np.eye(B.shape[0])
     U, sigma, _ = np.linalg.svd(B, full_matrices=True)
@@ -193,11 +195,11 @@ def _left_null(B):
 
 
 def _repeated(null, of_rates):
-    """Constraints on velocities that are let go because those on positions imply them (docs/theory.md, section 3).
+    """Choose the constraints on velocities to release because those on positions imply them (docs/theory.md, 3).
 
-    They are taken one by one until no redundancy in ``null`` (m, d) is of both kinds; of those that are equally suited
-    the first. Returns their rows (r,); of the projector on the reactions of constraints on velocities that those on
-    positions could balance the same rows (r, m); and the null space (m, d - r) of the others.
+    They are chosen one by one, the first of equally suited ones, until no redundancy in ``null`` (m, d) involves both
+    kinds. Returns their rows (r,); these rows (r, m) of the projector on the reactions of constraints on velocities
+    that reactions of constraints on positions can balance; and the left null space (m, d - r) of the other rows.
     """
     rows, balanced = [], np.zeros((len(null), 0))
     while null.shape[1] and of_rates.any():
@@ -215,7 +217,7 @@ def _repeated(null, of_rates):
 
 
 def _spread(block, rows, cols, n):
-    """The dense ``block`` in a sparse matrix (n, n), without what is rounding."""
+    """Return a sparse matrix (n, n) with the dense ``block`` at ``rows`` and ``cols``, without rounding errors."""
     import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
     block = np.where(np.abs(block) < SHARE, 0.0, block)
@@ -224,7 +226,7 @@ def _spread(block, rows, cols, n):
 
 
 def _null_projector(B, rank):
-    """Projector (n, n) on the motions dq with B dq = 0."""
+    """Return the projector (n, n) on the motions dq with B dq = 0."""
     if not rank:
         return np.eye(B.shape[1])
     _, _, Vt = np.linalg.svd(B, full_matrices=False)
@@ -233,9 +235,9 @@ def _null_projector(B, rank):
 
 
 def _directions(system, projector, loops, size):
-    """Projector (n_l, n_l), a block for each element, on the directions of its reactions that redundancies make use of.
+    """Return the projector (n_l, n_l), a block for each element, on the directions of its reactions in redundancies.
 
-    The directions, not the rows: what it does not hold is the same in whatever axes the constraints are written.
+    Directions, not rows, make the result independent of the axes in which the constraints are written.
     """
     place = {row: i for i, row in enumerate(loops)}
     rows, cols, values = [], [], []
@@ -260,7 +262,7 @@ def _directions(system, projector, loops, size):
 
 
 def groups(projector, names):
-    """Groups of things that a projector couples, with the number of dimensions of each."""
+    """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions."""
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
         return ()

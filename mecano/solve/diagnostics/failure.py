@@ -13,9 +13,9 @@ NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up 
 MOVES = 0.1  # of the largest entry of a null vector: larger ones count as moving
 TRY = {
     Failure.NOT_FINITE: "laws that stay finite near this state (tables and polynomials far beyond their data do not); "
-    "a smaller time.step or time.adaptive, if the motion so far is not what it should be",
-    Failure.CONTRADICTION: "leave one of these constraints out, or let their laws of time agree",
-    Failure.SINGULAR: "a mass, an inertia or a stiffness for what is named and has none; `mecano check` for mechanisms",
+    "a smaller time.step or time.adaptive, if the motion so far looks wrong",
+    Failure.CONTRADICTION: "remove one of these constraints, or make their laws of time consistent",
+    Failure.SINGULAR: "a mass, an inertia or a stiffness where one is missing above; `mecano check` for mechanisms",
     Failure.NOT_CONVERGED: "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; "
     "`mecano check` for redundant constraints and mechanisms",
 }
@@ -160,7 +160,7 @@ def minimum_step(system, before, after, error, t, h):
     worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
     where = motion_name(system.numbering.name[worst])
     failed = ConvergenceError(
-        f"at t = {t:.9g} s a step of {h:.3g} s, the least that is allowed, has {error:.3g} times the error allowed\n"
+        f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error\n"
         f"the acceleration changes most in {where}{acting(system, worst)}\n"
         "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
         "this state"
@@ -173,7 +173,7 @@ def standstill(event, count, t):
     return ConvergenceError(
         f"time stands still at t = {t:.9g} s: {event.element} has met '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
-        "what to try: laws of this element without jumps, some damping at its stops, or nodes a little farther from "
-        "where two of its modes meet; for a wheel that cannot slip, a flexible one: without slip it may be able "
+        "what to try: laws of this element without jumps; some damping at its stops; nodes a little farther from the "
+        "boundary between two of its phases; for a wheel that cannot slip, a flexible one: without slip it may be able "
         "neither to stay on the ground nor to leave it"
     )

@@ -1,9 +1,9 @@
-r"""Constraint groups with the joints taken apart: all joints that take part are named, also those that share unknowns.
+r"""Redundant groups that name all joints involved, including those that share unknowns.
 
-Joints identify unknowns of their nodes (Boolean identification), and what they transmit through these has no
-multiplier. Here every node has unknowns of its own, and each identification is the constraint that it stands for,
-:math:`x_i - x_j = 0` or :math:`\delta\Theta_i - \delta\Theta_j = 0`. The constraints that are too many are as many
-as before, and those that identify twice what is one already.
+Joints identify unknowns of their nodes (Boolean identification), and the forces that they transmit through these have
+no multipliers. Here every node has unknowns of its own, and each identification is replaced by an equivalent
+constraint, :math:`x_i - x_j = 0` or :math:`\delta\Theta_i - \delta\Theta_j = 0`. The number of redundancies is that of
+the model, plus the number of identifications of unknowns that are already identified.
 """
 
 from dataclasses import replace
@@ -19,14 +19,14 @@ from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, dependent_row
 
 PARTS = {"x": "force {}", "R": "moment about material {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
-SMALL = 1e-6  # of the largest reaction: none
+SMALL = 1e-6  # of the largest reaction: smaller ones count as zero
 
 
 def redundant_groups(system, s, length, analysis):
-    """Return the groups of redundant constraints at ``s``, with all joints that take part.
+    """Return the groups of redundant constraints at ``s``, with all joints involved.
 
-    Those of the ``analysis`` of ``s``, which name no joint that shares unknowns, where more than ``DENSE_ROWS``
-    constraints stand in closed loops.
+    With more than ``DENSE_ROWS`` constraints in closed loops, the groups are those of the ``analysis`` of ``s``, which
+    name no joints that share unknowns.
     """
     if not analysis.complete or not (analysis.redundant or _identified_twice(system)):
         return analysis.redundant
@@ -38,10 +38,10 @@ def redundant_groups(system, s, length, analysis):
 
 
 def contradicting(system, s, length, phi):
-    """Names of the constraints and joints that cannot be met together where the assembly has left the gaps ``phi``.
+    """Return the names of the contradictory constraints and joints of an assembly that failed with the gaps ``phi``.
 
-    ``phi`` (n_l,) are then reactions in balance with those of identifications; the names are those whose reaction is
-    not small.
+    ``phi`` (n_l,) are then reactions in balance with those of identifications; all constraints whose reactions are not
+    small are named.
     """
     B, size, names, _ = _apart(system, s, length)
     if B.shape[0] > DENSE_ROWS:
@@ -54,7 +54,7 @@ def contradicting(system, s, length, phi):
 
 
 def _identified_twice(system):
-    """Decide whether some identification ties what others have made one already; all fixed nodes are one."""
+    """Decide whether an identification joins unknowns that are already identified; all fixed nodes count as one."""
     fixed = next((i for i, node in enumerate(system.nodes) if node.fixed), None)
     classes = Classes(2 * len(system.nodes))
     if fixed is not None:
@@ -70,10 +70,10 @@ def _identified_twice(system):
 
 
 def _apart(system, s, length):
-    """Gradient with the joints taken apart (Entries), sizes of the rows of ``system``, names of rows, nodes of columns.
+    """Return (gradient without identifications, sizes of the rows of ``system``, names of rows, nodes of columns).
 
-    The rows of ``system`` come first, 3 for each identification follow. The columns are 6 for each node, none of them
-    of a fixed one, and the own unknowns of elements.
+    The rows of ``system`` come first, followed by 3 for each identification. There are 6 columns for each node (empty
+    for fixed ones), followed by those of the scalars of elements.
     """
     model, kinds = system.model, {}
     elements = [Element(e.name, _unshared(e, kinds), e.nodes, e.values) for e in model.elements]
@@ -98,7 +98,7 @@ def _apart(system, s, length):
 
 
 def _unshared(element, kinds):
-    """The kind of an element, one object for all of a kind, without what it identifies."""
+    """Return the kind of an element without its identifications, the same object for all elements of the kind."""
     kind = element.kind.chosen(element.values)
     if id(kind) not in kinds:
         kinds[id(kind)] = replace(kind, name=element.kind.name, shares=nothing, variant=None, divide=None), kind
@@ -106,7 +106,7 @@ def _unshared(element, kinds):
 
 
 def _state(system, whole, s):
-    """The state ``s`` of ``system`` for the same model with the joints taken apart."""
+    """Return the state ``s`` of ``system`` for the same model without identifications."""
     one, all_ = system.numbering, whole.numbering
     apart = whole.initial_state(s.t)
     three = np.arange(3)
@@ -117,7 +117,7 @@ def _state(system, whole, s):
 
 
 def _columns(whole):
-    """Columns (n_q,) of the unknowns of a model with the joints taken apart; see ``_apart``."""
+    """Return the columns (n_q,) of the unknowns of a model without identifications; see ``_apart``."""
     of, n = whole.numbering, 6 * len(whole.nodes)
     columns = np.zeros(of.n_all, np.int64)
     three = np.arange(3)

@@ -1,10 +1,9 @@
 r"""Mechanisms that remain if all flexible members are held rigid.
 
 Connected nodes of flexible members then move as one body with six unknowns,
-:math:`\delta x = t + \varphi \times (x - o)` and :math:`\delta\Theta = R^T \varphi`, and the own unknowns of members
-and tyres rest. Unknowns that two bodies share, and those of the ground, are further constraints. Held stiff, a
-structure is judged by lengths alone; its stiffness would not do: the softest bending of 64 beams is 1e-9 of the
-hardest.
+:math:`\delta x = t + \varphi \times (x - o)` and :math:`\delta\Theta = R^T \varphi`, and the scalars of members and
+tyres are constant. Unknowns that two bodies share, and those of the ground, give further constraints. The rigid model
+has lengths as its only scale; stiffness would be no criterion: the softest bending of 64 beams is 1e-9 of the stiffest.
 """
 
 import numpy as np
@@ -17,8 +16,8 @@ from mecano.solve.diagnostics.analysis import RANK_TOLERANCE, groups
 def stiff_mechanisms(system, s, length, analysis):
     """Return the groups of unknowns of ``system`` that can move at ``s`` with all flexible members rigid.
 
-    None if nothing is flexible, or if there are too many unknowns to tell. ``analysis`` is the Analysis of the
-    constraints, in which rotations count by the length scale.
+    None if nothing is flexible, or if there are too many unknowns. ``analysis`` is the Analysis of the constraints, in
+    which rotations are multiplied by the length scale.
     """
     bodies, resting = _bodies(system), _resting(system)
     if not (bodies or resting.any()) or not analysis.small:
@@ -31,7 +30,7 @@ def stiff_mechanisms(system, s, length, analysis):
 
 
 def _bodies(system):
-    """Nodes of each body as {(first of its position, first of its rotation, its rotation)}."""
+    """Return the nodes of each body as lists of (index of its position in z, of its rotation in z, of its matrix)."""
     nodes, pairs = {}, []
     for b in system.batches:
         if b.kind.flexible:
@@ -48,7 +47,7 @@ def _bodies(system):
 
 
 def _resting(system):
-    """Own unknowns (n_q,) of flexible members, and of tyres, which are what has unknowns that relax."""
+    """Return (n_q,) bool: scalars of flexible members and of tyres (kinds with massless scalars), and signals."""
     resting = np.zeros(system.n_q, bool)
     for b in system.batches:
         if b.kind.flexible or b.kind.massless:
@@ -59,7 +58,7 @@ def _resting(system):
 
 
 def _as_bodies(system, s, length, bodies, resting):
-    """T (n_q, m) from the unknowns of bodies and what belongs to none, and what ties the former (k, m)."""
+    """Return T (n_q, m) from the unknowns of bodies and all others, and the constraints (k, m) between bodies."""
     n_q, first = system.n_q, 6 * len(bodies)
     own = np.ones(n_q, bool)
     for x, r, _ in (node for body in bodies for node in body):

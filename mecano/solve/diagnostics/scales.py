@@ -1,4 +1,4 @@
-"""Physical scales on which residuals and errors are judged, and the factors that balance the linear system."""
+"""Physical scales of residuals and errors, and the factors that balance the linear system."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ from mecano.jit.entry import Indices, Vector, entry
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, SIGNAL, TRANSLATION
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 
-HUGE = 1e300  # beyond this a number counts as infinite
+HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
-ROUNDING = 16 * 2.2e-16  # of a sum of a few numbers
-MASSLESS_SHARE = 1e-4  # of the largest force on a scalar: what rounding may hide of the force on a massless one
-ANGULAR_SHARE = 1e-3  # moments count against at least this share of (largest force) x (length), and vice versa
+ROUNDING = 16 * 2.2e-16  # relative rounding error of a sum of a few numbers
+MASSLESS_SHARE = 1e-4  # of the largest force on a scalar: bound of the rounding allowed for a massless one
+ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """When Newton is done: residuals and increments relative to the scales of the mechanism."""
+    """Convergence criteria of Newton's method, relative to the scales of the mechanism."""
 
     force: float = 1e-7  # of the largest force (moment) that acts on any node
     constraint: float = 1e-10  # of the length scale [m], or rad
@@ -26,14 +26,14 @@ class Tolerances:
 
 
 def length_scale(nodes):
-    """Size of the mechanism [m]: the diagonal of the box around its nodes; 1 m for a single point."""
+    """Return the size of the mechanism [m], the diagonal of the box around its nodes; 1 m for a single point."""
     x = np.array([node.x for node in nodes])
     size = float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
     return size if size > 0 else 1.0
 
 
 def balance(system, s, cK, cC, cM):
-    """k = penalty: the mean stiffness of the effective tangent cK K + cC C + cM M at ``s`` (theory.md section 1)."""
+    """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1)."""
     system.assemble(s, 1.0, 0.0, cK, cC, cM)
     diagonal = np.abs(system.data[system.diagonal[: system.n_q]])
     diagonal = diagonal[diagonal > 0]
@@ -45,17 +45,17 @@ def norms(
     r: Vector, size: Vector, kind: Indices, n: int, length: float, force_tolerance: float, constraint_tolerance: float,
     share: float, k: float, stiffness: float, reach: float,
 ) -> (float, float):  # fmt: skip
-    """Largest force and moment residual and largest constraint, over their scales and tolerances: 1 is just met.
+    """Return (largest force or moment residual, largest constraint), each over its scale and tolerance: 1 just passes.
 
-    r, size (n_all,) residual and its scale; kind (n_all,) see numbering.py; k scale of the constraint rows. The scale
-    of the forces is the largest at work anywhere, at fixed nodes too; that of the moments and of the forces on own
-    unknowns of elements (taken to be like forces) likewise. A constraint is judged as a length or an angle, and also as
-    the force that it makes with the mean ``stiffness`` [N/m] of the step: in short steps a small displacement is a
-    large force. The row of a constraint that is let go says that reactions are shared (compliance.py) and is judged as
-    the force by which they are not. No force is judged below what the rounding of positions as large as ``reach`` [m]
-    makes of it; for scalars without inertia that is at most MASSLESS_SHARE, since in short steps the stiffness is that
-    of the masses. ``share`` makes all tolerances smaller, but for this. Signals are judged by their increments
-    (increments.py), as nothing is known of the size of their residuals.
+    r, size: (n_all,) residual and its scale; kind: (n_all,) see numbering.py; k: scale of the constraint rows. The
+    scale of forces is the largest force anywhere, including fixed nodes; likewise for moments and for forces on scalars
+    of elements (treated as forces). A constraint is measured as a length or an angle, and also as the force that it
+    causes with the mean ``stiffness`` [N/m] of the step: in short steps a small displacement is a large force. The row
+    of a released constraint, which states that reactions are shared (compliance.py), is measured as the force by which
+    they deviate. The tolerance of a force is at least the rounding error due to positions as large as ``reach`` [m];
+    for massless scalars this bound is at most MASSLESS_SHARE, since in short steps the stiffness is that of the masses.
+    ``share`` multiplies all tolerances except this bound. Signals are checked by their increments (increments.py),
+    since no scale of their residuals is known.
     """
     force = moment = scalar = massless = distance = angle = shared = 0.0
     force_size = moment_size = scalar_size = TINY

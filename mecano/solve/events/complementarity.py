@@ -2,17 +2,17 @@ r"""The complementarity problem of frictionless shocks: :math:`0 \le \Lambda \pe
 
 import numpy as np
 
-ROUNDING = 1e-13  # of the diagonal of W: makes it definite where contacts repeat one another
-NEGLIGIBLE = 1e-11  # of the largest: a reaction that is none
-FITS = 1e-9  # of the largest of b: what the reactions may leave of the equations if all push
+ROUNDING = 1e-13  # of the diagonal of W: makes it definite if contacts are redundant
+NEGLIGIBLE = 1e-11  # of the largest reaction: a smaller one counts as zero
+FITS = 1e-9  # of the largest entry of b: residual up to which all contacts push
 
 
 def solve_complementarity(W, b, unit=None):
-    """Reactions (n,) of n unilateral constraints: W (n, n) symmetric, positive semidefinite, b (n,).
+    """Return the reactions (n,) of n unilateral constraints; W (n, n) symmetric, positive semidefinite, b (n,).
 
-    Most often all push. Otherwise the convex energy of which these are the conditions is minimized, as a problem of
-    nonnegative least squares (Lawson & Hanson 1974) in a factor of W. Where contacts repeat one another the reactions
-    are those of least norm, counted in ``unit`` (n,), among those that push, so that equal contacts share equally.
+    In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a nonnegative least
+    squares problem (Lawson & Hanson 1974) in a factor of W. If contacts are redundant, the reactions are those of least
+    norm, in units of ``unit`` (n,), among the contacts that push, so that equal contacts share equally.
     """
     if b.min(initial=0.0) >= 0.0:
         return np.zeros(len(b))
@@ -30,13 +30,13 @@ def solve_complementarity(W, b, unit=None):
 
 
 def _least(W, b, share):
-    """The x (n,) of least norm, counted in ``share``, with W x + b = 0."""
+    """Return the x (n,) of least norm, in units of ``share``, with W x + b = 0."""
     return np.linalg.lstsq(share[:, None] * W * share, -share * b, rcond=1e-10)[0] * share
 
 
 def _of_some(W, b, share):
-    """The reactions (n,) where not all push."""
-    from scipy.optimize import nnls  # 0.3 s, for which only such a problem waits
+    """Return the reactions (n,) if not all contacts push."""
+    from scipy.optimize import nnls  # takes 0.3 s to import, hence only when needed
 
     root = np.linalg.cholesky(W + ROUNDING * len(b) * np.eye(len(b)))
     reactions, _ = nnls(root.T, -np.linalg.solve(root, b))

@@ -135,21 +135,21 @@ def some_happened(g0: Vector, g1: Vector) -> bool:
 
 
 def locate(monitor, step, s0, g0, trial, h):
-    """The first event in a trial step as ``Located``, or None when there is none.
+    """Return the first event in a trial step as Located, or None if there is none.
 
-    step(h) -> trial, whose first item is the state; trial = step(h); g0 values at s0. Chandrupatla's method (Adv. Eng.
-    Software 28, 1997, 145-149) on the step size, for the largest of the event functions that crossed, from both sides
-    of the event: five to eight steps where they are smooth.
+    step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0. Chandrupatla's method
+    (Adv. Eng. Software 28, 1997, 145-149) is applied to the step size, for the largest of the event values that
+    crossed zero; it takes five to eight steps if they are smooth.
     """
     g1 = monitor.values(trial[0])
     if not some_happened(g0, g1):
         return None
-    if np.any((g0 > 0) & (g1 > 0)):  # happened together with the last event, behind its back
+    if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
         return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
     early, late, best = (0.0, float(g0[crossed].max())), (h, float(g1[crossed].max())), trial
     newest, opposite, share = late, early, late[1] / (late[1] - early[1]) if np.isfinite(early[1]) else 0.5
-    share = min(max(share, NEAR), 1.0 - NEAR)  # what has just departed may come back
+    share = min(max(share, NEAR), 1.0 - NEAR)  # contacts that have just separated may close again
     for _ in range(MAX_RESTEPS):
         between = late[0] - early[0]
         if between <= TIME_TOLERANCE * h or late[0] <= AT_ONCE * h or late[1] == 0.0:
@@ -170,7 +170,7 @@ def locate(monitor, step, s0, g0, trial, h):
     hit = crossed.copy()
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
     hit[crossed] = monitor.values(best[0])[crossed] >= np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
-    # what happens within a mode is known to have happened by what a step commits: it takes a step, however short
+    # an event within a phase is recorded only by the memory that a step commits: it needs a step, however short
     at_once = late[0] <= AT_ONCE * h and not monitor.within_a_phase(hit)
     return Located(0.0, None, hit) if at_once else Located(late[0], best, hit)
 

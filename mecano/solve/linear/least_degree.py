@@ -1,4 +1,4 @@
-"""An order of elimination with little fill: next is what has fewest neighbours, those by filled entries included.
+"""Minimum degree ordering: eliminate next the node with the fewest neighbours, including those by fill.
 
 George & Liu 1989, "The evolution of the minimum degree ordering algorithm", SIAM Review 31.
 """
@@ -7,18 +7,18 @@ import heapq
 
 import numpy as np
 
-SMALL = 1000  # nodes; for more, SuperLU's order takes less time and fills less, and its import is a small part of a run
+SMALL = 1000  # nodes up to which SuperLU is not used; beyond, its order takes less time and has less fill
 
 
 def least_degree(neighbours):
-    """Position (n,) of each node of a symmetric graph in the order; ``neighbours`` has an array for each node."""
+    """Return the position (n,) of each node of a symmetric graph in the order; ``neighbours``: an array per node."""
     return _of_small(neighbours) if len(neighbours) <= SMALL else _of_large(neighbours)
 
 
 def _of_small(neighbours):
-    """The filled entries are borders of eliminated nodes: all neighbours of such a node have one another."""
+    """Order by minimum degree; fill is stored as borders of eliminated nodes, whose nodes are all coupled."""
     near, borders = [set(own.tolist()) for own in neighbours], {}
-    inside = [set() for _ in near]  # eliminated nodes in whose border a node is; ``near`` is what no border has yet
+    inside = [set() for _ in near]  # eliminated nodes whose border contains a node; ``near``: neighbours in no border
     degree = [len(own) for own in near]
     queue = [(count, i) for i, count in enumerate(degree)]
     heapq.heapify(queue)
@@ -43,7 +43,7 @@ def _of_small(neighbours):
 
 
 def _of_large(neighbours):
-    """The order that SuperLU finds for a diagonally dominant matrix."""
+    """Return the order that SuperLU finds for a diagonally dominant matrix."""
     import scipy.sparse as sp
     import scipy.sparse.linalg as spla
 

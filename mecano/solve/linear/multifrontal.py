@@ -1,7 +1,7 @@
-r"""Multifrontal LU factorization with a fixed pattern, compiled: factor, substitute, and judge the result.
+r"""Multifrontal LU factorization with a fixed pattern, compiled: factor, substitute, check the backward error.
 
-Each front is a dense matrix over the unknowns that it eliminates (pivots) and those these are coupled with
-(border). Its entries and the contributions of its children are added up, the pivots are eliminated,
+Each front is a dense matrix over the unknowns that it eliminates (pivots) and those coupled to them (border). Its
+entries and the contributions of its children are summed, the pivots are eliminated,
 
 .. math:: F = \begin{bmatrix} F_{11} & F_{12} \\ F_{21} & F_{22} \end{bmatrix}, \quad
           \begin{bmatrix} L_{11} \\ L_{21} \end{bmatrix} U_{11} = \begin{bmatrix} F_{11} \\ F_{21} \end{bmatrix}, \quad
@@ -11,16 +11,17 @@ and the contribution C waits on a stack for the parent. The factors of a front a
 above the diagonal, U11), then the columns of U12. Rows are exchanged among the pivots of a front only, where the
 diagonal falls below ``tolerance`` times the largest entry of its column; 0 never exchanges.
 
-Rows of a front and columns of L are stored with a stride rounded up to STRIP, and the number of columns of L too:
-columns beyond the pivots stay zero, what stands beyond the last row of a column is never used.
+Rows of a front and columns of L are stored with a stride rounded up to STRIP, and so is the number of columns of L:
+columns beyond the pivots stay zero, values beyond the last row of a column are never used.
 
-A pivot that elimination has cancelled down to rounding errors is *null*: its equation is left out and its unknown
-set to zero. Cancelled means against the largest value its diagonal has had, which no scaling of rows and columns
-changes. That is the right thing for redundant constraints, and the residual tells where it is wrong.
+A pivot that elimination has cancelled to rounding errors is *null*: its equation is omitted and its unknown set to
+zero. The cancellation is measured relative to the largest value that its diagonal has had, which makes the criterion
+independent of the scaling of rows and columns. This is correct for redundant constraints; the residual shows if it is
+not.
 
-Fixed order, one thread and no fastmath: the same numbers give the same bits. With fastmath even the process that
-compiles gives others than those that find its code in the cache, for functions are inlined differently. Loops are
-written so that they are vectorized all the same: elementwise, without sums.
+Fixed order, one thread and no fastmath: the same numbers give the same bits. With fastmath, even the process that
+compiles would give other bits than those that load its code, since functions are inlined differently. Loops are written
+so that they are vectorized nevertheless: elementwise, without sums.
 """
 
 import numpy as np
@@ -60,7 +61,7 @@ def _stride(size):
 
 @kernel
 def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
-    """Add entries of the matrix and contributions of the children into a front; note how large its diagonal is."""
+    """Add entries of the matrix and contributions of the children to a front; record the magnitude of its diagonal."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = _stride(size)
     for i in range(size * stride):
@@ -90,7 +91,7 @@ def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
 
 @kernel
 def _choose_row(column, k, pivots, tolerance):
-    """Row of the pivot of column k: k itself unless it is small against the largest of the pivot rows."""
+    """Return the pivot row of column k: k itself unless its value is small relative to the largest pivot row."""
     best, largest = k, abs(column[k])
     limit = largest
     for i in range(k + 1, pivots):
@@ -117,7 +118,7 @@ def _eliminate_strip(
     begin, end, block_end, pivots, stride, tolerance,  # in
     front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
 ):  # fmt: skip
-    """LU of the columns begin ... end - 1 of a front, right-looking; returns the number of null pivots."""
+    """Factor the columns begin ... end - 1 of a front, right-looking; returns the number of null pivots."""
     null = 0
     for c in range(begin, block_end):
         magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
@@ -166,7 +167,7 @@ def _apply_strip(begin, stride, columns, targets_out):
 def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, front_out):
     """Subtract from rows and columns [left, right) of a front the products of the STRIP pivots from ``begin``.
 
-    Pivots beyond ``last`` do not exist; their columns are zero, so that any row may stand for theirs.
+    Pivots beyond ``last`` do not exist; their columns are zero, so that any row can be used for them.
     """
     r1, r2, r3 = min(begin + 1, last) * stride, min(begin + 2, last) * stride, min(begin + 3, last) * stride
     u0 = front_out[begin * stride + left : begin * stride + right]
@@ -181,7 +182,7 @@ def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, fro
 
 @kernel
 def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
-    """The rows begin ... end - 1 of U, columns [left, right)."""
+    """Compute the rows begin ... end - 1 of U, columns [left, right)."""
     for strip in range(begin, end, STRIP):
         strip_end = min(strip + STRIP, end)
         for k in range(strip + 1, strip_end):
@@ -200,8 +201,8 @@ def _eliminate_block(
 ):  # fmt: skip
     """Eliminate the pivots begin ... end - 1 of a front; returns the number of null pivots.
 
-    The columns of the block are finished first, with all their row exchanges: rows to the right of them are
-    updated only afterwards, when they stand where they stay.
+    The columns of the block are finished first, with all their row exchanges; only then are the columns to the right
+    updated, with rows in their final order.
     """
     stride = _stride(size)
     null = 0
@@ -228,7 +229,7 @@ def _eliminate_block(
 
 @kernel
 def _store(f, fronts, front, factors_out, stack_out):
-    """Keep U12 of a front, by columns, and put its contribution on the stack."""
+    """Store U12 of a front, by columns, and push its contribution on the stack."""
     pivots, size = fronts[f, PIVOTS], fronts[f, SIZE]
     stride, width = _stride(size), size - pivots
     begin = fronts[f, FACTOR] + _stride(pivots) * stride
@@ -331,7 +332,7 @@ def substitute(
 
 @entry
 def residual(data: Vector, equations: Short, b: Vector, x: Vector, residual_out: Vector) -> float:
-    """r = b - A x, and the backward error max |r| / max(|A| |x| + |b|); infinite if anything is not finite.
+    """Compute r = b - A x; return the backward error max |r| / max(|A| |x| + |b|), infinite if not finite.
 
     Oettli & Prager 1964, with the norms taken over all equations. Zero for b = 0 and x = 0.
     """

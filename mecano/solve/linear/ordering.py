@@ -1,13 +1,13 @@
 """Symbolic analysis of a fixed pattern for the multifrontal LU factorization: done once, in NumPy.
 
 The pattern is made symmetric and compressed to *blocks*. A block holds either the unknowns of one node, which
-are eliminated together, or the multipliers that tie the same nodes. The nodes are ordered by minimum degree.
-Each block of multipliers follows the **last** of the nodes it ties: only then has elimination filled its zero
-diagonal with ``-B S^-1 B^T``, and no null pivot is met although the order is fixed. A multiplier placed after
-the first of its nodes meets a pivot that lacks the other nodes: backward errors of order 0.1.
+are eliminated together, or the multipliers that constrain the same nodes. The nodes are ordered by minimum degree.
+Each block of multipliers follows the **last** of the nodes it constrains: only then has elimination filled its zero
+diagonal with ``-B S^-1 B^T``, so that there is no null pivot although the order is fixed. The pivot of a multiplier
+placed after the first of its nodes would lack the other nodes: backward errors of order 0.1.
 
 The elimination tree of the blocks is cut into *fronts*, dense matrices that eliminate a few blocks at once and
-hand the rest, the contribution, to their parent (Duff & Reid 1983, "The multifrontal solution of indefinite
+pass the rest, the contribution, to their parent (Duff & Reid 1983, "The multifrontal solution of indefinite
 sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
 """
 
@@ -26,7 +26,7 @@ SIZE = 2  # number of rows: pivots, then the border
 BORDER = 3  # offset in links: positions of the border rows (SIZE - PIVOTS), ascending
 PARENT_ROWS = 4  # offset in links: rows of the parent front that the border rows are
 LAST_CHILD = 5  # front, or -1
-ELDER = 6  # the child before this one of the same parent, or -1
+ELDER = 6  # previous child of the same parent, or -1
 ENTRIES = 7  # offset in links: pairs (index in data, index in the front)
 ENTRY_COUNT = 8
 CONTRIBUTION = 9  # offset in the stack of contributions
@@ -35,12 +35,12 @@ COLUMNS = 11
 
 STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
-FRONT_WORK = 2000.0  # floating point operations worth the handling of one front
-MOST_ENTRIES = 1_000_000  # placed at a time
+FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
+MOST_ENTRIES = 1_000_000  # entries placed at a time
 
 
 class Analysis(NamedTuple):
-    """What the compiled factorization needs to know about the pattern, all of it constant."""
+    """Symbolic factorization of a pattern: the constant tables of the compiled factorization."""
 
     order: np.ndarray  # (n,) unknown at each position of the elimination
     fronts: np.ndarray  # (n_fronts, COLUMNS), children before parents
@@ -83,7 +83,7 @@ def analyse(n, rows, cols, groups, n_q):
 
 
 def _ties(rows, cols, nodes, n_q, n_nodes):
-    """Which multiplier (numbered from 0) ties which node: two arrays, of distinct pairs."""
+    """Return the distinct pairs of a multiplier (numbered from 0) and a node it constrains, as two arrays."""
     below = (rows >= n_q) & (cols < n_q)
     right = (cols >= n_q) & (rows < n_q)
     multiplier = np.concatenate([rows[below], cols[right]]) - n_q
@@ -93,21 +93,21 @@ def _ties(rows, cols, nodes, n_q, n_nodes):
 
 
 def _neighbours(block_rows, block_cols, n_blocks):
-    """Symmetric graph of blocks, without loops: for each an array of the others that it meets, ascending."""
+    """Return the symmetric graph of blocks without loops: for each block, an ascending array of its neighbours."""
     off = block_rows != block_cols
-    pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # some 36 entries each, of nodes with 6 unknowns
+    pairs = distinct(block_rows[off] * n_blocks + block_cols[off])  # nodes of 6 unknowns have 36 entries per pair
     i, j = np.divmod(pairs, max(n_blocks, 1))
     i, j = np.divmod(distinct(np.concatenate([pairs, j * n_blocks + i])), max(n_blocks, 1))
     return np.split(j, np.searchsorted(i, np.arange(1, n_blocks)))[:n_blocks]
 
 
 def _insert_multipliers(n, nodes, n_nodes, position, ties):
-    """Block of each unknown in elimination order, and the number of blocks."""
+    """Return the block (n,) of each unknown, in elimination order, and the number of blocks."""
     n_q = len(nodes)
     last = np.full(n - n_q, -1)
     np.maximum.at(last, ties[0], position[ties[1]])
     last[last < 0] = n_nodes
-    # multipliers that tie the same nodes share a block: sets of nodes are compared by a sum of marks without a pattern
+    # multipliers that constrain the same nodes share a block: sets of nodes are compared by a sum of random marks
     marks = np.frombuffer(hashlib.shake_128().digest(8 * n_nodes), np.uint64)  # numpy.random takes 5 ms to import
     mark = np.zeros(n - n_q, dtype=np.uint64)
     np.add.at(mark, ties[0], marks[ties[1]])
@@ -122,7 +122,7 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties):
 
 
 def _structures(neighbours):
-    """For each block, the later blocks that its elimination couples (ascending), and the elimination tree."""
+    """Return, for each block, the later blocks that its elimination couples (ascending), and the elimination tree."""
     n = len(neighbours)
     structures, parent = [], np.full(n, -1)
     children = [[] for _ in range(n)]
@@ -137,7 +137,7 @@ def _structures(neighbours):
 
 
 def _postorder(parent):
-    """Rank of each vertex of a forest when every parent follows directly on its last child's subtree."""
+    """Return the rank of each vertex of a forest in postorder: a parent directly follows its last child's subtree."""
     n = len(parent)
     rank = np.empty(n, dtype=np.int64)
     size = np.ones(n, dtype=np.int64)
@@ -154,7 +154,7 @@ def _postorder(parent):
 
 
 def _join(structures, sizes):
-    """Join blocks into fronts: each block with the one before it, its child, where that saves time.
+    """Join blocks into fronts: each block with the preceding one, its child, if that saves time.
 
     Returns the number of the block after each front, and the border of each front (blocks, ascending).
     """
@@ -175,18 +175,18 @@ def _join(structures, sizes):
 
 
 def _work(pivots, width):
-    """Floating point operations that eliminate the pivots of a front with a border of that width."""
+    """Return the number of floating point operations for a front with these pivots and border of this width."""
     return pivots * (pivots * (2.0 / 3.0 * pivots + 2.0 * width) + 2.0 * width**2)
 
 
 def _ranges(starts, lengths):
-    """The integers starts[i] ... starts[i] + lengths[i] - 1 for every i, one after the other."""
+    """Return the concatenation of the ranges starts[i] ... starts[i] + lengths[i] - 1."""
     offsets = np.cumsum(lengths) - lengths
     return np.arange(int(lengths.sum())) + np.repeat(starts - offsets, lengths)
 
 
 def _offsets(lengths):
-    """Where each of consecutive pieces begins, and the end of the last one."""
+    """Return the offsets of consecutive pieces of these lengths, and the end of the last one."""
     return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
 
 
@@ -235,13 +235,13 @@ def _link(fronts, parent, border_rows, row_place, col_place):
     border_starts = _offsets(widths)
 
     def row_in(front, place):
-        """Row of a front at which the unknown of that place stands."""
+        """Return the row, in a front, of the unknown at an elimination position."""
         offset = place - fronts[front, FIRST]
         found = np.searchsorted(border_of * n + border_rows, front * n + place) - border_starts[front]
         return np.where(offset < fronts[front, PIVOTS], offset, fronts[front, PIVOTS] + found)
 
     def target_of(entries):
-        """Where in their fronts some entries of the matrix stand."""
+        """Return the indices, in their fronts, of some entries of the matrix."""
         at = front[entries]
         found = row_in(at, row_place[entries]) * padded(fronts[at, SIZE]) + row_in(at, col_place[entries])
         return found.astype(np.uint32)
@@ -280,12 +280,12 @@ def _storage(fronts):
 
 
 def padded(count):
-    """The count rounded up to a multiple of STRIP."""
+    """Return the count rounded up to a multiple of STRIP."""
     return (count + STRIP - 1) // STRIP * STRIP
 
 
 def _by_rows(n, rows, cols):
-    """The pattern by rows, for the residual: row starts, columns of the entries, their indices in data."""
+    """Return the pattern by rows, for the residual: row starts, columns of the entries, their indices in data."""
     keys = rows * n + cols
     by_row = np.argsort(keys, kind="stable")
     if not np.all(np.diff(keys[by_row])):

@@ -1,4 +1,4 @@
-"""The linear solver: fixed pattern, factored at every iteration, every solution judged by its residual."""
+"""Linear solver for matrices of one pattern; every solution is checked by its residual."""
 
 from typing import NamedTuple
 
@@ -13,11 +13,11 @@ SINGULAR_BELOW = 1e-15  # reciprocal condition number of the equilibrated matrix
 
 
 class LinearStatus(NamedTuple):
-    """How a solution was found and how good it is; true if it is good."""
+    """Status of a solution; true if it is accurate."""
 
     ok: bool  # x solves all equations, to a backward error below ACCEPT_BELOW
     backward_error: float  # max |A x - b| / max(|A| |x| + |b|)
-    singular: bool = False  # the matrix is, to working precision; ok tells whether the equations have a solution
+    singular: bool = False  # the matrix is singular to working precision; ok: the equations have a solution
     finite: bool = True  # no infinity and no nan in the matrix and in b
     null_pivots: int = 0  # equations left out of the factorization, their unknowns set to zero
     refined: bool = False
@@ -90,7 +90,7 @@ class LinearSolver:
 
     @property
     def nbytes(self):
-        """Memory of the factors and of what makes them [B]."""
+        """Memory of the factors and of the work arrays [B]."""
         arrays = (*self._tables, self._equations, *self._solve_arguments[5:9])
         return sum(array.nbytes for array in arrays)
 
@@ -107,7 +107,7 @@ class LinearSolver:
             x_out[:] = self._other.solve(b)
 
     def pivots(self):
-        """The diagonal of U of the last ``solve`` (n,), in the numbering of the unknowns."""
+        """Return the diagonal (n,) of U of the last ``solve``, in the numbering of the unknowns."""
         return self._original(self._vectors[PIVOT])
 
     def cancellation(self):
@@ -119,7 +119,7 @@ class LinearSolver:
         return np.abs(self.pivots()) / np.where(size > 0.0, size, 1.0)
 
     def null_equations(self):
-        """Unknowns (and equations, unless exchanged) that the last factorization left out."""
+        """Return the indices of unknowns (and equations, unless exchanged) that the last factorization omitted."""
         pivot, size = np.abs(self._original(self._vectors[PIVOT])), self._original(self._vectors[MAGNITUDE])
         return np.flatnonzero(pivot <= NULL_PIVOT * size)
 

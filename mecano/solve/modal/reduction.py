@@ -202,7 +202,7 @@ def _springs(K, own, n_modes):
 
 
 def _without_rigid_forces(K, positions, stiffness):
-    """K made exactly free of forces under rigid motions, which rounding of the ``stiffness`` (n,) has left."""
+    """Return K without forces under rigid motions, which rounding of the ``stiffness`` (n,) causes."""
     rigid = np.hstack(rigid_motions(positions, len(K)))
     if max(resistance(K, r, stiffness) for r in rigid.T) > RIGID:
         raise AssemblyError("the part resists rigid motions: a node or joint inside it is held by the ground")

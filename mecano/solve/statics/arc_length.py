@@ -1,13 +1,13 @@
-r"""Along a path by its length, past limit points: the load factor is an unknown like the displacements.
+r"""Arc-length continuation past limit points: the load factor is an unknown like the displacements.
 
 A step of length :math:`\Delta s` from the point n ends where the path meets the plane
 
 .. math::  t_q^T S (q - q_n) + t_\mu (\mu - \mu_n) = \Delta s
 
 perpendicular to its tangent t (Riks, Int. J. Solids Structures 15 (1979) 529-551; Keller 1977). The bordered system is
-solved with two right-hand sides of one factor, :math:`K x = -r` and :math:`K y = -\partial r/\partial\mu`. Of the two
-senses of a tangent the one that goes on is taken, :math:`t_n^T S t_{n-1} > 0`. S makes a displacement count as much as
-the load factor that would cause it at the start.
+solved with two right-hand sides of one factor, :math:`K x = -r` and :math:`K y = -\partial r/\partial\mu`. The sense
+of the tangent is that of the previous one, :math:`t_n^T S t_{n-1} > 0`. S scales displacements so that at the start
+they have the same weight as the load factor that causes them.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES
 
-WANTED = 5  # iterations of a step
-SHARPEST = 0.5  # cosine between successive tangents of the path
-LONGEST = 5.0  # steps over the first one
-HALVINGS = 8  # of a step in which stability is lost
-MOST_TRIES = 30  # to meet an end of the path
-MET = 1e-9  # of what the end is about
+WANTED = 5  # desired number of iterations of a step
+SHARPEST = 0.5  # least cosine between successive tangents of the path
+LONGEST = 5.0  # largest step, relative to the first one
+HALVINGS = 8  # number of bisections of a step in which stability is lost
+MOST_TRIES = 30  # largest number of trial steps to meet an end of the path
+MET = 1e-9  # relative tolerance of an end of the path
 
 
 @dataclass
@@ -39,38 +39,38 @@ class Target:
     value: float  # [m]
 
     def gap(self, s):
-        """Displacement beyond the value, over it."""
+        """Return the displacement beyond the value, relative to the value."""
         moved = float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
         return moved / self.value - 1.0
 
 
 @dataclass
 class Trial:
-    """The end of a step of length ``ds``: state, load factor, what the search says, the tangent and rate there."""
+    """The end of a step of length ``ds``, converged or not."""
 
     state: object
-    mu: float
+    mu: float  # load factor
     ds: float
-    found: object
+    found: object  # Found
     tangent: np.ndarray | None = None  # (n_q + 1,), the load factor last
-    rate: np.ndarray | None = None  # (n,) of displacements and multipliers by the load factor
+    rate: np.ndarray | None = None  # (n,) derivatives of displacements and multipliers by the load factor
 
 
 @dataclass
 class ArcLength:
-    """Until the load factor reaches ``end`` or falls to ``lowest``, or a node reaches a displacement."""
+    """Continuation until the load factor reaches ``end`` or falls to ``lowest``, or a node reaches its target."""
 
     end: float
-    count: int  # steps in which the end would be reached if the stiffness stayed that of the start
-    minimum: float  # of the first step
-    most: int  # steps
+    count: int  # number of steps to the end if the stiffness remained that of the start
+    minimum: float  # smallest step, relative to the first one
+    most: int  # largest number of steps
     lowest: float = -np.inf
     target: Target | None = None
     hint: str = "more steps; method: relaxation, which lets a mechanism fall into place"
     more_steps: str = "a larger static.maximum_steps; fewer static.steps, which makes them longer"
 
     def follow(self, follower, point):
-        """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
+        """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
         arc = Arc(follower.statics, point)
         if arc.rate is None:
             raise self._failure(follower, point, point.parameter, arc.singular)
@@ -85,7 +85,7 @@ class ArcLength:
         raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
 
     def _stopped(self, point):
-        """Where the path stopped before it reached an end, in words."""
+        """Return as text where the path stopped before it reached an end."""
         ends = [f"load factor {self.end:g}"]
         ends += [f"or {self.lowest:g}, falling"] if np.isfinite(self.lowest) else []
         ends += [f"or node '{self.target.name}' displaced by {self.target.value:g} m"] if self.target else []
@@ -94,7 +94,7 @@ class ArcLength:
         return f"the path did not reach its end ({' '.join(ends)}); it stopped at {at}{last}"
 
     def _failure(self, follower, point, mu, found):
-        """The error for a step from ``point`` towards the load factor mu that could not be taken."""
+        """Return the error for a failed step from ``point`` towards the load factor mu."""
         error = follower.failure(mu, found, point.state, point.parameter, self.hint)
         return type(error)(f"{self._stopped(point)}\n{error}")
 
@@ -106,12 +106,12 @@ class ArcLength:
         return ends[int(np.argmax(at))] if at.any() else ""
 
     def _gaps(self, s, mu):
-        """What changes its sign where the path ends; -1 for ends that are not asked for."""
+        """Return (3,) numbers that change sign at the ends of the path; -1 for ends that are not used."""
         low = (self.lowest - mu) / abs(self.end) if np.isfinite(self.lowest) else -1.0
         return np.array([mu / self.end - 1.0, low, self.target.gap(s) if self.target else -1.0])
 
     def _advance(self, follower, arc, point, ds, minimum):
-        """The next Point and the length of the step that led to it."""
+        """Return the next Point and the length of the step to it."""
         rejected, before = 0, self._gaps(point.state, point.parameter)
         while not (trial := arc.step(point, ds)).found.ok:
             if ds * SHRINK < minimum:
@@ -126,7 +126,10 @@ class ArcLength:
         return new, trial.ds
 
     def _critical(self, follower, arc, point, trial):
-        """Load factor at which stability is lost within the step, by halving it and the least stiffness; or None."""
+        """Return the load factor at which stability is lost within the step, or None.
+
+        It is found by bisection, then by interpolation of the least stiffness.
+        """
         unstable = point.stability.unstable
         reached = follower.stability(trial.state, trial.mu)
         ends = [(0.0, point.parameter, point.stability), (trial.ds, trial.mu, reached)]
@@ -144,7 +147,7 @@ class ArcLength:
         return stable_mu + share * (unstable_mu - stable_mu)
 
     def _meet(self, arc, point, before, trial):
-        """The trial step that ends where the first end is crossed, by false position on its length (Illinois)."""
+        """Return the Trial that ends at the first end of the path, by the Illinois method on the step length."""
         g = self._gaps(trial.state, trial.mu)
         crossed = np.flatnonzero((before < 0.0) & (g > 0.0))
         i = crossed[np.argmax(g[crossed] / (g[crossed] - before[crossed]))]
@@ -165,7 +168,7 @@ class ArcLength:
 
 
 class Arc:
-    """Steps of one ``statics`` along its path; keeps tangent and rate at the last point."""
+    """Arc-length steps of one ``statics``, with tangent and rate at the last accepted point."""
 
     def __init__(self, statics, point):
         self.statics, self.tangent = statics, None
@@ -181,7 +184,7 @@ class Arc:
         self.tangent = self._direction(self.rate)
 
     def _rate(self, s, mu):
-        """Displacements and multipliers by the load factor (n,), or None where the tangent is singular."""
+        """Return the derivatives (n,) of displacements and multipliers by the load factor, or None if singular."""
         k, penalty = self.statics.scales(s)
         slope = self.statics.loading.slope(s, mu)
         self.statics.evaluate(s, mu, k, penalty, True)
@@ -193,7 +196,7 @@ class Arc:
         return rate
 
     def _direction(self, rate):
-        """Unit tangent (n_q + 1,) of the path, going on as before."""
+        """Return the unit tangent (n_q + 1,) of the path, in the sense of the previous one."""
         tangent = np.append(rate[: self.statics.system.n_q], 1.0)
         tangent /= np.sqrt(self._product(tangent, tangent))
         return tangent if self.tangent is None or self._product(tangent, self.tangent) >= 0.0 else -tangent
@@ -202,7 +205,7 @@ class Arc:
         return float(t[:-1] @ (self.metric * u[:-1]) + t[-1] * u[-1])
 
     def step(self, point, ds):
-        """The Trial of a step of length ds from ``point``, whose tangent and rate are those kept."""
+        """Return the Trial of a step of length ds from ``point``, to which tangent and rate belong."""
         statics = self.statics
         s, mu = statics.begin(point.state), point.parameter + ds * self.tangent[-1]
         k, penalty = statics.scales(s)
@@ -222,7 +225,7 @@ class Arc:
         return self._finished(trial) if trial.found.ok else trial
 
     def _finished(self, trial):
-        """The trial with tangent and rate at its end; refused where the path has turned too sharply."""
+        """Return the trial with tangent and rate at its end; it fails if the path turns too sharply."""
         trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
         if trial.rate is None:
             trial.found.ok, trial.found.message, trial.found.failure = False, SINGULAR, Failure.SINGULAR
@@ -233,7 +236,7 @@ class Arc:
         return trial
 
     def _correct(self, point, s, mu, ds, k, penalty):
-        """Newton in the plane of the step, which moves ``s``: (load factor, Iterated)."""
+        """Iterate by Newton's method in the plane of the step, changing ``s`` in place: (load factor, Iterated)."""
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
@@ -245,7 +248,7 @@ class Arc:
             return statics.evaluate(s, mu, k, penalty, tangent, step)
 
         def solve(fresh):
-            """The correction (n,), or None where the tangent is singular; ``fresh``: the tangent is a new one."""
+            """Return the correction (n,), or None if the tangent is singular; ``fresh``: the tangent is new."""
             nonlocal change
             r, x = statics.system.residual[:n].copy(), np.empty(n)
             if fresh:

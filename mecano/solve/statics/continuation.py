@@ -1,10 +1,10 @@
-r"""Paths of equilibria: which parameter to try next, what to do when Newton fails, where to stop.
+r"""Numerical continuation of equilibria: choice of the next parameter, failed steps, end of the path.
 
-Every way goes from ``Point`` to ``Point``:
+Every method goes from ``Point`` to ``Point``:
 
-* ``Steps``: the parameter (load factor or time) is given; steps are cut back where Newton fails or leaps.
-* ``Relaxation`` (relaxation.py): the state creeps against a drag that fades, down to a stable equilibrium.
-* ``ArcLength`` (arc_length.py): the load factor is an unknown, and limit points are passed.
+* ``Steps``: the parameter (load factor or time) is given; steps are cut back if Newton's method fails or jumps.
+* ``Relaxation`` (relaxation.py): the state creeps against a vanishing drag to a stable equilibrium.
+* ``ArcLength`` (arc_length.py): the load factor is an unknown, so that limit points are passed.
 """
 
 from collections.abc import Callable
@@ -17,12 +17,12 @@ from mecano.solve.statics.static import Found
 
 GROWTH, SHRINK = 2.0, 0.25
 EASY = 12  # iterations up to which the next step grows
-LEAP, NOTICEABLE = 4.0, 0.02  # farther off than so many predictions, and than so much of the length, is a leap
+LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes and than this part of the length scale
 
 
 @dataclass(slots=True)
 class Point:
-    """An equilibrium on a path; ``place`` increases along it: the parameter, or the length of the arc."""
+    """An equilibrium on a path; ``place`` increases along it: the parameter or the arc length."""
 
     state: object  # State, at rest
     parameter: float  # load factor, or time [s]
@@ -37,28 +37,28 @@ class Point:
 
 @dataclass
 class Follower:
-    """Accepts the equilibria of ``statics`` as points of a path; ``observers`` are told of each."""
+    """Accepts the equilibria of ``statics`` as points of a path and passes each to the ``observers``."""
 
     statics: object
     observers: tuple = ()
-    ended: Callable = lambda state: ""  # text on an element that can go no further in a state, its outputs up to date
+    ended: Callable = lambda state: ""  # text on an element that ends the run in a state, "" if none; needs outputs
     judge: Judge = field(init=False)
-    losses: list = field(default_factory=list)  # texts: where stability was lost on the way
-    departures: list = field(default_factory=list)  # texts: unstable equilibria that were left on the way
+    losses: list = field(default_factory=list)  # texts: points at which stability was lost
+    departures: list = field(default_factory=list)  # texts: unstable equilibria that were left
     last: Point | None = None
 
     def __post_init__(self):
         self.judge = Judge(self.statics.system, self.statics.length, self.statics.compliance is not None)
 
     def stability(self, s, p, drag=0.0):
-        """Stability of ``s`` at the parameter p, from the tangent there, with ``drag`` [N/m] as a further stiffness."""
+        """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
         return self.judge(self.statics.system.data, drag)
 
     def accept(self, s, p, place, step, found, rejected=0, critical=None):
-        """The Point of a converged state; its outputs stand in the system when the observers are told.
+        """Return the Point of a converged state; the system holds its outputs when the observers are called.
 
-        ``critical``: the parameter at which stability was lost within the step, where it is known.
+        ``critical``: the parameter at which stability was lost within the step, if known. Raises as ``refuse``.
         """
         statics = self.statics
         s = statics.settled(statics.begin(s))
@@ -73,7 +73,7 @@ class Follower:
         return point
 
     def refuse(self, s, p):
-        """Raise ConvergenceError where an element can go no further in the equilibrium ``s`` at the parameter p."""
+        """Raise ConvergenceError if an element cannot continue from the equilibrium ``s`` at the parameter p."""
         self.statics.system.observe(s)
         if text := self.ended(s):
             raise ConvergenceError(
@@ -81,7 +81,7 @@ class Follower:
             )
 
     def _watch(self, point, critical):
-        """Note where the path lost stability; in steps of the parameter, by interpolation of the least stiffness."""
+        """Record a loss of stability; in steps of the parameter it is located by interpolating the least stiffness."""
         last, self.last = self.last, point
         if last is None or not 0 <= last.stability.unstable < point.stability.unstable:
             return
@@ -95,14 +95,14 @@ class Follower:
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
 
     def find(self, s0, p):
-        """Equilibrium at the parameter p near ``s0``: (state, Found), where the tangent is singular too."""
+        """Return (state, Found) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
         return (
             self.statics.correct_singular(s0, p) if found.failure is Failure.SINGULAR and not found.ok else (s, found)
         )
 
     def start(self, s, p):
-        """The first Point, at the parameter p: ``s`` or the equilibrium next to it. Raises ConvergenceError."""
+        """Return the first Point, at the parameter p: ``s`` or an equilibrium near it. Raises ConvergenceError."""
         begun = self.statics.begin(s)
         k, _ = self.statics.scales(begun)
         residuals = self.statics.evaluate(begun.copy(), p, k, 0.0, False)
@@ -114,7 +114,7 @@ class Follower:
         return self.accept(s, p, p, 0.0, found)
 
     def failure(self, p, found, last, last_p, hint=""):
-        """The error that says where and why no equilibrium was found after ``last``, with the motion that is free."""
+        """Return the error for a failed search after ``last``: place, cause, free motion, worst equations."""
         statics, system = self.statics, self.statics.system
         of = statics.loading
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
@@ -128,7 +128,7 @@ class Follower:
 
 @dataclass
 class Steps:
-    """From the first point to ``end`` by ``count`` steps, smaller ones where needed; with ``grow`` longer ones too."""
+    """Continuation to ``end`` in ``count`` equal steps, smaller if necessary; with ``grow``, also larger ones."""
 
     end: float
     count: int
@@ -140,7 +140,7 @@ class Steps:
     )
 
     def follow(self, follower, point):
-        """(last Point, reason). Raises ConvergenceError, NonFiniteError."""
+        """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
         start, equal = point.parameter, (self.end - point.parameter) / self.count
         targets = [self.end] if self.grow else [start + i * equal for i in range(1, self.count)] + [self.end]
         h = equal
@@ -151,7 +151,7 @@ class Steps:
         return point, "the end was reached"
 
     def _advance(self, follower, point, h, target):
-        """The next Point and the step that led to it."""
+        """Return the next Point and the step to it."""
         rejected = 0
         while True:
             left = target - point.parameter

@@ -1,26 +1,26 @@
-r"""What is varied along a path of equilibria: the share of the loads that acts, or the time in their laws.
+r"""Parameter of a path of equilibria: the load factor, or the time in the laws of the loads.
 
-At rest the equations are :math:`r(q) = 0`. A path leads from the start
-:math:`q_0`, whatever is out of balance there, to
+At rest the equations are :math:`r(q) = 0`. The path from the initial configuration :math:`q_0`, in equilibrium or not,
+is
 
 .. math::  r_0(q) + \mu\, r_L(q) - \max(0, 1 - \mu)\, r_0(q_0) = 0, \qquad r_L\text{: loads and gravity},
 
-so the start is an equilibrium for the load factor :math:`\mu = 0`, and all the loads and nothing else act for
-:math:`\mu = 1`. Where the start is free of stress, :math:`\mu` is the share of the loads, dead or following; where it
-is not, what is out of balance without loads is let go along with it. Gravity is scaled by the principle of
-equivalence: a frame that falls with :math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
+so the start is an equilibrium for the load factor :math:`\mu = 0`, and exactly the loads act for :math:`\mu = 1`. If
+the start is free of stress, :math:`\mu` is the fraction of the loads, dead or following; otherwise the imbalance
+without loads is removed in proportion. Gravity is scaled by the principle of equivalence: a frame that falls with
+:math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
 """
 
 import numpy as np
 
 
 class LoadFactor:
-    """The share mu of all loads and of gravity; laws of time hold at the time of the state."""
+    """Load factor mu of all loads and of gravity; laws of time are evaluated at the time of the state."""
 
     name, unit = "load factor", ""
 
     def __init__(self, system, start):
-        """Take ``start`` as the configuration whose forces without loads are let go."""
+        """Take ``start`` as the configuration whose imbalance without loads is removed along the path."""
         self.system = system
         self.gravity = np.zeros(system.numbering.n_all)
         self.gravity[system.numbering.x[:, None] + np.arange(3)] = system.context.gravity
@@ -31,7 +31,7 @@ class LoadFactor:
         self.imbalance = system.residual[: system.n_q].copy()
 
     def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
-        """``system.assemble`` at the load factor mu; sets the accelerations of ``s``, which stand for gravity."""
+        """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
         system.assemble(s, k, penalty, cK, cC, cM, T)
@@ -40,7 +40,7 @@ class LoadFactor:
             system.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
 
     def slope(self, s, mu):
-        """Derivative (n,) of the residual by the load factor, towards larger ones at the corner mu = 1."""
+        """Return the derivative (n,) of the residual by the load factor; at the corner mu = 1, the one to the right."""
         self.assemble(s, 2.0, 1.0, 0.0)
         more = self.system.residual.copy()
         self.assemble(s, 1.0, 1.0, 0.0)
@@ -50,7 +50,7 @@ class LoadFactor:
 
 
 class Clock:
-    """The time [s] in the laws; all loads act in full."""
+    """Time [s] in the laws of the loads; all loads act in full."""
 
     name, unit = "t", " s"
 
@@ -58,7 +58,7 @@ class Clock:
         self.system = system
 
     def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
-        """``system.assemble`` at rest at the time t [s], which becomes that of ``s``."""
+        """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0
         self.system.assemble(s, k, penalty, cK, cC, cM, T)

@@ -1,11 +1,11 @@
-r"""Relaxation: the state creeps down to a stable equilibrium against a drag that fades, :math:`D \dot q = -r(q)`.
+r"""Relaxation: the state creeps to a stable equilibrium against a vanishing drag, :math:`D \dot q = -r(q)`.
 
-Implicit Euler with a drag that falls with the residual (pseudo-transient continuation, static.py) ends in Newton's
-iteration, which finds unstable equilibria as well as stable ones: on a saddle, such as a straight column beyond its
-critical load, no force acts. An equilibrium that is unstable is therefore left by a small displacement along its most
-unstable motion, towards the side on which the state creeps farther, and then along the other one if there is nothing
-on the first. From there on a step leads downhill only if K + D/2 has no negative direction that constraints allow (a
-step of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the drag is kept above that.
+Implicit Euler with a drag that decreases with the residual (pseudo-transient continuation, static.py) ends as Newton's
+iteration, which finds unstable equilibria as well as stable ones: at a saddle, such as a straight column beyond its
+critical load, no force acts. An unstable equilibrium is therefore left by a small displacement along its most unstable
+motion, first to the side on which the state creeps farther, then to the other side if no equilibrium is found on the
+first. From there on a step leads downhill only if K + D/2 has no negative direction that the constraints allow (a step
+of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the drag is kept large enough.
 """
 
 from dataclasses import dataclass, field
@@ -18,13 +18,13 @@ from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom, words
 from mecano.solve.time.increments import displaced
 
-FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # of the length scale, or rad: displacement in the first and in any step of creep
-MOST_CREEPS = 400
-FADES = 0.02, 0.5  # least and most of the drag that remains after a step of creep
-STIFFEST = 1e8  # of the first drag: largest drag with which a step is retried
-NUDGE = 0.01  # of the length scale, or rad: displacement with which an unstable equilibrium is left
-ALIKE = 1e-6  # of the larger creep: two sides that differ by less are alike, and the positive one is taken
-DEPARTURES = 5  # unstable equilibria left before giving up
+FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # displacement in the first step and in any step, in length scales or rad
+MOST_CREEPS = 400  # largest number of steps
+FADES = 0.02, 0.5  # least and largest factor on the drag per step
+STIFFEST = 1e8  # largest drag with which a step is retried, relative to the first one
+NUDGE = 0.01  # displacement by which an unstable equilibrium is left, in length scales or rad
+ALIKE = 1e-6  # relative difference of creep up to which both sides are equivalent and the positive one is taken
+DEPARTURES = 5  # unstable equilibria left before the search fails
 
 
 @dataclass
@@ -38,33 +38,33 @@ class Work:
 
 @dataclass
 class Relaxation:
-    """At the one parameter ``end``, by creep against a drag that fades to nothing, to a stable equilibrium."""
+    """Search for a stable equilibrium at the parameter ``end`` by creep against a vanishing drag."""
 
     end: float
-    hint: str = "supports or springs for what still moves"
+    hint: str = "supports or springs for the parts that still move"
     unstable_hint: str = (
         "supports or springs against this motion; method: steps, which takes an unstable equilibrium, too"
     )
 
     def follow(self, follower, point):
-        """(the Point in stable equilibrium, reason). Raises ConvergenceError, NonFiniteError."""
+        """Return (Point in stable equilibrium, reason of the end). Raises ConvergenceError, NonFiniteError."""
         return self.find(follower, point.state), "an equilibrium was reached"
 
     def find(self, follower, s):
-        """The Point in stable equilibrium to which the state ``s`` creeps. Raises as ``follow`` does."""
+        """Return the Point in stable equilibrium to which the state ``s`` creeps. Raises as ``follow`` does."""
         work = Work()
         s, found, stability = self._equilibrium(follower, s, work)
         while stability.unstable > 0:
             if len(follower.departures) == DEPARTURES:
-                self._refuse(follower, s, found, stability, work, f"{DEPARTURES} others were left so before")
+                self._refuse(follower, s, found, stability, work, f"{DEPARTURES} others have already been left")
             follower.departures.append(self._departure(follower, s, stability))
             s, found, stability = self._below(follower, s, found, stability, work)
         return self._accepted(follower, s, found, work)
 
     def _below(self, follower, s, found, stability, work):
-        """The equilibrium beside the unstable one ``s``: what ``_equilibrium`` returns."""
+        """Return (State, Found, Stability) of an equilibrium beside the unstable one ``s``."""
         if stability.shape is None:
-            self._refuse(follower, s, found, stability, work, "its unstable motion is not known")
+            self._refuse(follower, s, found, stability, work, "its unstable motion is unknown")
         reasons = []
         for beside in self._sides(follower, s, stability):
             try:
@@ -74,7 +74,7 @@ class Relaxation:
         self._refuse(follower, s, found, stability, work, "; ".join(dict.fromkeys(reasons)))
 
     def _sides(self, follower, s, stability):
-        """The states on both sides of the unstable equilibrium ``s``, the one from which it creeps farther first."""
+        """Return the states on both sides of the unstable equilibrium ``s``; first the one that creeps farther."""
         statics, length = follower.statics, follower.statics.length
         sides = [displaced(s, sign * NUDGE * length * stability.shape, statics.system.numbering) for sign in (1, -1)]
         drag = self._downhill(follower, s, 4.0 * max(abs(stability.stiffness), 1e-300))
@@ -83,7 +83,7 @@ class Relaxation:
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
 
     def _equilibrium(self, follower, s, work, downhill=False):
-        """(State, Found, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: by no saddle's way."""
+        """Return (State, Found, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: avoid saddles."""
         s = self._creep(follower, s, work, downhill)
         found_s, found = follower.find(s, self.end)
         if not found.ok:
@@ -93,7 +93,7 @@ class Relaxation:
         return found_s, found, follower.stability(found_s, self.end)
 
     def _creep(self, follower, s, work, downhill):
-        """The state after creep to where forces are balanced to their tolerance."""
+        """Return the state after creep, with forces balanced to their tolerance."""
         statics, drag, last = follower.statics, None, None
         for _ in range(MOST_CREEPS):
             size, force = self._size(statics, s)
@@ -117,13 +117,13 @@ class Relaxation:
         raise follower.failure(self.end, found, s, self.end, self.hint)
 
     def _downhill(self, follower, s, drag):
-        """The least drag of ``drag`` and its doubles with which a step from ``s`` leads downhill."""
+        """Return the least of ``drag``, 2 ``drag``, 4 ``drag``, ... with which a step from ``s`` leads downhill."""
         while follower.stability(s, self.end, 0.5 * drag).unstable > 0:
             drag *= 2.0
         return drag
 
     def _size(self, statics, s):
-        """Residual over its tolerance, and the largest residual force [N] (moments over the length scale)."""
+        """Return (residual over its tolerance, largest residual force [N], moments over the length scale)."""
         k, _ = statics.scales(statics.begin(s))
         size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
         force = np.abs(statics.system.residual[: statics.system.n_q] / np.sqrt(statics.weight)).max(initial=0.0)
@@ -135,14 +135,14 @@ class Relaxation:
         return follower.accept(s, self.end, self.end, self.end, found, work.rejected)
 
     def _departure(self, follower, s, stability):
-        """Text on an unstable equilibrium that is left."""
+        """Return the text on an unstable equilibrium that is left."""
         statics = follower.statics
         shape = stability.shape
         motion = "" if shape is None else f": {words(statics.system, s, shape, statics.length)}"
-        return f"an unstable equilibrium was met and left on the way{motion}"
+        return f"an unstable equilibrium was found and left on the way{motion}"
 
     def _refuse(self, follower, s, found, stability, work, why):
-        """Raise the error of a search that ended at the unstable equilibrium ``s``, which becomes a Point."""
+        """Raise ConvergenceError for a search that ended at the unstable equilibrium ``s``, which becomes a Point."""
         statics, system = follower.statics, follower.statics.system
         self._accepted(follower, s, found, work)
         motion = freedom(system, s, stability, statics.length)

@@ -1,11 +1,11 @@
 r"""Stability of an equilibrium, and its softest motion.
 
 Stability follows from the tangent on the motions that the constraints allow, :math:`Z^T K Z` with :math:`B Z = 0`;
-displacements are measured in metres, rotations by the length scale. Small models: eigenvalues of its symmetric part
-where it is symmetric (to rounding, at an equilibrium under conservative forces); where it is not, those of the whole,
-of which only real negative ones count (complex ones concern the motion: modes.py). Large models: the signs of the
-pivots of the bordered matrix without row exchanges (Sylvester's law: one negative pivot for each constraint, and one
-for each unstable direction); for an unsymmetric tangent their number tells divergence only by its parity.
+displacements are in metres, rotations times the length scale. Small models: the eigenvalues of the tangent. If it is
+not symmetric to rounding (as it is under conservative forces), only real negative ones count; complex ones concern the
+motion (modes.py). Large models: the signs of the pivots of the bordered matrix without row exchanges (Sylvester's law:
+one negative pivot for each constraint, and one for each unstable direction); for an unsymmetric tangent only the parity
+of their number indicates divergence.
 """
 
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.linear.sparse import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
-NEUTRAL = 1e-13  # of the largest stiffness: softer directions count as free (dense)
-NEUTRAL_WHERE_SOFT = 1e-10
-NEUTRAL_PIVOT = 1e-13  # a pivot cancelled to less than this counts as zero (sparse)
-SYMMETRIC = 1e-7  # of the largest entry
-RANK = 1e-9
+NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dense)
+NEUTRAL_WHERE_SOFT = 1e-10  # the same if redundant constraints are compliant
+NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
+SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tangent
+RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
-FARTHER = 4.0  # factor of the shift to the most negative stiffness
-NAMED = 2  # nodes named of a motion
+FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
+NAMED = 2  # nodes named in the description of a motion
 SMALL = 0.2  # of the largest displacement: nodes that move less are not named
 
 
@@ -49,7 +49,7 @@ class Judge:
     """Determine the stability of equilibria of one system from tangents on its pattern."""
 
     def __init__(self, system, length, soft=False):
-        """``soft``: redundant constraints are compliant, which may turn free motions into very soft ones."""
+        """Set the limit of neutral directions; ``soft``: compliant redundant constraints may stiffen free motions."""
         self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
@@ -103,7 +103,7 @@ class Judge:
         return Stability(max(unstable, 0), zeros, stiffness, shape)
 
     def _negative(self, data):
-        """Negative and zero pivots beyond those of the constraints; UNKNOWN where rows had to be exchanged."""
+        """Return (negative pivots beyond those of the constraints, zero pivots); UNKNOWN if rows were exchanged."""
         if self._solver is None:
             of = self.system.numbering
             args = self.system.n, self.system.rows, self.system.cols, of.group, of.n_q
@@ -116,7 +116,7 @@ class Judge:
         return int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l, int(zero.sum())
 
     def _penalized(self, data):
-        """The tangent with k and a penalty like its mean stiffness, which keep the fixed order free of zero pivots."""
+        """Return the tangent with k and penalty equal to its mean stiffness, to avoid zero pivots."""
         n_q = self.system.n_q
         diagonal = np.abs(data[self.system.diagonal[:n_q]])
         k = float(diagonal[diagonal > 0].mean()) if np.any(diagonal) else 1.0
@@ -126,9 +126,9 @@ class Judge:
         return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
 
     def _softest(self, data, unstable=0):
-        """Stiffness nearest to zero, or the most negative one, and its motion; (nan, None) if that fails.
+        """Return (stiffness nearest to zero, or most negative one if ``unstable``, its motion); (nan, None) on failure.
 
-        By inverse iteration, with a shift beyond which nothing is unstable where ``unstable`` directions are.
+        By inverse iteration; the shift exceeds the most negative stiffness.
         """
         n, n_q = self.system.n, self.system.n_q
         metric = sp.diags(np.concatenate([self.root**2, np.zeros(n - n_q)])).tocsc()
@@ -151,7 +151,7 @@ class Judge:
 
 
 def null_space(B):
-    """Orthonormal basis (n, n - rank) of the vectors that B (m, n) takes to zero; rows of any size."""
+    """Return an orthonormal basis (n, n - rank) of the null space of B (m, n), whose rows may be of any size."""
     if not B.shape[0]:
         return np.eye(B.shape[1])
     size = np.linalg.norm(B, axis=1)
@@ -160,22 +160,22 @@ def null_space(B):
 
 
 def _real(values, vectors):
-    """Real eigenvalues in ascending order, with their vectors."""
+    """Return the real ones of the eigenvalues in ascending order, with their vectors."""
     real = np.flatnonzero(np.abs(values.imag) <= 1e-9 * np.abs(values).max(initial=0.0))
     order = real[np.argsort(values[real].real)]
     return values[order].real, vectors[:, order].real
 
 
 def _scaled(shape, root):
-    """The motion with the largest displacement (rotations by the length scale) 1."""
+    """Return the motion scaled to a largest displacement of 1 (rotations times the length scale)."""
     size = np.abs(shape * root)
     return shape / (shape[np.argmax(size)] * root[np.argmax(size)])
 
 
 def freedom(system, s, stability, length):
-    """In words: how many directions of a state are unstable or neutral, and the softest motion."""
+    """Return as text the number of unstable or neutral directions of a state, and its softest motion."""
     if stability.shape is None:
-        return "the tangent there is regular, as far as can be told"
+        return "no singularity of the tangent was detected there"
     motion = words(system, s, stability.shape, length)
     if stability.unstable > 0:
         return f"{stability.unstable} unstable direction(s); the most unstable motion: {motion}"
@@ -184,13 +184,13 @@ def freedom(system, s, stability, length):
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
-STILL = 1e-9  # of the largest component: nodes that move by less do not
+STILL = 1e-9  # of the largest component: smaller motions of nodes count as zero
 
 
 def words(system, s, shape, length, inertial=False, most=NAMED):
-    """A motion (n_q,) of the free unknowns at ``s`` in words: which nodes move how, the most mobile first.
+    """Describe a motion (n_q,) of the free unknowns at ``s``: at most ``most`` nodes, the most mobile first.
 
-    Its rotations are in the axes of the nodes, or ``inertial``.
+    Rotations of ``shape`` are in the axes of the nodes, or ``inertial``.
     """
     moves = []
     seen = set()
@@ -206,7 +206,7 @@ def words(system, s, shape, length, inertial=False, most=NAMED):
     changes = [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
     signals = system.signals[first_scalar:]
     moves += [change for change, signal in zip(changes, signals, strict=True) if not signal]
-    if max(moves, default=(0.0,))[0] <= STILL * np.abs(shape).max(initial=0.0):  # signals have units of any size
+    if max(moves, default=(0.0,))[0] <= STILL * np.abs(shape).max(initial=0.0):  # the units of signals are arbitrary
         moves = changes
     moves.sort(key=lambda move: -move[0])
     named = [text for size, text in moves if size > SMALL * moves[0][0]]

@@ -1,4 +1,4 @@
-r"""Equilibrium at one point of a path: Newton on the residual at rest, with consistent phases of the elements.
+r"""Equilibrium at one point of a path: Newton's method on the residual at rest, with consistent phases of the elements.
 
 The residual is :math:`r(q, \mu)` of loading.py, the tangent K alone, bordered by the constraints as in a step of time;
 velocity constraints restrain the displacement from the start of the search (velocity_constraints.py).
@@ -125,14 +125,14 @@ class Statics:
         return largest / self.tolerances.increment
 
     def factor(self, b):
-        """Solution (n,) of the tangent in ``system.data`` for the right-hand side b, or None when it is singular."""
+        """Return the solution (n,) with the tangent in ``system.data`` and right-hand side b, or None if singular."""
         return self._increment if self.linear.solve(self.system.data, b, self._increment).ok else None
 
     def correct(self, s0, p, drag=0.0):
-        """Equilibrium at the parameter p near ``s0``: (state, Found); with ``drag`` [N/m] after one step of creep.
+        """Return (state, Found) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
 
-        Elements whose event values are crossed change their mode, and the search goes on from there. A wheel that comes
-        to roll so rolls from ``s0`` on.
+        Elements whose event values are crossed change their phase, and the search continues from there. A wheel that
+        starts to roll in this way rolls from ``s0`` on.
         """
         s, iterations, first, reported = s0, 0, None, []
         for _ in range(PHASE_CHANGES):
@@ -154,9 +154,9 @@ class Statics:
         )
 
     def correct_singular(self, s0, p):
-        """Equilibrium near ``s0`` where the tangent is singular, with a drag too small to matter: (state, Found).
+        """Return (state, Found) of an equilibrium near ``s0`` with a singular tangent, by steps with a negligible drag.
 
-        It exists where no force acts along the motions that are free.
+        It exists if no force acts along the free motions.
         """
         s, iterations, reported = s0, 0, []
         for _ in range(LEANS):
@@ -169,11 +169,11 @@ class Statics:
             norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
             if max(norms_) <= 1.0:
                 return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(reported))
-        text = "the tangent is singular, and forces act along a motion that is free"
+        text = "the tangent is singular, and forces act along a free motion"
         return s, Found(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
     def _newton(self, guess, s0, p, drag):
-        """Newton from ``guess``; rotation increments, the drag and what rolls count from ``s0``."""
+        """Iterate from ``guess``: (state, Found); rotation increments, drag and rolling are relative to ``s0``."""
         system, n, n_q = self.system, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
         k, penalty = self.scales(s)
@@ -203,7 +203,7 @@ class Statics:
         return s, self.judged(result, s, s0, first)
 
     def judged(self, result, s, s0, first=np.inf):
-        """The Found of a Newton iteration from ``s0`` to ``s``: an equilibrium too far away counts as none."""
+        """Return the Found of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
         change = float(np.abs(self.displacement(s, s0) * np.sqrt(self.weight)).max(initial=0.0)) / self.length
         ok, message, failure = result.ok, result.message, result.failure
         if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
@@ -212,13 +212,13 @@ class Statics:
         return Found(ok, result.iterations, result.norms, change, first, message, (), failure)
 
     def displacement(self, s, s0):
-        """Displacements of the unknowns from ``s0`` (n_q,), where ``s`` counts its rotation increments from."""
+        """Return the displacements (n_q,) from ``s0``, to which the rotation increments of ``s`` are relative."""
         moved = s.z[: self.system.n_q] - s0.z[: self.system.n_q]
         moved[self._rotations] = s.z[self._rotations]
         return moved
 
     def polish(self, s, p):
-        """The equilibrium ``s`` with as little residual as rounding allows."""
+        """Return the equilibrium ``s`` after further iterations, as long as they reduce the residual."""
         best, s0 = s, s
         k, penalty = self.scales(self.begin(s))
         trial, step = self.begin(s), self.step(s, s.phases)
@@ -235,6 +235,6 @@ class Statics:
         return best
 
     def settled(self, s):
-        """``s`` as an accepted point: memories committed."""
+        """Return ``s`` with committed memories, as an accepted point."""
         s.memory = self.system.commit(s)
         return s

@@ -1,14 +1,14 @@
 r"""Constraints on velocities in statics: wheels that do not slip, skates.
 
-A constraint :math:`B(q)\,\dot q = 0` holds for anything at rest, so it selects no configuration. A load that grows
-slowly moves the body only along :math:`B\,dq = 0`, and the multipliers are the forces that this takes: adhesion of
-the wheel, the force across the blade. From a point :math:`q_n` of a path the next equilibrium fulfils
+A constraint :math:`B(q)\,\dot q = 0` is satisfied by any body at rest, so it does not select a configuration. Under a
+slowly growing load the body moves only along :math:`B\,dq = 0`, and the multipliers are the constraint forces: adhesion
+of the wheel, the force across the blade. From a point :math:`q_n` of a path the next equilibrium satisfies
 
 .. math::  r(q) - B(q)^T \Lambda = 0, \qquad B(q_n)\,(q - q_n) = 0
 
-with rotations counted by their increments from :math:`q_n`. The forces are exact, the displacement along the path is of
-first order in its steps, and exact where B is constant along it (a wheel that rolls straight on). Taken at
-:math:`q_n`, rows that repeat one another (two wheels on one axle) never contradict each other.
+with rotation increments relative to :math:`q_n`. The forces are exact; the displacement along the path is of first
+order in its steps, and exact if B is constant along it (a wheel that rolls straight on). Evaluated at :math:`q_n`,
+redundant rows (two wheels on one axle) are always consistent.
 """
 
 from dataclasses import dataclass
@@ -21,19 +21,19 @@ NONE = np.zeros(0, np.int64)
 
 @dataclass(frozen=True)
 class Held:
-    """The constraints on velocities of one state: their gradient by displacements, and where it stands."""
+    """The constraints on velocities of one state as constraints on displacements, and their part of the tangent."""
 
     B: sp.csr_matrix  # (n_l, n_q): rows of other constraints are empty
-    values: np.ndarray  # of B in the tangent, one for each of ``VelocityConstraints.entries``
-    squares: np.ndarray  # of B^T B in the tangent
-    square_places: np.ndarray  # where these stand in the values of the tangent
+    values: np.ndarray  # entries of B in the tangent, one for each of ``VelocityConstraints.entries``
+    squares: np.ndarray  # entries of B^T B in the tangent
+    square_places: np.ndarray  # their indices in the values of the tangent
 
 
 class VelocityConstraints:
-    """Writes the constraints on velocities of a system as constraints on displacements."""
+    """The constraints on velocities of a system, as constraints on displacements."""
 
     def __init__(self, system, released=NONE):
-        """``released``: numbers of constraints that others imply, which hold nothing (compliance.py)."""
+        """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out."""
         self.system = system
         of_rates = system.numbering.of_rates.copy()
         of_rates[released] = False
@@ -44,7 +44,7 @@ class VelocityConstraints:
         self.any = bool(of_rates.any())
 
     def at(self, s):
-        """The Held of ``s`` at rest; spoils what was assembled. None where no constraint is on velocities."""
+        """Return the Held of ``s`` at rest, or None without constraints on velocities; overwrites the assembly."""
         if not self.any:
             return None
         system = self.system
