@@ -93,11 +93,11 @@ def test_parameters_are_numbers_in_formulas():
 @pytest.mark.parametrize(
     ("signal", "message", "hint"),
     [
-        ("2*rial.displacement", "there is no 'rial' whose 'displacement' could be measured", "'rail'"),
-        ("2*rail.angle", "'angle' of 'rail' cannot be measured; measured can be displacement, velocity", ""),
+        ("2*rial.displacement", "there is no 'rial' with a measurable 'displacement'", "'rail'"),
+        ("2*rail.angle", "'angle' of 'rail' cannot be measured; measurable: displacement, velocity", ""),
         ("2*trust", "there is no signal 'trust'", "'thrust'"),
-        ("cart.position", "'position' of 'cart' cannot be measured; measured can be position.x", ""),
-        ("body.mass", "'mass' of 'body' cannot be measured; nothing of it can be measured", ""),
+        ("cart.position", "'position' of 'cart' cannot be measured; measurable: position.x", ""),
+        ("body.mass", "'mass' of 'body' cannot be measured; it has no measurable outputs", ""),
         (".inf", "must be finite", ""),
         ("9" * 400, "must be finite", ""),
         ("2*$q", "unknown parameter 'q'", "k, minus"),

@@ -1,7 +1,7 @@
-"""Release of a joint, at a time or when a condition becomes true: its constraints hold until then, and never again.
+"""Release of a joint at a given time or by a condition: from then on its constraints are inactive permanently.
 
-The trigger is an input of the joint, a formula that rises through zero. Constraints that cease to hold change no
-velocity: nothing is lost, and accelerations jump.
+The trigger is an input of the joint, a formula that rises through zero. The release does not change velocities: no
+energy is lost, and accelerations jump.
 """
 
 from dataclasses import replace
@@ -13,14 +13,14 @@ from mecano.jit.kernel import kernel
 from mecano.laws.formula import difference_of
 from mecano.schema import CONDITION, NUMBER, Field, mapping
 
-TRIGGER = 12  # local unknown of a pair of nodes with positions and rotations, behind these
+TRIGGER = 12  # local index of the trigger, after the positions and rotations of two nodes
 FIRST_ROW = TRIGGER + 1
 EVENT = Event("releases", "held", "free", "the joint is released")
 FIELDS = (
-    Field("time", NUMBER, "s", "when it is released", None),
-    Field("when", CONDITION, "-", "condition of signals, outputs and motions with which it is released", None),
+    Field("time", NUMBER, "s", "time of the release", None),
+    Field("when", CONDITION, "-", "condition of signals, outputs and motions that releases the joint", None),
 )
-RELEASE = Field("release", mapping(*FIELDS), "-", "from when on it holds nothing: {time: ...} or {when: ...}", None)
+RELEASE = Field("release", mapping(*FIELDS), "-", "release of the joint: {time: ...} or {when: ...}", None)
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
@@ -49,7 +49,7 @@ def releasable(kind, parts):
 
 
 def check_release(d, options):
-    """Texts on a release without a time or condition, or with ``options`` of the joint that would go on to act."""
+    """Return errors for a release without a time or condition, or with ``options`` that would remain active."""
     if d["release"] is None:
         return []
     given = [name for name in options if d[name]]

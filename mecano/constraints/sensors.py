@@ -1,4 +1,4 @@
-"""Sensors of coordinates, a pair for each: of its value, of its rate; and of the motion of nodes."""
+"""Sensors of coordinates (one for the value, one for the rate) and of the motion of nodes."""
 
 from mecano.constraints.along_coordinate.sense import rate_sensor_kind, sensor_kind
 from mecano.constraints.along_coordinate.signal import SIGNAL
@@ -23,7 +23,7 @@ def _turning(p, at, f):
 
 
 def _of_node(name, doc, slot, residual):
-    """Return the Kind that senses a component of the motion of a node along an inertial direction."""
+    """Return the Kind of a sensor of the motion of a node along an inertial direction."""
     return Kind(
         name=name, section="", doc=doc, dtype=record(direction=3), layout=(slot,), residual=residual,
         sample=lambda rng: [({"direction": rng.normal(size=3)}, 1, "")], **SIGNAL,
@@ -38,11 +38,11 @@ def _sensors(name, what, coordinate):
 
 
 SENSORS = {
-    TWIST: _sensors("twist", "the twist of two nodes, over any turns", TWIST),
-    SLIDE: _sensors("slide", "the sliding of a node along an axis that another carries", SLIDE),
-    DISTANCE: _sensors("distance", "the distance of two nodes", DISTANCE),
+    TWIST: _sensors("twist", "the twist of two nodes, over any number of turns", TWIST),
+    SLIDE: _sensors("slide", "the sliding of a node along an axis fixed in another", SLIDE),
+    DISTANCE: _sensors("distance", "the distance between two nodes", DISTANCE),
 }
-PLACE_SENSOR = sensor_kind("place_sensor", "Sensor of the place of a node along a direction.", DISPLACEMENT)
+PLACE_SENSOR = sensor_kind("place_sensor", "Sensor of the position of a node along a direction.", DISPLACEMENT)
 VELOCITY_SENSOR = _of_node("velocity_sensor", "Sensor of the velocity of a node along a direction.", "x0", _velocity)
 TURNING_SENSOR = _of_node("turning_sensor", "Sensor of the angular velocity of a node.", "R0", _turning)
 NODE_SENSORS = {"position": PLACE_SENSOR, "velocity": VELOCITY_SENSOR, "angular_velocity": TURNING_SENSOR}

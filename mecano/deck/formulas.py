@@ -1,4 +1,4 @@
-"""Checks of formulas of signals, and of what takes a law of the time or a formula; names in them are looked up last."""
+"""Check formulas of signals, and fields that accept a function of time or a formula; names are resolved last."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ from mecano.schema import NUMBER
 
 
 def signal_entry(node, field, scope):
-    """An entry of the section ``signals``: a formula, or a mapping with a type."""
+    """Check an entry of the section ``signals``: a formula, or a mapping with a type."""
     if type(node.value) is dict:
         return kind(node, field, scope)
     written = Node({"type": (node, _as("formula", node)), "value": (node, node)}, node.source, node.line, node.column)
@@ -26,7 +26,7 @@ def signal_entry(node, field, scope):
 
 
 def drive(node, field, scope):
-    """A law of the time as for a curve, or a formula as a text; a Reference for a name, of a law or a signal."""
+    """Return a checked curve, a formula as text, or a Reference for the name of a law or a signal."""
     text = node.value
     if type(text) is str and IDENTIFIER.fullmatch(text):
         return Reference(text, "laws", "drive", node, scope.subject)
@@ -38,7 +38,7 @@ def drive(node, field, scope):
 
 
 def formula(node, field, scope):
-    """A formula as a text in which parameters are numbers."""
+    """Return a checked formula as text, with parameters replaced by their values."""
     if type(node.value) in (int, float):
         value = number(node, replace(field, type=NUMBER), scope)
         return INVALID if value is INVALID else repr(value)
@@ -48,7 +48,7 @@ def formula(node, field, scope):
 
 
 def condition(node, field, scope):
-    """A condition as a text in which parameters are numbers."""
+    """Return a checked condition as text, with parameters replaced by their values."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     text = _with_numbers(node.value, node, scope)
@@ -67,7 +67,7 @@ def _as(text, node):
 
 
 def _read(text, node, scope):
-    """The Formula of a text whose parameters have their values, or INVALID with the problem noted."""
+    """Return the Formula of a text, with parameters replaced by their values, or INVALID with the error noted."""
     numbers = _with_numbers(text, node, scope)
     if numbers is INVALID:
         return INVALID
@@ -81,7 +81,7 @@ def _read(text, node, scope):
 
 
 def _with_numbers(text, node, scope):
-    """The text with the values of its parameters, or INVALID with the problem noted."""
+    """Return the text with parameters replaced by their values, or INVALID with the error noted."""
     try:
         return NAME.sub(lambda match: _number(match, scope), text)
     except Refused:
@@ -103,7 +103,7 @@ def _noted(found, node, scope):
 
 
 def check_formulas(values, scope):
-    """Note the names in formulas that mean nothing in the checked ``values`` of a deck, or several things."""
+    """Note errors for names in formulas that are unknown or ambiguous in the checked ``values`` of a deck."""
     kinds = {(section, name): scope.kinds[d["type"]] for section in SECTIONS for name, d in values[section].items()}
     for found, node, subject in scope.formulas:
         scope.subject = subject

@@ -1,8 +1,8 @@
-"""What the name of a quantity in a formula means.
+"""Resolve the names of quantities in formulas.
 
 ``error`` is a signal, ``elbow.angle`` an output of an element, joint or load that can be measured (``Kind.measures``),
-``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial. Where a name is in
-several sections of the deck, it begins with one: ``joints.elbow.angle``.
+``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial. A name that occurs in
+several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ AXES = "xyz"
 
 
 class UnknownQuantity(Exception):
-    """A name in a formula means nothing, or several things; ``known`` are names that could be meant."""
+    """A name in a formula is unknown or ambiguous; ``known``: names that may have been intended."""
 
     def __init__(self, message, known=()):
         super().__init__(message)
@@ -22,14 +22,14 @@ class UnknownQuantity(Exception):
 
 
 def measurable(kind):
-    """Return the names of the outputs of a kind that signals can take."""
+    """Return the names of the outputs of a kind that signals can read."""
     names = list(kind.measures)
     rates = {output.name: output.rate for output in kind.outputs}
     return [*names, *dict.fromkeys(rates[name] for name in names if rates.get(name))]
 
 
 def meaning(name, kinds, nodes):
-    """Return what a name in a formula means: (section, name, what follows it).
+    """Return the quantity that a name in a formula refers to: (section, name of the entry, name of the quantity).
 
     ``kinds``: {(section, name): Kind} of all entries of a deck; ``nodes``: names of the nodes. Raises UnknownQuantity.
     """
@@ -46,15 +46,16 @@ def meaning(name, kinds, nodes):
     owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in kinds)]
     if not owners:
         known = [*(n for section, n in kinds if section in asked), *(nodes if "nodes" in asked else ())]
-        raise UnknownQuantity(f"there is no '{owner}' whose '{rest}' could be measured", known)
+        raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", known)
     offered = {section: _offered(section, owner, kinds) for section in owners}
     found = [section for section in owners if rest in offered[section]]
     if len(found) == 1:
         return found[0], owner, rest
     if found:
-        raise UnknownQuantity(f"'{name}' may be {' or '.join(f'{section}.{name}' for section in found)}: write one")
+        which = " or ".join(f"{section}.{name}" for section in found)
+        raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
     known = [n for section in owners for n in offered[section]]
-    can = f"measured can be {', '.join(known)}" if known else "nothing of it can be measured"
+    can = f"measurable: {', '.join(known)}" if known else "it has no measurable outputs"
     raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured; {can}", known)
 
 
@@ -67,7 +68,7 @@ def _offered(section, owner, kinds):
 
 
 def sensor_of_node(what):
-    """Return the Part that senses a component of the motion of a node: position.z."""
+    """Return the Part of the sensor of a component of the motion of a node: position.z."""
     quantity, _, axis = what.partition(".")
     values = {"direction": np.eye(3)[AXES.index(axis)]}
     if quantity == "position":
@@ -76,7 +77,7 @@ def sensor_of_node(what):
 
 
 def sensor_of_output(kind, output, values, frames, context):
-    """Return the Part that senses an output of an element with these deck values at ``frames`` [(x, R)]."""
+    """Return the Part of the sensor of an output of an element with these deck values at ``frames`` [(x, R)]."""
     if output in kind.measures:
         found = kind.measures[output](values, frames, context)
         return found if isinstance(found, Part) else _sensor(found, 0)

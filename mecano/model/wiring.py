@@ -1,4 +1,4 @@
-"""Who reads what: the inputs of elements are joined to the signals, sensors and formulas that determine them."""
+"""Connect the inputs of elements to the signals, sensors and formulas that determine them."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ def wire(instances, model, context):
 
 
 class _Wiring:
-    """The sources that there are, by the text of the formula that each stands for."""
+    """Sources of inputs (signals, sensors, formulas), by the text of the formula."""
 
     def __init__(self, instances, model, context):
         self.instances, self.model, self.context = instances, model, context
@@ -28,7 +28,7 @@ class _Wiring:
         }
 
     def source(self, text):
-        """Return the number of the instance whose first scalar is the value of a formula."""
+        """Return the list index of the instance whose first scalar is the value of a formula; append it if new."""
         if text not in self.sources:
             formula = read_formula(text)
             if formula.reference:

@@ -1,7 +1,7 @@
-"""Sense a coordinate c, or its rate: a signal y of its own with y - (c - zero) = 0, or y - dc/dt = 0.
+"""Sensors of a coordinate c and of its rate: a signal y with y - (c - zero) = 0, or y - dc/dt = 0.
 
-A sensor acts on nothing: its row depends on the motion of the nodes, the equations of the nodes not on it. An angle is
-followed over whole turns by the memory of that of the last accepted step.
+A sensor exerts no forces: its equation depends on the motion of the nodes, but their equations do not depend on it. An
+angle is continued over full turns with the angle of the last accepted step, kept in memory.
 """
 
 from mecano.constraints.along_coordinate.law import counted
@@ -12,7 +12,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 
 ZERO = {"zero": ()}
-"""Of a record; behind the axes of the coordinate."""
+"""Field of the record, after the axes of the coordinate."""
 
 
 def sensor_kind(name, doc, coordinate):

@@ -1,4 +1,4 @@
-"""What signals have in common: their first scalar is their value, which is also their first output."""
+"""Declarations shared by all signals: their first scalar is their value, which is also their first output."""
 
 from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
@@ -6,7 +6,7 @@ from mecano.schema import FORMULA, NUMBER, Field
 
 SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
-INPUT = Field("input", FORMULA, "-", "what goes in: a formula of signals, outputs of elements, motions of nodes, time")
+INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")
 INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
 
 

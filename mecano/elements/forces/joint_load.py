@@ -1,12 +1,13 @@
 r"""Loads along the coordinate of a joint, or along the line between two nodes: actuators, motors, cylinders.
 
-A load P works along a coordinate c of the nodes, in the sense in which c grows:
+A load P acts along a coordinate c of the nodes, in the sense of increasing c:
 
 .. math::  f = -P\, \nabla c
 
-with the power :math:`P\, \dot c` given by the surroundings. c is the angle of the joint about its axis
-(``joint_moment``), its displacement along the axis (``joint_force``), or the distance of two nodes (``line_force``;
-P > 0 pushes them apart). P is a law of the time or a formula of signals, such as a controller that measures the angle.
+with the power :math:`P\, \dot c` supplied by the surroundings. c is the angle of the joint about its axis
+(``joint_moment``), its displacement along the axis (``joint_force``), or the distance between two nodes
+(``line_force``; P > 0 pushes them apart). P is a function of time or a formula of signals, such as a controller that
+measures the angle.
 """
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
@@ -79,7 +80,7 @@ def _along_line(d, nodes, context):
 
 
 def _sample(rng):
-    """By a law and by a signal: the load along a cylindrical joint, or between two nodes."""
+    """Return loads along a cylindrical joint, by a law and by a signal."""
     joint = {"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None}
     law = (("linear", {"slope": 2.0, "offset": 0.5}),)
     return [({"joint": joint, "value": value}, 2, "") for value in (law, "command")]
@@ -90,19 +91,19 @@ def _line_sample(rng):
 
 
 def _joint(output):
-    return Field("joint", joint_with(output), "-", f"joint with the output '{output}', along which the load works")
+    return Field("joint", joint_with(output), "-", f"joint with the output '{output}', along which the load acts")
 
 
 JOINT_MOMENT = _load(
-    "joint_moment", "Moment about the axis of a joint, as of a motor", TWIST, _joint("angle"),
+    "joint_moment", "Moment about the axis of a joint, such as that of a motor", TWIST, _joint("angle"),
     _along_joint("angle"), nothing, _sample,
 )  # fmt: skip
 JOINT_FORCE = _load(
-    "joint_force", "Force along the axis of a joint, as of a linear motor", SLIDE, _joint("displacement"),
+    "joint_force", "Force along the axis of a joint, such as that of a linear motor", SLIDE, _joint("displacement"),
     _along_joint("displacement"), nothing, _sample,
 )  # fmt: skip
 LINE_FORCE = _load(
-    "line_force", "Force along the line between two nodes, as of a hydraulic cylinder", DISTANCE,
+    "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
     _along_line, lambda d, nodes: at_one_place(nodes), _line_sample,
 )  # fmt: skip

@@ -1,1 +1,1 @@
-"""Signals: named numbers that follow from the motion, from the time and from one another."""
+"""Signals: named scalars computed from the motion, the time and other signals."""

@@ -1,9 +1,10 @@
-r"""Delay: the input as it was a time ago.
+r"""Delay: the input at an earlier time.
 
 .. math::  y(t) = u(t - T)
 
-Before the start the input is what it is then. The values of accepted steps are kept, at most one for each 1/256 of the
-delay, and interpolated linearly; of a step that is longer than the delay, the end counts, too.
+Before the start, the input has its initial value. The values of accepted steps are stored, at most one for each 1/256
+of the delay, and interpolated linearly. In a step longer than the delay, the value at its end is part of the
+interpolation.
 """
 
 from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
@@ -14,7 +15,7 @@ from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
 KEPT = 256
-COUNT, FIRST = 0, 1  # of the memory: number of the pairs (t, u) that follow, of the last accepted step and before
+COUNT, FIRST = 0, 1  # in the memory: number of pairs (t, u); first of the pairs, which are newest first
 
 
 @kernel
@@ -47,7 +48,7 @@ def _kept(m, t):
 
 @kernel
 def commit(p, at, m_out):
-    """Keep the pair of this step; the one before it only where it is not too near to its own."""
+    """Store the pair of this step; it replaces the last one if that is too close to the one before it."""
     count = int(at.m[COUNT])
     if count < 2 or at.m[FIRST] - at.m[FIRST + 2] >= p.time / KEPT:
         for i in range(min(count, KEPT + 1)):

@@ -1,15 +1,15 @@
-r"""Formula: a signal that follows at once from outputs of elements, from other signals, the time and parameters.
+r"""Formula: a signal that is a function of outputs of elements, other signals, the time and parameters.
 
 .. math::  y = c(u_1, ..., u_n, t)
 
-It may have numbers, parameters (``$gain``), ``time``, ``pi``, signals by name, outputs of elements and joints
+It may contain numbers, parameters (``$gain``), ``time``, ``pi``, signals by name, outputs of elements and joints
 (``elbow.angle``, ``strut.force``) and the motion of nodes (``tip.position.z``, ``tip.velocity.x``,
 ``tip.angular_velocity.y``), + - * / ** ( ), and the functions sin, cos, tan, asin, acos, atan, atan2, sqrt, exp, log,
-tanh, hypot, abs, sign, min, max. All are in SI units and radians. Where two things have a name, the section of the deck
-tells them apart: ``joints.elbow.angle``. In the section ``signals`` the text alone will do: ``torque: 40*error``.
+tanh, hypot, abs, sign, min, max. All are in SI units and radians. If a name occurs in two sections of the deck, prefix
+the section: ``joints.elbow.angle``. In the section ``signals`` the formula alone suffices: ``torque: 40*error``.
 
-y is an unknown of the model: where forces depend on it, the implicit step knows their exact derivatives by the motion,
-and signals that need one another are solved together.
+y is an unknown of the model: the implicit step has the exact derivatives of forces that depend on it, and signals that
+depend on one another are solved simultaneously.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ def residual(p, at, f):
 
 
 def prepare(d, nodes, context):
-    """Record: where the program stands in the table of laws."""
+    """Return the record: start of the compiled formula in the table of laws."""
     return {"program": context.laws.append(read_formula(d["value"]).numbers)}
 
 
@@ -48,7 +48,7 @@ def _of_size(n):
 
 
 def sample(rng):
-    """All operations; none."""
+    """Return formulas with all operations, and one without inputs."""
     return [
         ({"value": "3*a.angle - b**2/(c + 4) + min(a.angle, b, 0.5) - max(c, 0.1)*time"}, 1, ""),
         ({"value": "sin(a) + cos(b)*tan(c) - atan2(a, 1 + c) + hypot(a, b + 2) + abs(c) + sign(a)"}, 1, ""),

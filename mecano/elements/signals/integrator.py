@@ -1,4 +1,4 @@
-r"""Integrator: the integral of what goes in.
+r"""Integrator: the time integral of the input.
 
 .. math::  \dot y = u
 """

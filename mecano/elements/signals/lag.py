@@ -1,4 +1,4 @@
-r"""Lag of first order: a low-pass filter, an actuator or sensor that follows with a time constant.
+r"""First-order lag: a low-pass filter, or an actuator or sensor with a time constant.
 
 .. math::  T \dot y + y = g u
 """
@@ -19,7 +19,7 @@ def residual(p, at, f):
 
 
 def sample(rng):
-    """A lag with a gain."""
+    """Return a lag with a gain."""
     return [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")]
 
 
@@ -31,7 +31,7 @@ LAG = Kind(
     fields=(
         INPUT,
         Field("time_constant", NUMBER, "s", "T", check=positive),
-        Field("gain", NUMBER, "-", "g, the value over a constant input", 1.0),
+        Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
         INITIAL,
     ),
     outputs=(VALUE,),

@@ -1,15 +1,15 @@
-r"""PID controller, with limits and without windup.
+r"""PID controller with limits and anti-windup.
 
-Of the error e that goes in,
+With the input e, the control error,
 
 .. math::
    u = K_P\, e + x_I + \frac{K_D}{T_D} (e - x_D), \qquad y = \min(\max(u, y_{min}), y_{max}), \\
    \dot x_I = K_I\, e + (y - u)/T_t, \qquad T_D\, \dot x_D = e - x_D
 
-The derivative is filtered with the time constant :math:`T_D`. At a limit the integral is drawn back with the tracking
-time :math:`T_t` (back-calculation; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5), so that the controller
-comes back as soon as the error does. Without the gain of a part its state is not there. Reaching a limit, and leaving
-it, are events.
+The derivative is filtered with the time constant :math:`T_D`. At a limit the integral is reset with the tracking time
+:math:`T_t` (back-calculation; Astrom & Hagglund, Advanced PID Control, 2006, section 3.5), so that the controller
+leaves the limit soon after the error changes its sign. A part without a gain has no state. Reaching and leaving a limit
+are events.
 """
 
 import math
@@ -23,17 +23,17 @@ from mecano.maths.dual import number, select
 from mecano.schema import NUMBER, Field, positive
 
 LOWER, WITHIN, UPPER = range(3)
-NONE = 1e300  # a limit that is not there
+NONE = 1e300  # no limit
 RECORD = record(
     proportional=(), integral=(), derivative=(), derivative_time=(), lower=(), upper=(), tracking_time=(), initial=(),
     at_integral="i", at_filtered="i", at_input="i",
 )  # fmt: skip
-"""Gains, times, limits; local unknowns of the states x_I and x_D, or -1, and of the input. The value is unknown 0."""
+"""Gains, times, limits; local indices of the states x_I and x_D, or -1, and of the input. The value is unknown 0."""
 
 
 @kernel
 def demanded(p, at):
-    """Return u, and the difference e - x_D."""
+    """Return the unlimited demand u, and the difference e - x_D."""
     e = number(at.q[p.at_input])
     u, change = p.proportional * e, 0.0 * e
     if p.at_integral >= 0:
@@ -59,14 +59,14 @@ def residual(p, at, f):
 
 @kernel
 def event_values(p, at, g):
-    """How far the demand is beyond each limit, or back from it."""
+    """Write the distances of the demand beyond each limit, and back from it."""
     u = demanded(p, at)[0]
     g[0], g[1] = u - p.upper, p.upper - u
     g[2], g[3] = p.lower - u, u - p.lower
 
 
 def prepare(d, nodes, context):
-    """Record of one controller."""
+    """Return the record of a controller."""
     scalars = _scalars(d)
     places = {f"at_{name}": scalars.index(name) if name in scalars else -1 for name in ("integral", "filtered")}
     gains = {name: d[name] for name in ("proportional", "integral", "derivative", "initial")}
@@ -77,7 +77,7 @@ def prepare(d, nodes, context):
 
 
 def _tracking_time(d):
-    """Return the tracking time: as given, or proportional over integral gain, or a second."""
+    """Return the tracking time [s]: as given, or proportional over integral gain, or 1 s."""
     if d["tracking_time"] is not None:
         return d["tracking_time"]
     return d["proportional"] / d["integral"] if d["proportional"] and d["integral"] else 1.0
@@ -105,19 +105,19 @@ def _start_integral(p):
 
 
 def check(d, nodes):
-    """Texts on limits in the wrong order, a derivative without a time, a start without an integral."""
+    """Return errors: limits in the wrong order, a derivative without a time, an initial value without an integral."""
     found = []
     if not d["lower"] < d["upper"]:
         found.append("'lower' must be less than 'upper'")
     if d["derivative"] and d["derivative_time"] is None:
-        found.append("'derivative_time', the time constant of its filter, is missing for 'derivative'")
+        found.append("'derivative' needs 'derivative_time', the time constant of its filter")
     if d["initial"] and not d["integral"]:
-        found.append("'initial' is the start of the integral: give 'integral', its gain")
+        found.append("'initial' is the initial value of the integral: it needs 'integral', the gain")
     return found
 
 
 def sample(rng):
-    """At each limit and between them; parts alone."""
+    """Return controllers at each limit and between them, and with one part only."""
     d = {"input": "a", "proportional": 2.0, "integral": 3.0, "derivative": 0.5, "derivative_time": 0.2}
     limits = {"lower": -0.05, "upper": 0.1, "tracking_time": 0.4}
     return [
@@ -148,13 +148,13 @@ PID = Kind(
         Field("integral", NUMBER, "-", "K_I, per second", 0.0),
         Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
         Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
-        Field("lower", NUMBER, "-", "the value is never below; no limit when absent", -math.inf),
-        Field("upper", NUMBER, "-", "the value is never above; no limit when absent", math.inf),
+        Field("lower", NUMBER, "-", "lower limit of the value; none when absent", -math.inf),
+        Field("upper", NUMBER, "-", "upper limit of the value; none when absent", math.inf),
         Field(
             "tracking_time",
             NUMBER,
             "s",
-            "T_t in which the integral is drawn back at a limit; when absent K_P/K_I, or 1 s without one",
+            "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero",
             None,
             positive,
         ),

@@ -1,8 +1,8 @@
-r"""Sample and hold: the input as it was at the last sampling time, as a computer sees it.
+r"""Sample and hold: the input at the last sampling time, as in a digital controller.
 
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
-Steps of time end at all sampling times, the first of which is the start of the run.
+Time steps end at all sampling times; the first one is the start of the run.
 """
 
 import numpy as np
@@ -14,8 +14,8 @@ from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
-HELD, NEXT, STARTED = range(3)  # of the memory
-ROUNDING = 1e-9  # of the period, by which a step may end before a sampling time
+HELD, NEXT, STARTED = range(3)  # in the memory
+ROUNDING = 1e-9  # of the period: a step that ends by less before a sampling time ends at it
 
 
 @kernel
@@ -26,7 +26,7 @@ def residual(p, at, f):
 
 @kernel
 def commit(p, at, m_out):
-    """Sample at a sampling time."""
+    """Write the held value, sampled if the step ends at a sampling time, and the next sampling time."""
     if at.m[STARTED] == 0.0 or at.t >= at.m[NEXT] - ROUNDING * p.period:
         m_out[HELD] = at.q[U]
         m_out[NEXT] = (at.t if at.m[STARTED] == 0.0 else at.m[NEXT]) + p.period
@@ -34,7 +34,7 @@ def commit(p, at, m_out):
 
 
 def times(d, start, end):
-    """Sampling times after the start."""
+    """Return the sampling times [s] after the start."""
     return (start + d["period"] * np.arange(1, int((end - start) / d["period"]) + 1)).tolist()
 
 

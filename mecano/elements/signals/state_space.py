@@ -2,11 +2,11 @@ r"""Linear systems: a plant, a filter or a controller in state space, or as a tr
 
 .. math::  \dot x = A x + B u, \qquad y = C x + D u
 
-with several inputs u and one value y. ``transfer_function`` is that of one input,
+with several inputs u and one value y. ``transfer_function`` has one input,
 
 .. math::  \frac{y(s)}{u(s)} = \frac{b_0 + b_1 s + ... + b_m s^m}{a_0 + a_1 s + ... + a_n s^n}, \qquad m \le n,
 
-in controllable canonical form; coefficients are given in ascending powers of s. The states are zero at the start.
+in controllable canonical form; coefficients are in ascending powers of s. The states are zero at the start.
 """
 
 from functools import cache
@@ -20,7 +20,7 @@ from mecano.maths.dual import constant, number
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
 
 RECORD = record(n="i", m="i", table="i")
-"""Numbers of states and of inputs; where the rows of [A B], then the row [C D] stand in the table of laws."""
+"""Numbers of states and of inputs; start of the rows of [A B] in the table of laws, followed by the row [C D]."""
 
 
 @kernel
@@ -59,7 +59,7 @@ def canonical(d):
 
 
 def matrices_of(d):
-    """Return A, B, C, D of a system in state space; D is zero where it is absent."""
+    """Return A, B, C, D of a system in state space; D is zero when absent."""
     B = np.array(d["B"], float)
     C = np.array(d["C"], float)[None, :]
     D = np.zeros((1, B.shape[1])) if d["D"] is None else np.array(d["D"], float)[None, :]
@@ -67,23 +67,23 @@ def matrices_of(d):
 
 
 def prepare_space(d, nodes, context):
-    """Record of a system in state space."""
+    """Return the record of a system in state space."""
     return _packed(*matrices_of(d), context)
 
 
 def prepare_transfer(d, nodes, context):
-    """Record of a transfer function."""
+    """Return the record of a transfer function."""
     return _packed(*canonical(d), context)
 
 
 def check_space(d, nodes):
-    """Texts on matrices that do not fit."""
+    """Return errors for matrices of inconsistent shapes."""
     A, B, C, D = matrices_of(d)
     n, m, found = len(A), len(d["inputs"]), []
     if A.shape != (n, n):
         found.append(f"'A' must be square; it has {A.shape[0]} rows and {A.shape[1]} columns")
     if B.shape != (n, m):
-        found.append(f"'B' must have {n} rows, as 'A', and {m} columns, one for each input")
+        found.append(f"'B' must have {n} rows, as many as 'A', and {m} columns, one for each input")
     if C.shape[1] != n:
         found.append(f"'C' must have {n} numbers, one for each state")
     if D.shape[1] != m:
@@ -92,12 +92,12 @@ def check_space(d, nodes):
 
 
 def check_transfer(d, nodes):
-    """Texts on polynomials that are none of a system."""
+    """Return errors for polynomials that are no proper transfer function."""
     a, b = d["denominator"], d["numerator"]
     if len(a) < 2 or a[-1] == 0.0:
-        return ["'denominator' must have two coefficients or more, the last of them not zero"]
+        return ["'denominator' must have two coefficients or more, the last one not zero"]
     if not b or len(b) > len(a):
-        return ["'numerator' must have a coefficient, and not more than the denominator"]
+        return ["'numerator' must have at least one coefficient and at most as many as 'denominator'"]
     return []
 
 
@@ -111,7 +111,7 @@ def _of_size(name, n, m):
 
 
 def sample_space(rng):
-    """Two states and inputs, three states and one input."""
+    """Return systems of two states and two inputs, and of three states and one input."""
     A, B, C = [[-1.0, 0.3], [0.2, -2.0]], [[1.0, 0.5], [0.0, 2.0]], [0.7, 0.4]
     third = rng.normal(size=(3, 3)).tolist(), [[1.0], [0.0], [2.0]], [1.0, 2.0, 3.0]
     return [
@@ -121,7 +121,7 @@ def sample_space(rng):
 
 
 def sample_transfer(rng):
-    """Proper and strictly proper."""
+    """Return a proper and a strictly proper transfer function."""
     return [
         ({"input": "a", "numerator": [2.0, 0.5, 0.3], "denominator": [4.0, 2.0, 0.5]}, 1, ""),
         ({"input": "a", "numerator": [1.0], "denominator": [1.0, 0.2]}, 1, ""),
@@ -137,11 +137,11 @@ DECLARED = {
         **SHARED,
         "name": "state_space",
         "fields": (
-            Field("inputs", list_of(FORMULA), "-", "what goes in: formulas"),
-            Field("A", ROWS, "-", "rows of the matrix of the states"),
-            Field("B", ROWS, "-", "rows of the matrix of the inputs"),
-            Field("C", NUMBERS, "-", "the value by each of the states"),
-            Field("D", NUMBERS, "-", "the value by each of the inputs; zero when absent", None),
+            Field("inputs", list_of(FORMULA), "-", "formulas of the inputs u"),
+            Field("A", ROWS, "-", "rows of A"),
+            Field("B", ROWS, "-", "rows of B"),
+            Field("C", NUMBERS, "-", "the row C, one number for each state"),
+            Field("D", NUMBERS, "-", "the row D, one number for each input; zero when absent", None),
         ),
         "prepare": prepare_space,
         "check": check_space,
@@ -154,8 +154,8 @@ DECLARED = {
         "name": "transfer_function",
         "fields": (
             INPUT,
-            Field("numerator", NUMBERS, "-", "coefficients of ascending powers of s"),
-            Field("denominator", NUMBERS, "-", "coefficients of ascending powers of s"),
+            Field("numerator", NUMBERS, "-", "coefficients in ascending powers of s"),
+            Field("denominator", NUMBERS, "-", "coefficients in ascending powers of s"),
         ),
         "prepare": prepare_transfer,
         "check": check_transfer,

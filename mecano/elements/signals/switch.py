@@ -1,9 +1,9 @@
-r"""Switch: one of two formulas, by whether a quantity is high or low; with hysteresis where both levels differ.
+r"""Switch: selects one of two formulas by the level of its input; with hysteresis if the two levels differ.
 
-It goes to ``high`` when the input rises through ``upper``, to ``low`` when it falls through ``lower``, which is the
-same level where the deck gives none. Both are located as events, at which steps of time end. A quantity that is driven
-back by what it switches needs two levels, or it would switch again and again in no time. Its value is that of the
-formula ``high`` or ``low``: with the numbers 1 and 0 it is a condition, for other formulas and for the record of
+It becomes ``high`` when the input rises through ``upper`` and ``low`` when it falls through ``lower`` (``upper`` by
+default). Both are located as events, at which time steps end. If the switch acts back on its input, two different
+levels are needed: with a single one it would switch indefinitely without time advancing. Its value is that of the
+formula ``high`` or ``low``; with the numbers 1 and 0 it is a condition, for use in other formulas and in the record of
 events.
 """
 
@@ -25,23 +25,23 @@ def residual(p, at, f):
 
 @kernel
 def event_values(p, at, g):
-    """How far the input is above the upper level, below the lower one."""
+    """Write the distances of the input above the upper level and below the lower one."""
     g[0], g[1] = at.q[U] - p.upper, p.lower - at.q[U]
 
 
 def prepare(d, nodes, context):
-    """Record: both levels."""
+    """Return the record: both levels."""
     return {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]}
 
 
 def check(d, nodes):
-    """Texts on levels in the wrong order."""
+    """Return errors for levels in the wrong order."""
     wrong = d["lower"] is not None and d["lower"] > d["upper"]
     return ["'lower' must not be greater than 'upper'"] if wrong else []
 
 
 def sample(rng):
-    """High and low."""
+    """Return a switch in both phases."""
     return [
         ({"input": "a", "upper": 0.5, "lower": -0.5, "high": "b", "low": "c"}, 1, phase) for phase in ("low", "high")
     ]
@@ -54,8 +54,8 @@ SWITCH = Kind(
     dtype=record(upper=(), lower=()),
     fields=(
         INPUT,
-        Field("upper", NUMBER, "-", "level of the input from which on the switch is high", 0.0),
-        Field("lower", NUMBER, "-", "level below which it is low again; 'upper' when absent", None),
+        Field("upper", NUMBER, "-", "level of the input above which the switch becomes high", 0.0),
+        Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
         Field("high", FORMULA, "-", "value when it is high", "1"),
         Field("low", FORMULA, "-", "value when it is low", "0"),
     ),

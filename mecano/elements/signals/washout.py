@@ -1,9 +1,8 @@
-r"""Washout: a high-pass filter, which lets changes pass and forgets what stays.
+r"""Washout: a high-pass filter, which passes changes and removes constant values.
 
 .. math::  y = g\,(u - x), \qquad T \dot x = u - x
 
-x follows the input with the time constant T; y/T is its rate, so that a washout with the gain 1/T is a derivative that
-is filtered.
+x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
 from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
