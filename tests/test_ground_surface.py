@@ -93,7 +93,7 @@ def test_a_tilted_wheel_on_a_belt_has_the_force_of_the_slip_angle():
         ("direction: [1, 0, 0], factor", "direction: [0, 0, 1], factor", "'ground.friction.direction' is along"),
         ("friction: {direction", "motion: {speed: 3}\n    friction: {direction", "'ground.motion.direction' is"),
         ("friction: {direction", "motion: {rate: 3}\n    profile: {direction: [1, 0, 0], height: 0}\n"
-         "    friction: {direction", "'ground.motion' is of a flat ground"),
+         "    friction: {direction", "'ground.motion' requires a flat ground"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_in_a_surface(old, new, said):

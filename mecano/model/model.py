@@ -21,7 +21,7 @@ class Element:
     """A named element: its kind, the names of its nodes, its checked deck values."""
 
     name: str
-    kind: object  # contract.Kind
+    kind: object  # element_interface.Kind
     nodes: tuple
     values: dict = field(default_factory=dict)
 

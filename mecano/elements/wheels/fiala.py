@@ -1,19 +1,19 @@
 r"""Brush tyre in steady slip (Fiala): force and aligning moment from slip stiffness, friction and contact length.
 
-Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where they would bear more than mu times
-it (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity v = (v_t, v_l),
-the rolling velocity V_r = u.t - v_0.t and C_t, C_l the slip stiffnesses, the force without any sliding is
+Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where their shear exceeds mu times the
+pressure (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity
+v = (v_t, v_l), the rolling velocity V_r = u.t - v_0.t and the slip stiffnesses C_t, C_l, the force without sliding is
 
     G = -(C_t v_t, C_l v_l)/sqrt(V_r^2 + v_0^2),     x = |G|/(3 mu N)
 
-and what the bristles bear is (3.11), in combined slip (3.45), here for two stiffnesses:
+and the force of the bristles is (3.11), in combined slip (3.45), here for two stiffnesses:
 
-    F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (all of the contact slides)
+    F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (the whole contact slides)
     M = -t_p F_l n,   t_p = (a/3) (1 - x)^3/(1 - x + x^2/3) for x < 1, else 0
 
-tan alpha = v_l/|u.t| in pure side slip, where the rolling velocity is u.t. With v_0 = ``least_speed`` the slip is
-finite at rest, where the tyre then creeps. The force is against the slip and dissipates -F.v >= 0; the moment exchanges
-M.omega with the rolling. The friction mu is a curve of the slip speed.
+In pure side slip the rolling velocity is u.t and tan alpha = v_l/|u.t|. With v_0 = ``least_speed`` the slip is finite
+at rest, where the tyre therefore creeps. The force opposes the slip and dissipates -F.v >= 0; the moment exchanges the
+power M.omega with the rolling. The friction mu is a curve of the slip speed.
 """
 
 from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
@@ -24,33 +24,34 @@ from mecano.maths.dual import at_least, at_most, select, sqrt
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
-LEAST_FORCE = 1e-9  # N, of mu N: in the air the slip law does nothing
+LEAST_FORCE = 1e-9  # [N] lower bound of mu N, which is zero in the air
 
 
 def two_positive(numbers):
-    """Check: two numbers > 0."""
+    """Check that there are two numbers > 0."""
     return None if len(numbers) == 2 and min(numbers) > 0.0 else "must hold 2 numbers greater than zero"
 
 
 FIELDS = (
     Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]"),
-    Field("longitudinal_stiffness", CURVE, "N", "C_t, driving force per slip ratio; as C_l when absent", None),
+    Field("longitudinal_stiffness", CURVE, "N", "C_t, driving force per slip ratio; C_l when absent", None),
     Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]"),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
-    Field("least_speed", NUMBER, "m/s", "v_0, below which the slip no longer grows as 1/speed", 0.1, positive),
+    Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     Field(
-        "carcass_stiffness", NUMBERS, "N/m", "of a transient_wheel, [along t, along l]: C/K is the relaxation length",
+        "carcass_stiffness", NUMBERS, "N/m", "for a transient_wheel, K [along t, along l]: relaxation length C/K",
         None, two_positive,
     ),
     Field(
-        "creep_length", NUMBER, "m", "way in which a carcass settles where all of the contact slides", 0.02, positive,
+        "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides",
+        0.02, positive,
     ),
 )  # fmt: skip
 RECORD = {"cornering": "i", "longitudinal": "i", "mu": "i", "half_length": (), "least_speed": ()}
 
 
 def prepare(law, context):
-    """Values of RECORD."""
+    """Return the values of RECORD."""
     d, add = law["fiala"], context.laws.add
     cornering = int(add(d["cornering_stiffness"]))
     along = d["longitudinal_stiffness"]
@@ -64,7 +65,7 @@ def prepare(law, context):
 
 
 def check(law):
-    """Texts on friction and stiffness that are negative."""
+    """Return errors for negative friction or stiffness."""
     d = law["fiala"]
     given = [name for name in ("cornering_stiffness", "longitudinal_stiffness", "friction") if d[name] is not None]
     wrong = [name for name in given if curve_at(d[name], 0.0)[0] < 0.0]
@@ -72,7 +73,7 @@ def check(law):
 
 
 def carcass(law):
-    """The Carcass, or None where the deck gives no stiffness."""
+    """Return the Carcass, or None if the deck gives no stiffness."""
     d = law["fiala"]
     return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
 
@@ -95,7 +96,7 @@ def forces(p, laws, k):
 
 
 def sample(rng):
-    """Adhering and sliding, of one stiffness and of two."""
+    """Return laws for adhesion with one stiffness and for sliding with two."""
     falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
     rising = (("linear", {"slope": 0.5, "offset": 3e3}),)
     base = {"contact_length": 3.0, "least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}

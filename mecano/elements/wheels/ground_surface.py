@@ -1,8 +1,8 @@
-"""The surface of a ground as tyres meet it: friction that differs from place to place, and a motion of its own.
+"""Surface of a ground: a friction factor that varies along it, and a motion in its plane.
 
 The factor on the friction is a curve of the distance along a direction (a wet or icy runway). A flat ground may move
-in its plane, as a belt along a direction, or turn about its normal as a turntable: with the rates of both, functions
-of the time, its material at the contact C has the velocity
+along a direction in its plane (a belt) and rotate about its normal (a turntable), at rates that are functions of time.
+Its material at the contact C has the velocity
 
     v_g = speed(t) d + rate(t) n x (C - centre)
 """
@@ -23,7 +23,7 @@ SURFACE_RECORD = {
 
 
 class Surface(NamedTuple):
-    """A ground at a contact; 3-vectors in the inertial frame."""
+    """The ground at a contact; 3-vectors in the inertial frame."""
 
     grip: float  # factor on the friction
     v: tuple  # velocity of its material [m/s]
@@ -31,7 +31,7 @@ class Surface(NamedTuple):
 
 
 def prepare_surface(ground, context):
-    """Values of SURFACE_RECORD."""
+    """Return the values of SURFACE_RECORD."""
     normal, motion, friction = unit(ground["plane"]["normal"]), ground.get("motion"), ground.get("friction")
     values = {
         "grip": 0,
@@ -57,7 +57,7 @@ def prepare_surface(ground, context):
 
 
 def check_surface(ground):
-    """Texts on a friction map or a motion that is out of the plane, or does not fit the rest."""
+    """Return errors for a friction factor or a motion out of the plane, or incompatible with other values."""
     motion, friction, normal = ground.get("motion"), ground.get("friction"), unit(ground["plane"]["normal"])
     texts = []
     if friction and np.linalg.norm(in_plane(friction["direction"], normal)) < OUT_OF_PLANE:
@@ -65,7 +65,7 @@ def check_surface(ground):
     if not motion:
         return texts
     if ground.get("profile"):
-        texts.append("'ground.motion' is of a flat ground: leave out 'profile'")
+        texts.append("'ground.motion' requires a flat ground: remove 'profile'")
     direction = motion["direction"]
     if direction is not None and np.linalg.norm(in_plane(direction, normal)) < OUT_OF_PLANE:
         texts.append("'ground.motion.direction' is along the normal of the plane; it must lie in the plane")
@@ -79,7 +79,7 @@ OUT_OF_PLANE = 1e-6
 
 @kernel
 def surface_at(p, at, n, x):
-    """The Surface at the point x (3,) of the ground, of normal n, of a record with SURFACE_RECORD and GROUND_RECORD."""
+    """Return the Surface at the point x (3,) of the ground with the normal n; p has SURFACE_RECORD, GROUND_RECORD."""
     along = dot(vec(p.grip_direction, 0), x - vec(p.point, 0))
     grip = constant(1.0, along)
     if p.grip > 0:

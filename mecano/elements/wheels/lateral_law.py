@@ -122,9 +122,9 @@ def prepare_lateral(law, context):
 
 
 def _energies(values):
-    """Matrices (3, 3) of the stored energy and of what damping dissipates on the ground and in the air.
+    """Return matrices (3, 3) of the stored energy and of the power dissipated by damping on the ground and in the air.
 
-    Where psi is no twist, M = 0 is its equation and does no work. A law with a contact length rolls, and damps nothing.
+    If psi is not a twist, its equation M = 0 does no work. A law with a contact length rolls and has no damping.
     """
     n = 2 if values["twist"] else 1
     A0, A1, air = (values[name][:n, :n] for name in ("A0", "A1", "A1_air"))
@@ -134,7 +134,7 @@ def _energies(values):
 
 
 def _not_negative(A):
-    """The part of the symmetric part of a matrix whose eigenvalues are not negative."""
+    """Return the symmetric part of a matrix without its negative eigenvalues."""
     values, vectors = np.linalg.eigh(0.5 * (A + A.T))
     return vectors * np.maximum(values, 0.0) @ vectors.T
 

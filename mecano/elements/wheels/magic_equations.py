@@ -15,7 +15,7 @@ EPSILON = 1e-6  # keeps quotients finite where the formula is zero
 
 
 class Slips(NamedTuple):
-    """What the formula depends on, in the axes of the file."""
+    """Arguments of the formula, in the axes of the file."""
 
     N: float
     df: float
@@ -53,7 +53,7 @@ def curved(B, C, E, x):
 
 @kernel
 def longitudinal(p, s, mu):
-    """F_x0 and the slip stiffness, (4.E9)-(4.E18)."""
+    """Return F_x0 and the slip stiffness, (4.E9)-(4.E18)."""
     camber = p.LGAX * s.gamma
     by_pressure = 1.0 + p.PPX3 * s.dp + p.PPX4 * s.dp * s.dp
     D = (p.PDX1 + p.PDX2 * s.df) * by_pressure * (1.0 - p.PDX3 * camber * camber) * p.LMUX * mu * s.N
@@ -66,7 +66,7 @@ def longitudinal(p, s, mu):
 
 
 class Side(NamedTuple):
-    """Lateral force in pure side slip, and what other equations need of it."""
+    """Lateral force in pure side slip, with the quantities that other equations need."""
 
     F: float
     K: float
@@ -78,7 +78,7 @@ class Side(NamedTuple):
 
 @kernel
 def lateral(p, s, mu, gamma):
-    """The Side at a camber angle, (4.E19)-(4.E30)."""
+    """Return the Side at a camber angle, (4.E19)-(4.E30)."""
     old = p.VERSION < 6.0
     g = p.LGAY * gamma
     size, F_0, friction = g * sign(g), p.LFZO * p.FNOMIN, p.LMUY * mu
@@ -100,7 +100,7 @@ def lateral(p, s, mu, gamma):
 
 @kernel
 def combined(p, s, side):
-    """Weights G of F_x0 and F_y0, and S_Vyk, (4.E50)-(4.E67)."""
+    """Return the weights G of F_x0 and F_y0, and S_Vyk, (4.E50)-(4.E67)."""
     g = s.gamma
     B = (p.RBX1 + p.RBX3 * g * g) * cos(atan(p.RBX2 * s.kappa)) * p.LXAL
     E = p.REX1 + p.REX2 * s.df
@@ -114,7 +114,7 @@ def combined(p, s, side):
 
 @kernel
 def equivalent(x, ratio, kappa):
-    """Slip angle with the part of the longitudinal slip, (4.E77), (4.E78), as (A54), (A55) of Besselink et al."""
+    """Return the equivalent slip angle in combined slip, (4.E77), (4.E78), as (A54), (A55) of Besselink et al."""
     tan_x = sin(x) / cos(x)
     z = ratio * kappa
     return atan(sqrt(tan_x * tan_x + z * z)) * sign(x)
@@ -122,7 +122,7 @@ def equivalent(x, ratio, kappa):
 
 @kernel
 def aligning(p, s, mu, side, ratio, F_x, F_y, F_side):
-    """M_z for forward rolling, (4.E31)-(4.E49), (4.E71)-(4.E78); ``F_side`` is the force on the pneumatic trail."""
+    """Return M_z for forward rolling, (4.E31)-(4.E49), (4.E71)-(4.E78); ``F_side``: force on the pneumatic trail."""
     R0, g = p.UNLOADED_RADIUS, p.LGAZ * s.gamma
     size, straight, scale = g * sign(g), cos(s.alpha), p.LKY / (p.LMUY * mu)
     B = (p.QBZ1 + p.QBZ2 * s.df + p.QBZ3 * s.df * s.df) * (1.0 + p.QBZ4 * g + p.QBZ5 * size) * scale
@@ -145,7 +145,7 @@ def aligning(p, s, mu, side, ratio, F_x, F_y, F_side):
 
 @kernel
 def overturning(p, s, F_y):
-    """M_x, (4.E69), with the terms QSX12 to QSX14 of Besselink et al."""
+    """Return M_x, (4.E69), with the terms QSX12 to QSX14 of Besselink et al."""
     y, n, g = F_y / p.FNOMIN, s.N / p.FNOMIN, s.gamma
     size, z = g * sign(g), p.QSX6 * n
     swing = p.QSX4 * cos(p.QSX5 * atan(z * z)) * sin(p.QSX7 * g + p.QSX8 * atan(p.QSX9 * y))
@@ -158,7 +158,7 @@ def overturning(p, s, F_y):
 
 @kernel
 def rolling_resistance(p, s, F_x, V_x):
-    """M_y against forward rolling, (4.E70) as (A48) of Besselink et al."""
+    """Return M_y, which opposes forward rolling, (4.E70) as (A48) of Besselink et al."""
     v, n = V_x / p.LONGVL, s.N / p.FNOMIN
     share = p.QSY1 + p.QSY2 * F_x / p.FNOMIN + p.QSY3 * v * sign(v) + p.QSY4 * v * v * v * v
     share = share + (p.QSY5 + p.QSY6 * n) * s.gamma * s.gamma
@@ -167,7 +167,7 @@ def rolling_resistance(p, s, F_x, V_x):
 
 @kernel
 def rolling_radius(p, N, spin):
-    """R_e [m], (A3) of Besselink et al.; without a vertical stiffness the free radius."""
+    """Return R_e [m], (A3) of Besselink et al.; without a vertical stiffness, the free radius."""
     n, rim = N / p.FNOMIN, spin * p.UNLOADED_RADIUS / p.LONGVL
     soft = select(p.VERTICAL_STIFFNESS > 0.0, p.FNOMIN / at_least(p.VERTICAL_STIFFNESS, 1.0), 0.0)
     pressed = soft * (p.DREFF * atan(p.BREFF * n) + p.FREFF * n)
@@ -176,7 +176,7 @@ def rolling_radius(p, N, spin):
 
 @kernel
 def formula(p, s, mu, V_x):
-    """(F_x, F_y, M_x, M_y, M_z) of Slips in the axes of the file, rolling forward."""
+    """Return (F_x, F_y, M_x, M_y, M_z) of Slips in the axes of the file, rolling forward."""
     F_x0, K_x = longitudinal(p, s, mu)
     side = lateral(p, s, mu, s.gamma)
     upright = lateral(p, s, mu, 0.0 * s.gamma)

@@ -11,9 +11,10 @@ rolling radius R_e, the slip velocity of the contact and V = sqrt(V_x^2 + v_0^2)
 
     F_x = G(alpha) F_x0(kappa),   F_y = G(kappa) F_y0(alpha, gamma) + S_Vyk,   M_z = -t F_y' + M_zr + s F_x
 
-in the axes (t, l, n), which are those of ISO 8855 in which such files are written. Turn slip is not there, and rolling
-is forward. The formula is a fit: near zero slip its shifts (conicity, ply steer, camber) may drive; what the force
-takes from the slip and rolling resistance from the spin counts as dissipated, the rest as exchanged with the rolling.
+in the axes (t, l, n), which are the axes of ISO 8855 used in such files. Turn slip and rolling backward are not
+implemented. The formula is a fit: near zero slip its shifts (conicity, ply steer, camber) may drive the wheel. The
+power that the force takes from the slip, and rolling resistance from the spin, counts as dissipated; the rest is
+exchanged with the rolling.
 """
 
 import math
@@ -26,7 +27,7 @@ from mecano.maths.vector import dot
 from mecano.schema import BOOLEAN, NUMBER, TEXT, Field, mapping, named, positive
 
 NEEDED = "FNOMIN UNLOADED_RADIUS PCX1 PDX1 PKX1 PCY1 PDY1 PKY1 PKY2".split()
-ONE = (  # scaling factors and what else is 1 where a file has none
+ONE = (  # coefficients, such as scaling factors, that are 1 if a file does not give them
     "LFZO LCX LMUX LEX LKX LHX LVX LCY LMUY LEY LKY LKYC LHY LVY LTR LRES LKZC LXAL LYKA LVYKA LS LMX LVMX LMY "
     "LGAX LGAY LGAZ LSGKP LSGAL Q_RE0 QSY7 NOMPRES INFLPRES"
 ).split()
@@ -43,35 +44,35 @@ ZERO = (
     "PTX1 PTX2 PTX3 PTY1 PTY2 VERSION"
 ).split()
 DEFAULTS = {**dict.fromkeys(ONE, 1.0), **dict.fromkeys(ZERO, 0.0), "PKY4": 2.0, "LONGVL": 16.7}
-RANGES = {  # key of the upper bound of a range: output that must be within, key of the lower bound, what it is
+RANGES = {  # key of the upper bound of a range: (output in this range, key of the lower bound, description)
     "KPUMAX": ("slip_ratio", "KPUMIN", "slip ratio"), "ALPMAX": ("slip_angle", "ALPMIN", "slip angle [rad]"),
     "CAMMAX": ("lean", "CAMMIN", "camber angle [rad]"), "FZMAX": ("normal_force", "FZMAX", "normal force [N]"),
 }  # fmt: skip
 OTHERS = {*RANGES, *(low for _, low, _ in RANGES.values()), "FZMIN", "PRESMIN", "PRESMAX", "VXLOW", "FITTYP"}
 KNOWN = {*NEEDED, *DEFAULTS, *OTHERS}
-LEAST_LOAD = 1e-3  # of the nominal load, below which force and moments fall to zero with it
-LEAST_GRIP = 1e-6  # of the friction
-CREEP = 0.1  # of the relaxation length, in which a carcass settles where the force no longer grows with the slip
+LEAST_LOAD = 1e-3  # of the nominal load: below it, force and moments are proportional to the load
+LEAST_GRIP = 1e-6  # lower bound of the factor on the friction
+CREEP = 0.1  # creep length of the carcass, relative to the relaxation length
 
 RECORD = {**dict.fromkeys((*NEEDED, *DEFAULTS), ()), "pressure": (), "least_speed": (), "side": ()}
 FIELDS = (
     Field("file", TEXT, "-", "a .tir file of version 5.2, 6.1 or 6.2 in the folder of the deck", None),
-    Field("coefficients", named(NUMBER), "-", "what is in such a file, in SI units, in the place of 'file'", None),
+    Field("coefficients", named(NUMBER), "-", "the coefficients of such a file in SI units, instead of 'file'", None),
     Field("pressure", NUMBER, "Pa", "inflation pressure; that of the file when absent", None, positive),
-    Field("mirrored", BOOLEAN, "-", "the tyre is used on the other side than that of the file", False),
-    Field("least_speed", NUMBER, "m/s", "v_0, below which slips no longer grow as 1/speed", 1.0, positive),
+    Field("mirrored", BOOLEAN, "-", "true for a tyre on the other side of the vehicle than in the file", False),
+    Field("least_speed", NUMBER, "m/s", "v_0, speed below which slips no longer grow as 1/speed", 1.0, positive),
 )
 
 
 def coefficients(law):
-    """All coefficients of a tyre law by name, with defaults."""
+    """Return all coefficients of a tyre law as {name: value}, with defaults."""
     given = law["magic_formula"]["coefficients"]
     nominal = given.get("NOMPRES", given.get("INFLPRES", 1.0))
     return {**DEFAULTS, "NOMPRES": nominal, "INFLPRES": nominal, **given}
 
 
 def prepare(law, context):
-    """Values of RECORD."""
+    """Return the values of RECORD."""
     d, found = law["magic_formula"], coefficients(law)
     own = {
         "pressure": d["pressure"] or found["INFLPRES"], "least_speed": d["least_speed"],
@@ -81,7 +82,7 @@ def prepare(law, context):
 
 
 def check(law):
-    """Texts on what is missing, and on numbers that make no tyre."""
+    """Return errors for missing coefficients and for values that must be positive."""
     d = law["magic_formula"]
     missing = [name for name in NEEDED if name not in d["coefficients"]]
     if missing:
@@ -92,17 +93,17 @@ def check(law):
 
 
 def limits(law):
-    """Ranges of slips, camber and load for which the file was made."""
+    """Return the limits of slips, camber and load for which the file is valid."""
     given, found = law["magic_formula"]["coefficients"], []
     for high, (output, low, what) in RANGES.items():
         if high in given:
             most = max(abs(given[high]), abs(given.get(low, 0.0)))
-            found.append((output, most, f"the .tir file holds up to a {what} of {most:g}"))
+            found.append((output, most, f"the .tir file is valid up to a {what} of {most:g}"))
     return found
 
 
 def completed(law):
-    """Radius, radial law and radial damping of the file."""
+    """Return radius, radial law and radial damping of the file, as far as it gives them."""
     c = coefficients(law)
     if any(name not in c for name in ("FNOMIN", "UNLOADED_RADIUS")) or c["UNLOADED_RADIUS"] <= 0.0:
         return {}
@@ -120,7 +121,7 @@ def completed(law):
 
 
 def slip_stiffness(c, load):
-    """Slip stiffnesses (along t, along l) [N, N/rad], positive, at a load [N] and the pressure of the file."""
+    """Return the slip stiffnesses (along t, along l) [N, N/rad] > 0 at a load [N] and the pressure of the file."""
     dp, df = c["INFLPRES"] / c["NOMPRES"] - 1.0, load / (c["LFZO"] * c["FNOMIN"]) - 1.0
     along = load * (c["PKX1"] + c["PKX2"] * df) * math.exp(c["PKX3"] * df) * c["LKX"]
     along *= 1.0 + c["PPX1"] * dp + c["PPX2"] * dp * dp
@@ -130,9 +131,9 @@ def slip_stiffness(c, load):
 
 
 def relaxation_lengths(c, load):
-    """Relaxation lengths (along t, along l) [m] at a load [N]: PTX, PTY of version 5.2, or slip by carcass stiffness.
+    """Return the relaxation lengths (along t, along l) [m] at a load [N], or None.
 
-    None where the file gives neither.
+    From PTX and PTY of version 5.2, or slip stiffness over carcass stiffness; None if the file gives neither.
     """
     df, R0 = load / (c["LFZO"] * c["FNOMIN"]) - 1.0, c["UNLOADED_RADIUS"]
     if c["PTX1"] > 0.0 and c["PTY1"] > 0.0:
@@ -146,7 +147,7 @@ def relaxation_lengths(c, load):
 
 
 def carcass(law):
-    """The Carcass that has the relaxation lengths of the file at its nominal load."""
+    """Return the Carcass with the relaxation lengths of the file at its nominal load, or None."""
     c = coefficients(law)
     lengths = relaxation_lengths(c, c["FNOMIN"])
     if lengths is None:
@@ -157,7 +158,7 @@ def carcass(law):
 
 
 def sample(rng):
-    """Of version 6.1 with all terms, and of 5.2: a large wheel under some 10 kN."""
+    """Return tyres of version 6.1 with all terms and of version 5.2, for a large wheel under about 10 kN."""
     numbers = dict(EXAMPLE)
     return [
         {"coefficients": {**numbers, "VERSION": 6.1}, "least_speed": 0.5, "pressure": 2.5e5},
@@ -186,7 +187,7 @@ def forces(p, laws, k):
     return SlipForces(F, M, lost, lost + dot(F, k.v) + dot(M, k.omega))
 
 
-EXAMPLE = {  # plausible numbers, with every term of the formula at work
+EXAMPLE = {  # plausible values, with all terms of the formula nonzero
     "FNOMIN": 8e3, "UNLOADED_RADIUS": 12.0, "LONGVL": 2.0, "NOMPRES": 2.2e5, "LMUV": 0.02, "LFZO": 1.1,
     "PCX1": 1.6, "PDX1": 1.2, "PDX2": -0.1, "PDX3": 1.5, "PEX1": 0.2, "PEX2": 0.1, "PEX3": -0.05, "PEX4": 0.1,
     "PKX1": 20.0, "PKX2": -0.5, "PKX3": 0.2, "PHX1": 0.001, "PHX2": -0.002, "PVX1": 0.01, "PVX2": 0.01,

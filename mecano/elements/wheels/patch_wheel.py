@@ -111,11 +111,11 @@ def start(p):
 
 
 def check(d, nodes):
-    """Texts of a wheel with a tyre law, and on its lateral law."""
+    """Return errors of any wheel with a tyre law, and in its lateral law."""
     law = d["tire_law"]
-    slips = [] if law["friction"] is not None else [f"'tire_law.friction' is missing, which a {d['type']} needs"]
+    slips = [] if law["friction"] is not None else [f"a {d['type']} needs 'tire_law.friction'"]
     if d["ground"].get("motion"):
-        slips.append("'ground.motion' is for the kinds wheel and transient_wheel")
+        slips.append("'ground.motion' is available for the kinds wheel and transient_wheel only")
     return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 
@@ -136,7 +136,7 @@ def remedies(d):
 
 
 def _sample(rng, profile, eps, phase, form):
-    """Return (values, nodes, mode) of a large wheel on a plane or a profile, with one form of lateral law."""
+    """Return (values, nodes, phase) of a large wheel on a plane or a profile, with one form of lateral law."""
     growing = (("linear", {"slope": 1e-5, "offset": 0.5}),)
     falling = (("exponential", {"start": 1.0, "limit": 0.2, "rate": 0.2, "origin": 0.0}),)
     lateral = {

@@ -1,4 +1,4 @@
-"""What the wheels with a slip law have in common: kinematics of the contact, outputs, events, samples."""
+"""Kinematics of the contact, outputs, events and samples shared by wheels with a slip law."""
 
 import math
 from typing import NamedTuple
@@ -20,11 +20,11 @@ OUTPUTS = (
         "slip_moment", "N m", "moment of the slip law on the wheel: overturning about t, along l, aligning about n",
         (3,),
     ),
-    Output("slip_ratio", "-", "slip of the point of contact along t over the speed of the axle: 1 spinning, -1 locked"),
-    Output("slip_angle", "rad", "angle of the motion of the point of contact from t, positive towards l"),
+    Output("slip_ratio", "-", "minus slip velocity along t over the speed of the axle: -1 for a locked wheel"),
+    Output("slip_angle", "rad", "arc tangent of slip velocity along l over the speed of the axle"),
 )  # fmt: skip
-FIRST = 18  # of them, behind those of tire_wheel.py
-SLOW = 0.1  # m/s, below which slip ratio and angle fade
+FIRST = 18  # index of the first of these outputs, after those of tire_wheel.py
+SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced
 
 
 class Rolling(NamedTuple):
@@ -40,7 +40,7 @@ class Rolling(NamedTuple):
 
 @kernel
 def rolling(p, at, touching):
-    """The Rolling of a wheel; where it is not ``touching``, with the velocity of the lowest point of the rim."""
+    """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the rim."""
     R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
     axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
     g = touch(p, at.laws, x, axis)
@@ -58,7 +58,7 @@ def rolling(p, at, touching):
 
 @kernel
 def add_ground(f, at, k, ground):
-    """Subtract from ``f`` the force and material moment of the ground: SlipForces ``ground``, and the normal force."""
+    """Subtract force and material moment of the ground from ``f``: SlipForces ``ground`` and the normal force."""
     push = ground.F + k.slip.N * k.slip.n
     add_vec(f, 0, -1.0, push)
     add_vec(f, 3, -1.0, mat(at.R[0]).T @ (cross(k.g.arm, push) + ground.M))
@@ -66,7 +66,7 @@ def add_ground(f, at, k, ground):
 
 @kernel
 def put_rolling(p, at, k, ground, y, e):
-    """Write outputs and energies of a Rolling on which the SlipForces ``ground`` act; True if the ground pushes."""
+    """Write outputs and energies of a Rolling under the SlipForces ``ground``; return True if the ground pushes."""
     touching = at.phase == CONTACT
     arm = (k.g.r if touching else p.radius) * k.g.c
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
@@ -91,7 +91,7 @@ def event_values(p, at, g):
 
 
 def law_samples(rng, law):
-    """Samples of a wheel with a slip law: each of the law in contact, the last one in the air too."""
+    """Return samples of a wheel with a slip law: all samples of the law in contact, the last one also in the air."""
     found = []
     for values in law.sample(rng) if law.sample else ():
         wheel = large_wheel(rng, True, None, None, 1.0, None)

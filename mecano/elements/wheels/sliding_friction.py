@@ -1,12 +1,12 @@
-r"""Regularized friction against the slip velocity, of one coefficient in all directions.
+r"""Regularized isotropic friction opposing the slip velocity.
 
 With N the normal force and v_C the slip velocity, smooth at rest ((33)-(35) of Cardona, Geradin and Doan 1991; Oden and
 Martins 1985):
 
     F_fr = mu(|v_0|) sigma(u) phi(|v_C|) N v_C/|v_C|,   phi(v) = (v/eps)(2 - v/eps) for v < eps, else 1
 
-acts against the slip; v_0 is v_C without the rates of a patch (docs/tyres.md). sigma is a factor, 1 unless given, of
-the speed u of the axle over the ground: the paper's mu_0 exp(-kappa u) is friction mu_0 and ``friction_by_speed:
+opposes the slip; v_0 is v_C without the rates of a patch (docs/tyres.md). sigma is a factor that depends on the speed u
+of the axle over the ground, 1 by default: the paper's mu_0 exp(-kappa u) is friction mu_0 with ``friction_by_speed:
 {exponential: {start: 1, rate: kappa}}``.
 """
 
@@ -20,10 +20,10 @@ from mecano.maths.vector import ZERO, dot, norm
 from mecano.schema import CURVE, NUMBER, Field, positive
 
 FIELDS = (
-    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed; never below zero", None),
+    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed [m/s]", None),
     Field("friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0),
     Field(
-        "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero; goes with 'friction'",
+        "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero; with 'friction'",
         None, positive,
     ),
 )  # fmt: skip
@@ -31,7 +31,7 @@ RECORD = {"friction": "i", "friction_by_speed": "i", "slip_regularization": ()}
 
 
 def prepare(law, context):
-    """Values of RECORD; without friction where the tyre law has another slip law."""
+    """Return the values of RECORD."""
     return {
         "friction": int(context.laws.add(law["friction"])),
         "friction_by_speed": int(context.laws.add(law["friction_by_speed"])),
@@ -40,7 +40,7 @@ def prepare(law, context):
 
 
 def check(law):
-    """Texts on friction that drives, or has no regularization."""
+    """Return errors for negative friction and for a missing regularization."""
     if law["slip_regularization"] is None:
         return ["'tire_law.slip_regularization' is missing: the slip speed below which friction falls to zero"]
     if curve_at(law["friction"], 0.0)[0] < 0.0:

@@ -69,7 +69,7 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
 
 
 def prepare_wheel(d, nodes, context):
-    """Record: axis in the node's frame, ground, radial law."""
+    """Return the record: axis in the node's frame, ground, radial law."""
     return {
         "axis": carried_axis(d, nodes),
         **prepare_ground(d["ground"], context),
@@ -91,14 +91,14 @@ def _check_deformation(law, ground, x, axis):
     valid = law["valid_deformation"]
     if -gap <= (valid or MOST_DEFORMATION * law["radius"]):
         return []
-    most = f"its radial law holds up to {valid:g} m ('valid_deformation')" if valid else "more than half of its radius"
+    most = f"its law is valid up to {valid:g} m ('valid_deformation')" if valid else "more than half of its radius"
     return [too_low(-gap, -along_normal, f", {most}")]
 
 
 def range_of_law(d):
     """Return the ``limits`` of a wheel: the range of its radial law."""
     valid = d["tire_law"]["valid_deformation"]
-    return [] if valid is None else [("deformation", valid, f"the radial law holds up to {valid:g} m only")]
+    return [] if valid is None else [("deformation", valid, f"the radial law is valid up to {valid:g} m only")]
 
 
 def large_wheel(rng, profile, eps, friction, by_speed, lateral):

@@ -1,22 +1,22 @@
-r"""Wheel whose forces build up over a relaxation length: a carcass without mass between the wheel and its contact.
+r"""Wheel whose forces build up over a relaxation length: a massless carcass between the wheel and its contact.
 
-All of ``wheel``, and two unknowns of its own: the contact is deflected by x along t and by y along l against the wheel.
-It slips with the velocity of the wheel's point of contact and of the deflection (Pacejka, Tire and Vehicle Dynamics,
-2012, chapters 7 and 8),
+Like ``wheel``, with two additional unknowns: the contact is deflected by x along t and by y along l relative to the
+wheel. Its slip velocity is that of the wheel's point of contact plus that of the deflection (Pacejka, Tire and Vehicle
+Dynamics, 2012, chapters 7 and 8),
 
     v' = v_C + dx/dt t + dy/dt l
 
-and the slip law, Fiala's, the Magic Formula, or one of your own with a carcass, gives the force F at v'. The carcass
-has the stiffnesses K of the tyre law and bears F, with a small damping of its own:
+and the slip law (Fiala, Magic Formula, or a user-defined one with a carcass) gives the force F at v'. F is balanced by
+the carcass, with the stiffnesses K of the tyre law and a small damping:
 
     F.t = K_t (x + b_t (dx/dt)/V),   F.l = K_l (y + b_l (dy/dt)/V),   V = sqrt(V_x^2 + v_0^2)
 
-Linearized with a slip stiffness C this is the relaxation length sigma = C/K + b. Where all of the contact slides, or
-the force falls with the slip, the deflection follows over the way b: without it, its rate would not be unique. The
-wheel loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, whatever the
-load does. The force acts at the undeflected contact. Stiffnesses are those of the nominal load of a .tir file.
+Linearized with a slip stiffness C, the relaxation length is sigma = C/K + b. If the whole contact slides, or the force
+falls with the slip, the deflection settles over the distance b; without b, its rate would not be unique. The wheel
+loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, for any variation of
+the load. The force acts at the undeflected contact. Stiffnesses are those at the nominal load of a .tir file.
 
-In mode "air" both deflections decay in 1 ms.
+In the phase "air" both deflections decay in 1 ms.
 """
 
 from dataclasses import replace
@@ -50,21 +50,21 @@ from mecano.maths.vector import dot
 
 X, Y = 6, 7  # local unknowns
 SCALARS = ("x", "y")
-DECAY = 1e-3  # s, in the air
-LEAST_SPEED = 1.0  # m/s, v_0
+DECAY = 1e-3  # [s] time constant in the air
+LEAST_SPEED = 1.0  # [m/s] v_0
 CARCASS_RECORD = {"stiffness": 2, "creep": 2}
 CARCASS_OUTPUTS = (
-    Output("x", "m", "deflection of the contact along t against the wheel", rate="x_rate"),
-    Output("y", "m", "deflection of the contact along l against the wheel", rate="y_rate"),
+    Output("x", "m", "deflection of the contact along t relative to the wheel", rate="x_rate"),
+    Output("y", "m", "deflection of the contact along l relative to the wheel", rate="y_rate"),
     Output("x_rate", "m/s", "rate of x"),
     Output("y_rate", "m/s", "rate of y"),
 )
-BEHIND = FIRST + 5  # those before
+BEHIND = FIRST + 5  # index of the first of these outputs
 
 
 @kernel
 def carried(at, slip):
-    """The Slip of the contact that moves with its deflection."""
+    """Return the Slip of the contact that moves with its deflection."""
     moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
     return Slip(
         slip.N,
@@ -84,7 +84,7 @@ def carried(at, slip):
 
 @kernel
 def damping(p, slip):
-    """Damping of the carcass along t and l [N s/m]."""
+    """Return the damping of the carcass along t and l [N s/m]."""
     forward = dot(slip.t, slip.u)
     V = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED)
     return p.stiffness[0] * p.creep[0] / V, p.stiffness[1] * p.creep[1] / V
@@ -96,7 +96,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add the forces of ground and carcass; see the contract."""
+        """Add the forces of ground and carcass; see element_interface.py."""
         x, y, x1, y1 = number(at.q[X]), number(at.q[Y]), number(at.v[X]), number(at.v[Y])
         if at.phase == AIR:
             f[X] += p.stiffness[0] * (x + DECAY * x1)
@@ -111,7 +111,7 @@ def compiled(law):
 
     @kernel
     def observe(p, at, F, y, e):
-        """Outputs and energies; see OUTPUTS and the contract."""
+        """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
         put_rolling(p, at, k, forces(p, at.laws, carried(at, k.slip)), y, e)
         x1, y1 = at.v[X], at.v[Y]
@@ -127,7 +127,7 @@ def compiled(law):
 
 @cache
 def with_law(law):
-    """The Kind of a wheel with a SlipLaw."""
+    """Return the Kind of a wheel with a SlipLaw."""
     residual, observe = compiled(law)
 
     def prepare(d, nodes, context):
@@ -143,39 +143,39 @@ def with_law(law):
 
 
 def variant(d):
-    """The wheel with the slip law of its tyre."""
+    """Return the kind with the slip law of the tyre."""
     return with_law(slip_law_of(d["tire_law"]))
 
 
 def check(d, nodes):
-    """Texts of a wheel with a tyre law, and on a law without a carcass."""
+    """Return errors of any wheel with a tyre law, and for a law without a carcass."""
     law = slip_law_of(d["tire_law"])
     texts = check_wheel(d, nodes)
     if texts:
         return texts
     if law.carcass is None:
         known = ", ".join(name for name, other in SLIP_LAWS.items() if other.carcass)
-        return [f"'tire_law.{law.name}' has no carcass, which a transient_wheel needs; these have one: {known}"]
+        return [f"'tire_law.{law.name}' has no carcass, which a transient_wheel needs; laws with a carcass: {known}"]
     if law.carcass(d["tire_law"]) is None:
         return [
-            f"'tire_law.{law.name}' has no stiffness of the carcass, which a transient_wheel needs: "
+            f"'tire_law.{law.name}' has no carcass stiffness, which a transient_wheel needs: "
             "'carcass_stiffness' of fiala; PTX1 and PTY1, or LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS, of a file"
         ]
     return []
 
 
 def limits(d):
-    """The ranges of the radial law and of the slip law."""
+    """Return the limits of the radial law and of the slip law."""
     return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def prepare(d, nodes, context):
-    """Record of the kind with the slip law of its tyre."""
+    """Return the record of the kind with the slip law of the tyre."""
     return variant(d).prepare(d, nodes, context)
 
 
 def sample(rng):
-    """Large wheels with each slip law that has a carcass: in contact, in the air."""
+    """Return large wheels with each slip law that has a carcass, in contact and in the air."""
     laws = [law for law in SLIP_LAWS.values() if law.carcass]
     return [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
 

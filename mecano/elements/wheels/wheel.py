@@ -13,17 +13,17 @@ The whole ground force F + N n acts at C. Internal forces, with f = -(F + N n) (
 
     force: f          material moment: R^T (r c x f - M)
 
-Upright, with friction, this is the paper's vector; leaning, -N (r c) x n is the moment that tips the wheel. Its power
-is -(F.v_C + M.omega) + F_r dw/dt: what slip and damping dissipate, never negative, what the slip law exchanges with the
-rolling, and what the radial law stores. dw/dt depends on q and on v.
+For an upright wheel with friction this is the paper's vector; for a leaning one, -N (r c) x n is the tipping moment.
+The power is -(F.v_C + M.omega) + F_r dw/dt: the power dissipated by slip and damping (never negative), exchanged with
+the rolling by the slip law, and stored by the radial law. dw/dt depends on q and on v.
 
-In the phase "air" there is no force. In the phase "contact" the tyre law continues smoothly to w < 0, for steps that
-end at the lift-off; no accepted step is there. A regularized contact creeps: at rest under a
-driving force T it slides at about eps T/(2 mu N).
+In the phase "air" there is no force. In the phase "contact" the tyre law is continued smoothly to w < 0, for steps that
+end at the lift-off; no accepted step ends there. A regularized contact creeps: at rest under a driving force T it
+slides at about eps T/(2 mu N).
 
-Validity: one contact; where the ground is concave, its radius of curvature is larger than the wheel's
-radius; the wheel does not lie flat (q > 0: checked initially, finite at all times). The node is that of
-the wheel body: its rotation spins with the wheel.
+Validity: one contact; on concave ground, a radius of curvature larger than the wheel's radius; the wheel does not lie
+flat (q > 0: checked initially, finite at all times). The node is that of the wheel body: its rotation includes the spin
+of the wheel.
 """
 
 from dataclasses import replace
@@ -60,7 +60,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add force and material moment of the ground; see the contract."""
+        """Add force and material moment of the ground; see element_interface.py."""
         if at.phase == AIR:
             return
         k = rolling(p, at, True)
@@ -68,7 +68,7 @@ def compiled(law):
 
     @kernel
     def observe(p, at, F, y, e):
-        """Outputs and energies; see OUTPUTS and the contract."""
+        """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
         put_rolling(p, at, k, forces(p, at.laws, k.slip), y, e)
 
@@ -77,7 +77,7 @@ def compiled(law):
 
 @cache
 def with_law(law):
-    """The Kind of a wheel with a SlipLaw."""
+    """Return the Kind of a wheel with a SlipLaw."""
     residual, observe = compiled(law)
 
     def prepare(d, nodes, context):
@@ -91,23 +91,23 @@ def with_law(law):
 
 
 def variant(d):
-    """The wheel with the slip law of its tyre."""
+    """Return the kind with the slip law of the tyre."""
     law = slip_law_of(d["tire_law"])
     return WHEEL if law is FRICTION else with_law(law)
 
 
 def limits(d):
-    """The ranges of the radial law and of the slip law."""
+    """Return the limits of the radial law and of the slip law."""
     return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def prepare(d, nodes, context):
-    """Record: that of any wheel with a tyre law, friction."""
+    """Return the record: that of any wheel with a tyre law, and friction."""
     return {**prepare_wheel(d, nodes, context), **FRICTION.prepare(d["tire_law"], context)}
 
 
 def sample(rng):
-    """Large wheels: plane, profile, slip, stick, air; and with each other slip law."""
+    """Return large wheels on a plane and a profile, slipping, sticking, in the air, and with each other slip law."""
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
     by_speed = (("exponential", {"start": 1.0, "limit": 0.0, "rate": 0.2, "origin": 0.0}),)
     found = [
