@@ -1,6 +1,6 @@
 """The wheel whose patch deforms laterally and in torsion: shimmy, relaxation, touch-down; roads and brakes.
 
-Reference b1_shimmy: a trailing wheel with Moreland's tyre, characteristic polynomial
+Reference: a trailing wheel with Moreland's tyre, characteristic polynomial
 (I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1 + C1 s); roots found a second way to 1e-9.
 """
 

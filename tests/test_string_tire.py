@@ -138,7 +138,7 @@ def test_critical_speeds_of_a_string():
 
 
 def test_leading_edge_after_a_step_of_yaw():
-    """b1_shimmy: the leading edge of the string stands at psi0 [(sigma + a) - sigma exp(-x/sigma)] after the way x."""
+    """The leading edge of the string is at psi0 [(sigma + a) - sigma exp(-x/sigma)] after the way x."""
     slip = "tire_laws.rubber.slip_regularization=1e-3"
     recorded = RecordedRun(input_deck("step_steer", lateral("string"), slip, "elements.tire.type=adhesive_wheel"))
     y, psi, bow = (recorded[f"elements/tire/{name}"] for name in ("y", "psi", "bow"))

@@ -1,7 +1,7 @@
 """Straight steady running, and modes over parameters of a deck: root loci, critical values, maps, files, pictures.
 
 References: the benchmark bicycle (Meijaard, Papadopoulos, Ruina & Schwab, Proc. R. Soc. A 463 (2007), table 2 and
-section 7); b1_shimmy, a trailing wheel with Moreland's tyre, whose eigenvalues are the roots of
+section 7); a trailing wheel with Moreland's tyre, whose eigenvalues are the roots of
 (I s^2 + c s + k)[C1 s^2 + (1 + V C D) s + V C K] + L (K + D s)(V + L s)(1 + C1 s); the thin disc, which stays upright
 above v^2 = g r/3.
 """
