@@ -1,7 +1,7 @@
-"""A page that plays a motion in space: one file with everything in it, for any browser, without a network.
+"""Web page with an animation of a motion in space: one self-contained file for any browser.
 
-Points are kept relative to the middle of the mechanism at each instant and rounded to 1/65535 of its size; numbers
-are little-endian, as text in base64.
+Points are relative to the middle of the mechanism at each instant and rounded to 1/65535 of its size; numbers are
+little-endian, encoded in base64.
 """
 
 import base64
@@ -31,21 +31,22 @@ FILES = {
     "libraries": ("three/three.min.js", "uplot/uPlot.iife.min.js"),
     "program": ("motion.js", "solids.js", "stage.js", "curves.js", "player.js"),
 }
-"""What stands in the place of {{styles}} and the like in page.html, in this order."""
+"""Files that replace {{styles}}, {{libraries}} and {{program}} in page.html, in this order."""
 STEPS_OF_ROUNDING = 65535
 
 
 def animate(path, page, plots=(), title=None):
-    """Write the ``page`` that plays the results file ``path``, or a film where its name ends so; the Path written.
+    """Write an animation of the results file ``path`` as a ``page``, or as a film by its extension; return the Path.
 
-    ``plots``: texts as of ``mecano post --plot``, over time; without any, the first of the overview. A film has none.
+    ``plots``: texts as for ``mecano post --plot``, over time; by default the first panels of the overview. A film has
+    none.
 
     Raises
     ------
     UsageError, UnknownNameError
-        The page has no name of its own, or a plot cannot be understood or names what is not in the file.
+        The page has no name of its own, or a plot is invalid or names an output that is not in the file.
     ResultsError
-        The file cannot be read or holds nothing that moves, or the page cannot be written.
+        The file cannot be read or contains nothing that moves, or the page cannot be written.
     """
     page = Path(page)
     if page.suffix in FILMS:
@@ -65,7 +66,7 @@ def animate(path, page, plots=(), title=None):
 
 
 def page_data(run, plots=(), title=None):
-    """What a page plays of a run, as plain data. Raises as ``animate``."""
+    """Return the data of a page for a run, as plain data. Raises as ``animate``."""
     scene, results = scene_of(run, MOST_FRAMES), run.results
     return {
         "title": title or run.title, "status": verdict(results), "sound": sound(results), **_motion(scene),
@@ -75,7 +76,7 @@ def page_data(run, plots=(), title=None):
 
 
 def page_text(data):
-    """The page that plays plain data, with the libraries and all else that it needs."""
+    """Return the text of the page for plain data, with styles, libraries and program."""
     folder = resources.files("mecano.post").joinpath("browser")
     parts = {name: "\n".join(folder.joinpath(one).read_text("utf-8") for one in files) for name, files in FILES.items()}
     parts["data"] = script_text(data)
@@ -84,13 +85,13 @@ def page_text(data):
 
 
 def script_text(data):
-    """Return plain data as JSON that may stand in a script of a page: nothing in it ends or opens one."""
+    """Return plain data as JSON that is safe inside a script element of a page."""
     text = json.dumps(data, separators=(",", ":"))
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
 
 
 def _motion(scene):
-    """Times, shapes, colours, forces and grounds, as the page wants them."""
+    """Return times, shapes, colours, forces and grounds of a Scene as plain data."""
     return {
         "times": _floats(scene.times), "axis": scene.axis, "middle": _floats(scene.middle), "size": scene.size,
         "follow": scene.follow, "up": scene.up.tolist(), "eye": scene.eye.tolist(), "quantities": scene.ranges,
@@ -111,7 +112,7 @@ def _motion(scene):
 
 
 def _shape(scene, i):
-    """One shape; points of flexible parts, whose deformation can be magnified, are not rounded."""
+    """Return one shape as plain data; points of flexible parts, whose deformation can be magnified, are not rounded."""
     shape, orientation = scene.shapes[i], scene.orientations[i]
     points = (shape.points - scene.middle[:, None]) / scene.size
     data = {
@@ -132,7 +133,7 @@ def _shape(scene, i):
 
 
 def _panels(run, plots):
-    """Panels of curves over time."""
+    """Return panels of curves over time as plain data."""
     if plots:
         sheets = [requested_sheet(Request.parse(text), [run]) for text in plots]
         found = [panel for sheet in sheets for panel in sheet.panels]

@@ -15,10 +15,10 @@ HELD = 1e4  # weight of points where something else is attached, over that of ot
 
 @dataclass(frozen=True)
 class Part:
-    """A flexible part: which ``shapes`` (numbers) are its own, how it moves as if rigid.
+    """A flexible part: the indices of its ``shapes``, and its rigid motion.
 
-    ``start`` (3,) is the weighted middle of its points at the start [m], ``places`` (n, 3) where that is, ``turns``
-    (n, 3, 3) how the part has turned since.
+    ``start`` (3,): weighted middle of its points at the start [m]; ``places`` (n, 3): positions of this middle [m];
+    ``turns`` (n, 3, 3): rotations of the part since the start.
     """
 
     shapes: tuple
@@ -44,7 +44,7 @@ def flexible_parts(shapes, flexible, held):
 
 
 def _together(numbers, shapes):
-    """Numbers of the shapes that share nodes, list by list."""
+    """Return lists of the indices of shapes that share nodes."""
     groups = []
     for i in numbers:
         own = ({i}, set(filter(None, shapes[i].nodes)))

@@ -16,7 +16,7 @@ SIZE = 4.5  # points
 
 
 class EventLegend:
-    """Which marks stand for which events of a sheet.
+    """Assignment of marks to the events of a sheet.
 
     Each event of each element has a mark, or each event alone where these are too many; of still more, the others share
     one.
@@ -30,25 +30,25 @@ class EventLegend:
         self._keys = pairs if self._apart else list(dict.fromkeys(text for _, text in pairs))
 
     def of(self, panel, events):
-        """Events within the time of a panel: of its elements, of all where they have none."""
+        """Return the events within the time of a panel: those of its elements, or of all if these have none."""
         times = np.concatenate([curve.x.values for curve in panel.curves])
         own = [mark for mark in events if mark.element in self._look.owners(panel)] or events
         return [mark for mark in own if times.min() <= mark.time <= times.max()]
 
     def marker(self, mark):
-        """The mark of an event."""
+        """Return the mark of an event."""
         number = self._keys.index((mark.element, mark.text) if self._apart else mark.text)
         return MARKERS[number] if number < len(MARKERS) else OTHERS
 
     def handles(self):
-        """Entries of the legend."""
+        """Return the entries of the legend."""
         names = [": ".join(key) if self._apart else key for key in self._keys]
         handles = [_handle(marker, name) for marker, name in zip(MARKERS, names, strict=False)]
         return handles + [_handle(OTHERS, f"{len(names) - len(MARKERS)} other events")] * (len(names) > len(MARKERS))
 
 
 def draw_events(ax, marks, factor, look, legend):
-    """Draw lines and marks at the times over ``factor``; lines of very many, and of several runs, only at the axis."""
+    """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs."""
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
         own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
@@ -68,7 +68,7 @@ def draw_events(ax, marks, factor, look, legend):
 
 
 def thinned(marks, room):
-    """Marks that are at least ``room`` [s] apart, the first of those that are closer."""
+    """Return marks that are at least ``room`` [s] apart, the first of those that are closer."""
     kept = []
     for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
         if not kept or mark.time - kept[-1].time >= room:

@@ -128,6 +128,6 @@ def _note(ax, panel, factor, unit):
 
 
 def room_above(panel, look):
-    """Inches that the legend of a panel takes."""
+    """Return the height of the legend of a panel [inch]."""
     handles = look.legend(panel)
     return LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0

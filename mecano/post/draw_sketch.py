@@ -71,7 +71,7 @@ def _name(ax, colours, sketch):
 
 
 def _label_instants(ax, sketch):
-    """The side-by-side view has times instead of a horizontal coordinate, as many as have room."""
+    """Label the side-by-side view with times instead of a horizontal coordinate, as many as have room."""
     middles = []
     for i in range(len(sketch.times)):
         x = np.concatenate([sketch.flat(shape.points[i], i)[:, 0] for shape in sketch.shapes])
@@ -92,7 +92,7 @@ def _draw_patch(ax, outline):
 
 
 def _draw_compass(ax, projection):
-    """The inertial axes in the corner of a view in space, which has no coordinates of its own."""
+    """Draw the inertial axes in the corner of a view in space, which has no coordinates of its own."""
     ax.set_axis_off()
     for letter, end in zip(LETTERS, projection.T, strict=True):
         ax.annotate(letter, (0.0, 0.0), xycoords="axes fraction", xytext=(20 + 22 * end[0], 20 + 22 * end[1]),

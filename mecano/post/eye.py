@@ -1,4 +1,4 @@
-"""From where a mechanism is best seen: the direction in which its parts hide one another least."""
+"""Choose the view direction of a mechanism in space: the one in which its parts hide one another least."""
 
 import numpy as np
 
@@ -51,7 +51,7 @@ def projection(eye, up=(0.0, 0.0, 1.0)):
 
 
 def _worth(angles, points, wheels, up):
-    """How well a direction shows the points, the wheels beside one another, and the sides of these."""
+    """Return a score of a direction: spread of the points, visibility of the wheels, and of their discs."""
     seen = direction(*angles, up)
     flat = projection(seen, up)
     spread = np.sqrt(np.linalg.det(np.cov((points @ flat.T).T) + 1e-9 * np.eye(2)))
@@ -60,7 +60,7 @@ def _worth(angles, points, wheels, up):
 
 
 def _wheels_seen(wheels, seen, flat):
-    """Share of the discs of wheels that others do not hide, over how far they are turned to the eye."""
+    """Return the visible fraction of the discs of wheels, weighted by how far they face the eye."""
     if not wheels:
         return 1.0
     faces = [max(abs(axis @ seen) / np.linalg.norm(axis), 0.05) for _, axis, _ in wheels]

@@ -70,7 +70,7 @@ def save(figure, target, kind=""):
 
 
 def _room(sheet, look, cells, width):
-    """Inches for the legends above each row of panels, and for the legend of all below."""
+    """Return the heights [inch] of the legends above each row of panels, and of the common legend below."""
     rows = {}
     for (row, _), panel in zip(cells, sheet.panels, strict=True):
         if isinstance(panel, Panel):
@@ -79,7 +79,7 @@ def _room(sheet, look, cells, width):
 
 
 def _legends(sheet, look):
-    """Lists of entries of the legends below all: of curves, and of events."""
+    """Return the lists of entries of the common legends: of curves, and of events."""
     return [handles for handles in (look.handles(), EventLegend(sheet, look).handles()) if handles]
 
 

@@ -31,7 +31,7 @@ def arrows(motion):
 
 
 def _place(motion, path, d, display):
-    """Where it acts (n, 3) [m]; None where that is not known."""
+    """Return its points of application (n, 3) [m], or None if unknown."""
     if display.force_at:
         return motion.vector(f"{path}/{display.force_at}")
     nodes = [node for node in (*d.get("nodes", ()), d.get("node")) if node in motion.nodes]
@@ -39,7 +39,7 @@ def _place(motion, path, d, display):
 
 
 def _force(motion, path, d, display):
-    """The force (n, 3) [N] in inertial axes; of a joint from its axes, which its first node carries."""
+    """Return the force (n, 3) [N] in inertial axes, for joints from the axes fixed in their first node."""
     force = motion.vector(f"{path}/{display.force}")
     if not display.along_axes:
         return force

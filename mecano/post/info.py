@@ -72,7 +72,7 @@ def facts(results):
 
 
 def _plugins(text):
-    """Files and packages with kinds that are not mecano's, each with its digest."""
+    """Return the files and packages of plugins as text, with the names that they register and their digests."""
     found = json.loads(text).items()
     return "; ".join(f"{source} ({', '.join(one['names'])}; {one['sha256'][:12]})" for source, one in found) or "none"
 
@@ -182,7 +182,7 @@ def _holds(results):
 
 
 def _rank(results, section, kind, names):
-    """Where outputs stand: joints, wheels, other elements, loads, then nodes and all else."""
+    """Return the rank of outputs in a list: joints, wheels, other elements, loads, nodes, others."""
     order = ("joints", "wheels", "elements", "loads", "nodes")
     wheel = "wheels" in results.displays.get(kind, Display()).pictures
     return order.index("wheels" if wheel else section) if section in order else len(order)

@@ -60,7 +60,7 @@ def _size(values):
 
 
 def _things(plan, runs):
-    """Paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
+    """Return the paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
     return list(dict.fromkeys(path for run in runs for path in run.pieces if plan.name in pictures_of(run, path)))
 
 

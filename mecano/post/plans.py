@@ -144,7 +144,7 @@ _PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES,
 
 
 def plans(runs):
-    """The plans of what the runs have, with one more for each kind that belongs to none."""
+    """Return the plans for the kinds in the runs, with an additional one for each kind that belongs to none."""
     belonging = {path: (run, d["type"], pictures_of(run, path)) for run in runs for path, d in run.pieces.items()}
     used = {name for _, _, pictures in belonging.values() for name in pictures}
     standard = [plan for plan in _PLANS if plan.name in used]
@@ -154,14 +154,14 @@ def plans(runs):
 
 
 def pictures_of(run, path):
-    """Names of the pictures to which the element, joint or load of a path belongs."""
+    """Return the names of the pictures to which the element, joint or load of a path belongs."""
     d, section = run.pieces[path], path.partition("/")[0]
     by_section = {"joints": ("reactions",), "loads": ("loads",)}.get(section, ())
     return (*run.display(d).pictures, *by_section, d["type"])
 
 
 def _own_plan(kind, run, path):
-    """A view of each output of the kind, as the element, joint or load of a path has them."""
+    """Return a Plan with a View of each output of the kind, from the element, joint or load of a path."""
     outputs = {name.rpartition("/")[2]: series for name, series in run.results.series.items()
                if name.rpartition("/")[0] == path}  # fmt: skip
     views = [

@@ -18,7 +18,7 @@ class Inner:
 
 
 def nodes_inside(d):
-    """Names of the nodes inside a superelement with these deck values; none where its file has no shapes."""
+    """Return the names of the nodes inside a superelement with these deck values; [] if its file has no shapes."""
     file = d.get("file")
     return file.get("interior_names") or [] if isinstance(file, dict) else []
 

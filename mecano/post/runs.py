@@ -45,7 +45,7 @@ class Run:
         return found
 
     def display(self, d):
-        """How an element, joint or load with the deck values ``d`` is drawn: the Display of its kind."""
+        """Return the Display of the kind of an element, joint or load with the deck values ``d``."""
         return self.results.displays.get(d["type"], Display())
 
     @cached_property

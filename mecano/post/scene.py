@@ -1,4 +1,4 @@
-"""A motion in space as it is played: shapes at some saved times, what they can be coloured by, forces, the ground."""
+"""Scene of an animation: shapes at some saved times, values for their colours, forces, the ground."""
 
 from dataclasses import dataclass, replace
 
@@ -14,15 +14,15 @@ from mecano.post.shapes import BODY, GUIDE, JOINT, SUPPORT, WHEEL, Motion, radiu
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
-"""What elements can be coloured by: name, unit."""
+"""Values by which elements can be coloured: name, unit."""
 FLEXIBLE = ("beam", "superelement")  # shapes that bend
-BENT, MOST_BENT = 4, 400  # lines in the place of one element of a beam; elements from which on it is one
-LOOKED_AT = 20  # instants by which the eye is chosen
+BENT, MOST_BENT = 4, 400  # lines per beam element; number of elements above which it is a single line
+LOOKED_AT = 20  # number of instants from which the view direction is chosen
 
 
 @dataclass(frozen=True)
 class Orientation:
-    """How a shape turns: unit quaternions (n, 4) since the start, and an axis of it (n, 3); None where it has none."""
+    """Rotation of a shape: unit quaternions (n, 4) since the start, and its axis (n, 3), or None."""
 
     turn: np.ndarray | None = None
     axis: np.ndarray | None = None
@@ -31,7 +31,7 @@ class Orientation:
 
 @dataclass(frozen=True)
 class Scene:
-    """What is played of a run.
+    """Data of the animation of a run.
 
     Attributes
     ----------
@@ -82,12 +82,12 @@ class Scene:
 
     @property
     def follow(self):
-        """True when the view has to go along."""
+        """True if the mechanism travels so far that the view must follow it."""
         return bool(np.ptp(self.middle, axis=0).max() > FAR * self.size)
 
 
 def scene_of(run, most):
-    """The Scene of a run, of at most so many saved times. Raises ResultsError where there is nothing to be seen."""
+    """Return the Scene of a run with at most so many saved times; raises ResultsError if there is nothing to show."""
     count = len(run.results.time)
     if not count:
         raise ResultsError(f"{run.results.path}: no saved times yet")
@@ -115,7 +115,7 @@ def scene_of(run, most):
 
 
 def _deck_of(run, shape):
-    """Path and deck values of what a shape is of; ("", {}) of a node. Joints and elements may have the same name."""
+    """Return (path, deck values) of the element or joint of a shape; ("", {}) for a node."""
     sections = ("joints", "elements") if shape.style in (JOINT, SUPPORT, GUIDE) else ("elements", "joints")
     paths = [f"{section}/{shape.name}" for section in sections]
     path = next((path for path in paths if path in run.things), "")
@@ -127,7 +127,7 @@ def _kind(run, shape):
 
 
 def _bent(motion, shape):
-    """A beam as a smooth line: a cubic between two nodes, along the directions that these carry."""
+    """Return a beam as a smooth line, a cubic between two nodes with their directions; other shapes unchanged."""
     _, d = _deck_of(motion.run, shape)
     if not d or motion.run.display(d).shape != "beam" or len(motion.run.pieces) > MOST_BENT:
         return shape
@@ -148,7 +148,7 @@ def _bent(motion, shape):
 
 
 def _held(run, flexible):
-    """Names of the nodes where something else is attached to flexible parts, or that are fixed."""
+    """Return the names of nodes of flexible parts that are fixed or to which other parts are attached."""
     held = {name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")}
     for path, d in run.things.items():
         section, _, name = path.partition("/")
@@ -158,7 +158,7 @@ def _held(run, flexible):
 
 
 def _orientation(motion, shape):
-    """The Orientation of wheels, bodies and joints with an axis."""
+    """Return the Orientation of a wheel, body or joint with an axis."""
     path, d = _deck_of(motion.run, shape)
     if shape.style == WHEEL:
         return Orientation(motion.turn(d["node"]), motion.turned(d["node"], d["axis"]), wheel_of(shape)[2])
@@ -172,14 +172,14 @@ def _orientation(motion, shape):
 
 
 def _eye(drawn, cloud, up):
-    """The direction to the eye, by some instants."""
+    """Return the direction to the eye, chosen from some instants."""
     wheels = [wheel_of(shape) for shape in drawn if shape.style == WHEEL]
     some = np.unique(np.linspace(0, len(cloud) - 1, LOOKED_AT).round().astype(int))
     return eye(cloud[some], wheels, up)
 
 
 def _colours(run, shape, rows):
-    """What an element can be coloured by: name -> values (instants, pieces)."""
+    """Return the values by which an element can be coloured: name -> values (instants, pieces)."""
     d, found = run.deck.get("elements", {}).get(shape.name), {}
     for (what, _), output in ((STRESS, "stress"), (AXIAL, run.display(d).axial)) if d else ():
         paths = [f"elements/{piece}/{output}" for piece in piece_names(shape.name, d)]
@@ -190,7 +190,7 @@ def _colours(run, shape, rows):
 
 
 def _ranges(coloured):
-    """Name, unit, lowest and highest value of all that something can be coloured by and that is not zero throughout."""
+    """Yield name, unit, lowest and highest value of each colouring that is not zero throughout."""
     for what, unit in (STRESS, AXIAL):
         arrays = [colours[what] for colours in coloured if what in colours]
         if any(array.any() for array in arrays):
@@ -198,7 +198,7 @@ def _ranges(coloured):
 
 
 def _grounds(run, drawn):
-    """Lines (k, 3), three of each ground, along the way of its wheels."""
+    """Return lines (k, 3), three of each ground, along the path of its wheels."""
     wheels = {}
     for shape in drawn:
         d = run.deck.get("elements", {}).get(shape.name, {})

@@ -1,7 +1,7 @@
-"""A page of results, served on the loopback address to whoever knows its token, as long as the program runs.
+"""Serve a page of results on the loopback address, to requests with the token, while the program runs.
 
-The page asks again and again for what a running writer has added. Only requests that carry the token are answered, and
-only under a name of this machine: other pages in the same browser, which may send requests here, know neither.
+The page polls for data that a running writer has added. Requests must have the token and a host name of this machine:
+other pages in the same browser, which may send requests here, know neither.
 """
 
 import hmac
@@ -18,12 +18,12 @@ from mecano.post.animation import page_data, page_text
 from mecano.post.runs import open_runs
 
 LOOPBACK = "127.0.0.1"
-SHARE = 0.1  # of one processor, at most, for data that change while a run goes on
+SHARE = 0.1  # largest share of one processor for data that change during a run
 WAITING = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" content="1"><title>mecano</title>{}'
 
 
 class Source:
-    """The data of a page from the results file ``path``, made anew when the file has changed, but not too often."""
+    """Data of a page from the results file ``path``, updated when the file has changed, within SHARE of a processor."""
 
     def __init__(self, path, title=None, status=None):
         self.path, self.title, self.status = Path(path), title, status
@@ -40,7 +40,7 @@ class Source:
             return self._data
 
     def _state(self):
-        """What changes whenever the file does."""
+        """Return data that change whenever the file changes."""
         found = self.path.stat()
         return [found.st_ino, found.st_size, found.st_mtime_ns]
 
@@ -56,7 +56,7 @@ class Source:
 
 
 class Server(ThreadingHTTPServer):
-    """Serves one page at ``address``, on a free port of the loopback address."""
+    """Server of one page at ``address``, on a free port of the loopback address."""
 
     daemon_threads = True
 
@@ -67,7 +67,7 @@ class Server(ThreadingHTTPServer):
 
     @property
     def address(self):
-        """Where a browser finds the page, with the token."""
+        """Address of the page, with the token."""
         return f"http://{LOOPBACK}:{self.server_port}/?token={self.token}"
 
 
@@ -77,9 +77,9 @@ class _Handler(BaseHTTPRequestHandler):
         query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
         answers = {"/": self._page, "/data": self._data}
         if self.headers.get("Host") not in self.server.hosts or not self._knows(query.get("token", "")):
-            self._answer(403, "text/plain", "mecano: this page is for the address that the program printed\n")
+            self._answer(403, "text/plain", "mecano: use the address that the program printed\n")
         elif asked.path not in answers:
-            self._answer(404, "text/plain", "mecano: there is nothing here\n")
+            self._answer(404, "text/plain", "mecano: there is no such page\n")
         else:
             answers[asked.path](query)
 
@@ -117,11 +117,11 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, *_):
-        """Say nothing: the terminal belongs to the run."""
+        """Suppress log messages, as the terminal shows those of the run."""
 
 
 def serve(source, announce):
-    """Serve the page of a Source until a signal ends the program; ``announce`` gets the address."""
+    """Serve the page of a Source until a signal ends the program; ``announce`` is called with the address."""
     with Server(source) as server:
         announce(server.address)
         server.serve_forever()

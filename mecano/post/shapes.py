@@ -66,7 +66,7 @@ class Motion:
         return _rotated(self.vector(path), carried)
 
     def turn(self, node):
-        """Unit quaternions (instants, 4) by which a node has turned since the start."""
+        """Return the rotation of a node since the start, unit quaternions (instants, 4)."""
         path = f"nodes/{node}/rotation"
         w, u = np.split(self.vector(path), (1,), axis=1)
         w0, u0 = np.split(self.run.results.find(path, slice(1)).values * (1, -1, -1, -1), (1,), axis=1)

@@ -19,7 +19,7 @@ PLACES = 9  # cells of the overview; a sketch of a mechanism that stays in place
 WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
 SMALLEST = 1e-16  # shown on logarithmic axes
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
-WARNINGS = {
+NOTES = {
     "step size": lambda values: f"{len(values)} steps",
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
     "rejected trials": lambda values: f"{np.sum(values):.0f} in all",
@@ -27,7 +27,7 @@ WARNINGS = {
 
 
 def default_sheets(runs):
-    """All sheets of these runs; the sketches of the mechanism first."""
+    """Return all sheets of these runs, the sketches of the mechanism first."""
     planned = [_planned(plan, runs) for plan in plans(runs)]
     sheets = [
         _mechanism(runs),
@@ -151,7 +151,7 @@ def _history(runs, label, columns):
     if not curves:
         return None
     logarithmic = _ranges_widely(curves)
-    note = WARNINGS[label](curves[0].y.values) if len(runs) == 1 and label in WARNINGS else ""
+    note = NOTES[label](curves[0].y.values) if len(runs) == 1 and label in NOTES else ""
     return Panel(label, curves, logarithmic=logarithmic, stepped=True, note=note)
 
 

@@ -58,7 +58,7 @@ class Sketch:
         return np.eye(3)[list(self.axes)] if self.view is None else self.view
 
     def flat(self, points, instant):
-        """Points (k, 3) [m] in the picture (k, 2), with the shift of an instant."""
+        """Return points (k, 3) [m] in the picture (k, 2), with the shift of an instant."""
         return points @ self.projection.T + self.shift[instant]
 
     @property
@@ -100,7 +100,7 @@ def sketch(run):
 
 
 def _seen(run, moving, cloud):
-    """Axes of the plane of a motion and None; or no axes and the matrix (2, 3) of a view in space."""
+    """Return (axes of the plane of a motion, None), or (no axes, matrix (2, 3) of a view in space)."""
     relative = cloud - 0.5 * (cloud.min(axis=1, keepdims=True) + cloud.max(axis=1, keepdims=True))
     gravity, points = run.deck.get("gravity"), np.concatenate([s.points.reshape(-1, 3) for s in moving])
     wheels = [wheel_of(shape) for shape in moving if shape.style == WHEEL]
@@ -164,7 +164,7 @@ def _shift(drawn, matrix, up):
 
 
 def _patches(run, drawn, matrix, shift):
-    """Outlines (k, 2) of the ground around the mechanism, at each instant or, where all is in its place, at all."""
+    """Yield outlines (k, 2) of the ground around the mechanism: one, or one for each instant if they are shifted."""
     for name in dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d):
         ground = run.deck["grounds"][name]
         spans = [[i] for i in range(len(shift))] if shift.any() else [range(len(shift))]

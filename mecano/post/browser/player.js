@@ -7,7 +7,7 @@ n, p: next, previous event
 f: fit the view    1, 2, 3: from the front, the side, above
 +, -: magnify deformation    a: forces    x: axes    c: colour    l: follow
 m: record a film    ?: these keys
-drag: turn    right drag: move    wheel: zoom    hover: names`;
+drag: rotate    right drag: move    wheel: zoom    hover: names`;
 
 const player = { frame: 0, playing: false, clock: 0, last: null };
 let motion, solids, stage, curves, dirty = true;
@@ -264,7 +264,7 @@ async function poll() {
     if (answer.status === 200) load(await answer.json());
     if (data.growing) setTimeout(poll, 500);
   } catch {
-    byId("status").textContent = "the program that served this page has ended";
+    byId("status").textContent = "the program that serves this page has ended";
   }
 }
 
@@ -275,7 +275,7 @@ function start() {
   try {
     stage = new Stage(byId("scene"));
   } catch (error) {
-    byId("status").textContent = `This browser cannot draw in space (WebGL): ${error.message}`;
+    byId("status").textContent = `This browser cannot show 3D graphics (WebGL): ${error.message}`;
     byId("status").className = "bad";
     throw error;
   }
