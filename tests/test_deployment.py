@@ -9,7 +9,7 @@ from time_runs import deck, input_deck
 from mecano.analyses.dynamic import run
 from mecano.errors import ConvergenceError
 from mecano.post import pictures
-from mecano.post.deployment import deployment_sheet, margin_told
+from mecano.post.deployment import deployment_sheet, margin_text
 from mecano.post.event_groups import groups, shock_sheet
 from mecano.post.info import info
 from mecano.post.runs import open_runs
@@ -43,10 +43,10 @@ def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_en
     angle = (np.arange(40) + 0.5) * 2.6 / 40
     margin = 4.0 - np.sin(np.pi * angle / 2.6)
     margin[-2:] = 9.0, 2.0
-    reported = margin_told(angle, margin)
+    reported = margin_text(angle, margin)
     assert reported == "least 3 at 1.27 rad; in the last 5% of the way 2 at 2.57 rad"
     margin[-2:] = np.nan
-    assert margin_told(angle, margin).endswith("in the last 5% of the way nothing resists")
+    assert margin_text(angle, margin).endswith("in the last 5% of the way nothing resists")
 
 
 def test_shocks_are_a_table_and_a_sheet(panel, tmp_path, monkeypatch):

@@ -55,7 +55,7 @@ def test_the_files_of_the_page_pass_the_generic_tests(folder, name):
     [
         ("e[2] = y[0]", "e[2] = 2.0 * y[0]", "The power of the forces is the change of energy"),
         ("e[2] = y[0]", "e[2] = -y[0]", "The power of the forces is the change of energy"),
-        ("norm(v), v)", "(1.0 + v[2]), v)", "Forces turn with the whole model"),
+        ("norm(v), v)", "(1.0 + v[2]), v)", "Forces rotate with the whole model"),
         ('"-", "node on which', '"", "node on which', "Fields, outputs, rows and events are declared"),
         ('rng.uniform(1.0, 2.0)}, 1, "")', 'rng.uniform(1.0, 2.0)}, 1, "contact")', "Samples pass the check"),
     ],
@@ -182,8 +182,8 @@ def test_an_installed_package(folder):
     [
         ("x = 1\ny = (\n", "line 2: SyntaxError"),
         ("x = 1\nimport no_such_module_anywhere\n", "line 2: ModuleNotFoundError: No module named 'no_such"),
-        ("x = 1\n", "has no Kind, SlipLaw or Term of its own"),
-        (SOURCES["my_drag.py"].replace('name="drag"', 'name="hinge"'), "there is a kind 'hinge' already"),
+        ("x = 1\n", "defines no Kind, SlipLaw or Term"),
+        (SOURCES["my_drag.py"].replace('name="drag"', 'name="hinge"'), "the kind 'hinge' is already in use"),
     ],
 )
 def test_a_file_that_cannot_be_used(folder, text, said):

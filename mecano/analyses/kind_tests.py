@@ -1,7 +1,7 @@
-"""What every kind of element, joint, load and basic constraint must fulfil: functions that raise AssertionError.
+"""Generic tests of a kind of element, joint, load or basic constraint: functions that raise AssertionError.
 
-Each takes a Kind and tries it in the states of its samples, as plain Python. tests/test_elements.py calls them for all
-kinds of mecano, `mecano check-kind` for those of a plugin.
+Each takes a Kind and evaluates it in the states of its samples, as plain Python. tests/test_elements.py calls them for
+all kinds of mecano, `mecano check-kind` for those of a plugin, which prints the first lines of their docstrings.
 """
 
 import re
@@ -17,18 +17,18 @@ K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 
 
 def difference(function, h):
-    """Central difference of the fourth order of function(step) at 0."""
+    """Return the central difference of fourth order of function(step) at 0."""
     near, far = (np.asarray(function(s)) - np.asarray(function(-s)) for s in (h, 2.0 * h))
     return (8.0 * near - far) / (12.0 * h)
 
 
 def elements(kind):
-    """[(sample, instance)] of all that has a force in the samples of a kind."""
+    """Return [(sample, instance)] of all instances with a force in the samples of a kind."""
     return [(s, i) for s in samples(kind) for i in s.instances if i.kind.acts]
 
 
 def displaced(instance, state, column, h, array):
-    """The local state with one unknown of q, v or a (``array`` 0, 1, 2) moved; rotations by material increments."""
+    """Return the local state with one unknown of q, v or a (``array`` 0, 1, 2) displaced, rotations materially."""
     q, v, a, R = (part.copy() for part in state)
     slot = column // 3
     layout = instance.kind.layout
@@ -43,7 +43,7 @@ def displaced(instance, state, column, h, array):
 
 
 def close(actual, expected, rtol, **labels):
-    """Compare row by row: the rows of a tangent are of different units and sizes."""
+    """Compare row by row, as the rows of a tangent have different units and magnitudes."""
     size = np.abs(expected).max(axis=-1, keepdims=True)
     error = np.abs(actual - expected) - rtol * np.maximum(size, 1e-6 * size.max(initial=0.0)) - 1e-9
     worst = np.unravel_index(np.argmax(error), error.shape)
@@ -51,7 +51,7 @@ def close(actual, expected, rtol, **labels):
 
 
 def slope(instance, t, state, array, column):
-    """df/dq, df/dv or df/da of one unknown, (n_local,)."""
+    """Return df/dq, df/dv or df/da for one unknown, (n_local,)."""
     return difference(
         lambda h: instance.residual(t, displaced(instance, state, column, h, array), K_SCALE, PENALTY), 1e-4
     )
@@ -81,7 +81,7 @@ def check_force(kind):
 
 
 def check_purity(kind):
-    """Functions depend on their arguments alone, are finite and change nothing else."""
+    """Functions depend on their arguments only, are finite and have no side effects."""
     for sample in samples(kind):
         for instance in sample.instances:
             t, state = sample.motion.t, instance.local(sample.motion)
@@ -109,12 +109,12 @@ FREE = {"air", "free", "between", "slack", "taut", "paying out"}  # phases in wh
 
 
 def lets_go(instance):
-    """True in a phase in which the constraints of a kind do not hold."""
+    """Return whether the constraints are inactive in the phase of an instance."""
     return instance.kind.phases[instance.phase] in FREE
 
 
 def check_constraint_derivatives(kind):
-    """Rates of constraints are their derivatives by the time."""
+    """Rates of constraints are their time derivatives."""
     for sample, instance in elements(kind):
         if not instance.kind.multipliers:
             continue
@@ -151,7 +151,7 @@ def check_multiplier_rows(kind):
 
 
 def energies(instances, motion, h=0.0):
-    """Energies and powers (4,) of an element and its parts, h seconds later."""
+    """Return energies and powers (4,) of an element and its parts, h seconds later."""
     later, total = motion.after(h), np.zeros(4)
     for instance in instances:
         F = np.zeros(3 * len(instance.kind.layout))
@@ -212,7 +212,7 @@ def _check_rate(sample, instance, first, rate, size):
 
 
 def check_invariance(kind):
-    """Forces turn with the whole model, energies stay."""
+    """Forces rotate with the whole model, energies do not change."""
     rng = seed_of("turn")
     Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
     for sample in samples(kind):
@@ -238,14 +238,14 @@ def check_invariance(kind):
 
 
 def on_all_nodes(instances, motion, penalty, Q):
-    """Forces, turned by Q, and moments of the constraints on all nodes, in one row."""
+    """Return forces, rotated by Q, and moments of the constraints on all nodes as one vector."""
     held = [instance for instance in instances if instance.kind.multipliers]
     force, moment, _, _ = force_on_nodes(held, motion, penalty)
     return np.concatenate([force @ Q.T, moment]).ravel()
 
 
 def set_reactions(instances, motion, wanted):
-    """Multipliers that exert the forces ``wanted``: a turned model may write its constraints in other axes."""
+    """Return multipliers that exert the forces ``wanted``: a rotated model may write its constraints in other axes."""
     held = [instance for instance in instances if instance.kind.multipliers]
     sizes = [len(instance.multipliers) for instance in held]
 
@@ -262,9 +262,9 @@ def set_reactions(instances, motion, wanted):
 
 
 def force_on_nodes(instances, motion, penalty=PENALTY):
-    """Forces (n, 3), material moments (n, 3), forces of the scalars, and the size of all constraint rows.
+    """Return forces (n, 3), material moments (n, 3), forces of the scalars, and the norm of all constraint rows.
 
-    The rows themselves may be other combinations of the same constraints in a model that is turned.
+    The rows themselves may be different combinations of the same constraints in a rotated model.
     """
     force, moment, scalars, size = np.zeros_like(motion.x[:, 0]), np.zeros_like(motion.x[:, 0]), [], 0.0
     for instance in instances:
@@ -298,12 +298,12 @@ def check_declarations(kind):
 
 
 def first_of(name):
-    """The name of the first of numbered outputs: force_1 for force_7, amplitude_1_rate for amplitude_2_rate."""
+    """Return the name of the first of numbered outputs: force_1 for force_7, amplitude_1_rate for amplitude_2_rate."""
     return re.sub(r"_\d+", "_1", name)
 
 
 def check_outputs_of_parts(kind):
-    """Outputs that options add are declared, under names of their own."""
+    """Outputs that options add are declared, with unique names."""
     found = {}
     for sample in samples(kind):
         chosen = kind.chosen(sample.values)

@@ -23,7 +23,7 @@ EYES = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 1, 0)  # EYES @ a = 
 
 
 def duals(values, slopes):
-    """An array of Duals."""
+    """Return an array of Duals."""
     out = np.empty(values.shape, object)
     for place in np.ndindex(values.shape):
         out[place] = Dual(values[place], slopes[place])
@@ -40,7 +40,7 @@ class Motion:
     turn: np.ndarray  # (n, 3, 3): node, level (zero, velocity, acceleration), component
 
     def after(self, h):
-        """The motion h seconds later, exact to the second order."""
+        """Return the motion h seconds later, exact to second order."""
         x, turn = self.x.copy(), self.turn.copy()
         x[:, 0] += h * x[:, 1] + 0.5 * h * h * x[:, 2]
         increments = h * turn[:, 1] + 0.5 * h * h * turn[:, 2]
@@ -49,7 +49,7 @@ class Motion:
         return Motion(self.t + h, x, self.R @ Rotation.from_rotvec(increments).as_matrix(), turn)
 
     def moved(self, Q, shift):
-        """The same motion, all of it turned by Q (3, 3) and shifted."""
+        """Return the same motion rotated by Q (3, 3) and shifted."""
         x = self.x @ Q.T
         x[:, 0] += shift
         return Motion(self.t, x, Q @ self.R, self.turn.copy())
@@ -70,7 +70,7 @@ class Instance:
     lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
     def local(self, motion):
-        """(q, v, a, R) as element_interface.py has them."""
+        """Return (q, v, a, R) as defined in element_interface.py."""
         constraint_derivatives, R = [], []
         for slot in self.kind.layout:
             node = self.nodes[int(slot[1:])]
@@ -82,19 +82,19 @@ class Instance:
         return q, v, a, np.array(R).reshape(-1, 3, 3)
 
     def after(self, h):
-        """The instance with its scalars h seconds later."""
+        """Return the instance with its scalars h seconds later."""
         s = self.scalars
         later = np.array([s[0] + h * s[1] + 0.5 * h * h * s[2], s[1] + h * s[2], s[2]])
         return Instance(**{**vars(self), "scalars": later})
 
     def run(self, name, t, state, *out, k=1.0, penalty=0.0):
-        """Call the function ``name`` of the kind, as the Python that it is: nothing is compiled."""
+        """Call the function ``name`` of the kind as plain Python, without compilation."""
         with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
             at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)
             getattr(self.kind, name)(self.p.view(np.recarray)[0], at, *out)
 
     def force(self, t, state, k=1.0, penalty=0.0):
-        """f, K, C, M at the local ``state`` (q, v, a, R)."""
+        """Return f, K, C, M at the local ``state`` (q, v, a, R)."""
         if self.kind.residual is not None:
             return self._dual_force(t, state, k, penalty)
         n = self.kind.n_local
@@ -112,7 +112,7 @@ class Instance:
         return f
 
     def _dual_force(self, t, state, k, penalty):
-        """f, K, C and M = 0 of a kind that has a residual only, by dual numbers."""
+        """Return f, K, C and M = 0 of a kind with a ``residual``, by dual numbers."""
         q, v, a, R = state
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
         end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
@@ -141,7 +141,7 @@ class Instance:
         return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
 
     def constraint_derivatives(self, t, state):
-        """(n_multipliers, 3)"""
+        """Return the constraint derivatives (n_multipliers, 3)."""
         g = np.zeros((len(self.kind.multipliers), 3))
         if self.kind.velocity_constraints is not None:
             q, v, a, R = state
@@ -154,7 +154,7 @@ class Instance:
         return g
 
     def observe(self, t, state, F):
-        """Outputs (n_outputs,) and energies (4,)."""
+        """Return outputs (n_outputs,) and energies (4,)."""
         n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
         y, e = np.zeros(n + BEYOND), np.zeros(4)
         if self.kind.observe is not None:
@@ -163,7 +163,7 @@ class Instance:
         return y[:n].copy(), e
 
     def written(self, name, size, t, state):
-        """What ``event_values`` or ``commit`` writes, (size,)."""
+        """Return the numbers (size,) that ``event_values`` or ``commit`` writes."""
         out = np.zeros(size)
         self.run(name, t, state, out)
         return out
@@ -182,12 +182,12 @@ class Sample:
 
 
 def seed_of(name):
-    """A generator of its own for each name, the same in every run."""
+    """Return a random generator for each name, the same in every run."""
     return np.random.default_rng(zlib.crc32(name.encode()))
 
 
 def samples(kind):
-    """All samples of a kind."""
+    """Return all samples of a kind."""
     rng = seed_of(kind.name)
     found = []
     for values, nodes, phase in kind.sample(rng):
@@ -201,7 +201,7 @@ def samples(kind):
 
 
 def expand(kind, values, nodes, phase, gravity, rng):
-    """[Instance]: the element and its parts, with random scalars and multipliers."""
+    """Return [Instance]: the element and its parts, with random scalars and multipliers."""
     context, kind = Context(LawTable(), gravity, KINDS), kind.chosen(values)
     own = kind.prepare(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
@@ -244,7 +244,7 @@ def _motion(kind, values, nodes, rng):
 
 
 def turned_values(kind, values, Q, shift):
-    """The deck values with everything that is inertial turned by Q and shifted."""
+    """Return the deck values with all inertial quantities rotated by Q and shifted."""
     out = dict(values)
     for field in kind.fields:
         value = values.get(field.name)

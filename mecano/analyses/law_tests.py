@@ -1,4 +1,4 @@
-"""What every slip law of a tyre and every term of a law must fulfil: functions that raise AssertionError."""
+"""Generic tests of a slip law of tyres or a term of a law: functions that raise AssertionError."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ class Tyre:
     """A slip law with its record, on a level ground."""
 
     def __init__(self, law, values):
-        """``values`` of a tyre law."""
+        """Prepare the record for the ``values`` of a tyre law."""
         table = LawTable()
         prepared = {"radius": values.get("radius", 0.3), **law.prepare(values, Context(table, GRAVITY))}
         self.p = np.zeros(1, record(radius=(), **law.record)).view(np.recarray)
@@ -27,24 +27,24 @@ class Tyre:
         self.law, self.laws = law, table.array()
 
     def forces(self, load, v, u=(20.0, 0.0), omega=(0.0, 0.0, 0.0), lean=0.0, spin=None):
-        """SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
+        """Return the SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
         spin = (u[0] - v[0]) / 0.3 if spin is None else spin
         v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
         return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, 1.0, v, v, u, Vec3(*omega), spin, lean, T, L, N))
 
 
 def tyres(law):
-    """The Tyres of the samples of a SlipLaw."""
+    """Return the Tyres of the samples of a SlipLaw."""
     return [Tyre(law, wheel["tire_law"]) for wheel, _, _ in law_samples(np.random.default_rng(4), law)]
 
 
 def check_stated_power(law):
-    """The power of force and moment is what the slip law states: -(F.v + M.omega) = lost - given, lost >= 0."""
+    """The power of force and moment is that stated by the slip law: -(F.v + M.omega) = lost - given, lost >= 0."""
     check_power_of_tyres(law, tyres(law))
 
 
 def check_power_of_tyres(law, trials):
-    """``check_stated_power`` of given Tyres; a passive law gives nothing but the power of its moment."""
+    """Check ``check_stated_power`` for given Tyres; a passive law gives only the power of its moment."""
     rng, worked = seed_of(law.name), 0
     for tyre in trials:
         for _ in range(200):
@@ -63,7 +63,7 @@ def check_power_of_tyres(law, trials):
 
 
 def check_no_load(law):
-    """A tyre without load has no force and no moment in the ground."""
+    """A tyre without load has no tangential force and no moment."""
     for tyre in tyres(law):
         k = tyre.forces(0.0, (1.0, 2.0), omega=(0.1, 20.0, 0.3))
         most = np.abs([*k.F, *k.M]).max()
@@ -71,7 +71,7 @@ def check_no_load(law):
 
 
 def _trials(term):
-    """(table, start, arguments away from its corners, corners) for each sample of a Term."""
+    """Yield (table, start, arguments away from its corners, corners) for each sample of a Term."""
     assert term.sample is not None, "it has no sample"
     rng = seed_of(term.name)
     for values in term.sample():
@@ -91,7 +91,7 @@ def _difference(function, x):
 
 
 def check_derivatives(term):
-    """Derivatives of the term are those of its value."""
+    """The derivatives of the term are those of its value."""
     for laws, start, arguments, _ in _trials(term):
         for s in arguments:
             if term.role == "curve":

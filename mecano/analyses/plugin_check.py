@@ -1,4 +1,4 @@
-"""Try all kinds, slip laws and terms of a plugin: what `mecano check-kind` prints."""
+"""Test all kinds, slip laws and terms of a plugin, for `mecano check-kind`."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from mecano.elements.wheels.wheel import with_law
 
 
 def check_plugin(plugin):
-    """Return (text, number of failures): a line for each test of all that a Plugin has registered."""
+    """Return (text, number of failures), with one line for each test of each item of a Plugin."""
     lines, failures = [], 0
     for item in plugin.found:
         title, tests = _tests(item)
@@ -24,7 +24,7 @@ def check_plugin(plugin):
 
 
 def _tests(item):
-    """Title and [(name, function)] of the tests of a Kind, a SlipLaw or a Term."""
+    """Return the title and [(name, function)] of the tests of a Kind, a SlipLaw or a Term."""
     if isinstance(item, Kind):
         return f"{item.name} (kind of '{item.section}')", _named(OF_DECK_KINDS, item)
     if isinstance(item, SlipLaw):
@@ -37,12 +37,12 @@ def _tests(item):
 
 
 def _named(tests, item):
-    """[(first sentence of the docstring, function without arguments)]"""
+    """Return [(first sentence of the docstring, function without arguments)]."""
     return [(test.__doc__.split("\n")[0].rstrip("."), lambda test=test: test(item)) for test in tests]
 
 
 def _tried(test):
-    """What is wrong, in a line; "" where nothing is."""
+    """Return the failure of a test as one line; "" if it passes."""
     try:
         test()
     except Exception as error:

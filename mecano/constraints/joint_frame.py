@@ -1,4 +1,4 @@
-"""Nodes, axes and checks shared by joints: the triad of a joint axis, coincident nodes. Python, once per joint."""
+"""Triads of joint axes, shared unknowns, checks of nodes and axes: Python that runs once for each joint."""
 
 import numpy as np
 

@@ -1,8 +1,8 @@
-"""Kinds, slip laws and terms of laws of one's own: from Python files that the user names, and from installed packages.
+"""Plugins: user-defined kinds, slip laws and terms of laws, from Python files or installed packages.
 
-What stands at the top level of such a module and is a ``Kind`` of a deck section, a ``SlipLaw`` or a ``Term`` is
-registered under its name, unless the name in the module begins with "_"; from then on it is used as those of mecano
-are. A deck names no modules: it stays data, and a file runs only where the user asks for it.
+Every ``Kind`` of a deck section, ``SlipLaw`` and ``Term`` at the top level of such a module is registered under its
+name, unless its name in the module begins with "_"; from then on it is used like a built-in one. A deck cannot name
+modules: it is data only, and a file runs only if the user names it.
 """
 
 import hashlib
@@ -39,7 +39,7 @@ class Plugin:
 
     @property
     def names(self):
-        """Names of what it registered."""
+        """Names of the kinds and laws that it registered."""
         return [item.name for item in self.found]
 
 
@@ -47,19 +47,19 @@ _loaded = {}  # source -> Plugin
 
 
 def loaded():
-    """The Plugins of this process, in the order in which they were loaded."""
+    """Return the Plugins of this process, in the order in which they were loaded."""
     return list(_loaded.values())
 
 
 def files():
-    """Absolute paths of the files that the user named, for processes that this one starts."""
+    """Return the absolute paths of the files that the user named, for child processes."""
     return [plugin.source for plugin in loaded() if os.path.isabs(plugin.source)]
 
 
 def load(path):
     """Run a Python file and register its kinds and laws; return its Plugin. A file is run once.
 
-    Raises UsageError where it cannot be read or run, or has a name that is taken.
+    Raises UsageError if it cannot be read or run, or contains a name that is already in use.
     """
     source = os.path.abspath(path)
     if source not in _loaded:
@@ -94,12 +94,12 @@ def load_installed():
 
 
 def module_file(point):
-    """Path that ends as that of the module of an entry point."""
+    """Return the end of the path of the module of an entry point."""
     return point.module.replace(".", os.sep)
 
 
 def _any_installed():
-    """True where a package has such an entry point: importlib.metadata, which tells, takes longer than a look."""
+    """Return whether an installed package has such an entry point; importlib.metadata would take longer."""
     for folder in dict.fromkeys(sys.path):
         for name in glob("*.*-info/entry_points.txt", root_dir=folder or "."):
             with open(os.path.join(folder, name), "rb") as file:
@@ -111,7 +111,7 @@ def _any_installed():
 def _run(source, path, name):
     spec = spec_from_file_location(name, source)
     if spec is None:
-        raise UsageError(f"plugin {path} is no Python file: its name must end with .py")
+        raise UsageError(f"plugin {path} is not a Python file: its name must end with .py")
     module = module_from_spec(spec)
     sys.modules[name] = module
     try:
@@ -123,22 +123,22 @@ def _run(source, path, name):
 
 
 def _failed(error, source):
-    """What is wrong with a module, with the line of it that was reached last."""
+    """Return the error of a module as text, with the last line of the module that was reached."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if source in frame.filename]
     line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
     return f"cannot be run: {'' if line is None else f'line {line}: '}{type(error).__name__}: {error}"
 
 
 def _register(source, digest, module):
-    """Register what a module has; nothing of it where a name is taken."""
+    """Register the kinds and laws of a module; raises UsageError, and registers none, if a name is in use."""
     own = {id(value): value for name, value in vars(module).items() if not name.startswith("_") and _is_new(value)}
     found = tuple(own.values())
     if not found:
-        raise UsageError(f"plugin {source} has no Kind, SlipLaw or Term of its own at its top level")
+        raise UsageError(f"plugin {source} defines no Kind, SlipLaw or Term at its top level")
     for item in found:
         what, registry = REGISTRIES[type(item)]
         if item.name in registry:
-            raise UsageError(f"plugin {source}: there is a {what} '{item.name}' already")
+            raise UsageError(f"plugin {source}: the name of the {what} '{item.name}' is already in use")
     if any(isinstance(item, Term) for item in found) and is_digested(evaluate_curve.__wrapped__):
         raise UsageError(f"plugin {source} has terms of laws: load it before the first model of the process")
     for item in found:
@@ -152,7 +152,7 @@ def _register(source, digest, module):
 
 
 def _is_new(value):
-    """True for what a deck may name and mecano has not got."""
+    """Return whether a value is a kind or law that a deck can name and that is not registered yet."""
     if type(value) not in REGISTRIES or (isinstance(value, Kind) and value.section not in SECTIONS):
         return False
     return all(value is not known for known in REGISTRIES[type(value)][1].values())

@@ -44,7 +44,7 @@ class System:
         self.batches = batches(instances, self.numbering, self.n_slots, partition)
         self.massless = self._scalars(lambda kind: kind.massless)
         self.signals = self.numbering.kind[: self.n_q] == SIGNAL
-        self.states = self._scalars(lambda kind: kind.states)  # those of the signals whose rates their rows determine
+        self.states = self._scalars(lambda kind: kind.states)  # signals with determined rates
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
@@ -59,7 +59,7 @@ class System:
         self._record()
 
     def _scalars(self, names):
-        """Which unknowns (n_q,) are the scalars of these ``names`` of their kind, as booleans."""
+        """Return (n_q,) bool: unknowns that are the scalars ``names(kind)`` of their kind."""
         found = np.zeros(self.n_q, bool)
         for b in self.batches:
             first = 3 * len(b.kind.layout)
@@ -94,7 +94,7 @@ class System:
         self.data = np.zeros(self.nnz + 1)  # the last entry collects the terms of fixed unknowns
 
     def _record(self):
-        """The record SYSTEM of the loops, and those of the batches."""
+        """Create the record SYSTEM of the loops, and those of the batches."""
         self.values_of_events = _joined(self.batches, "event_values", "n_events")
         self.outputs = _joined(self.batches, "y", "n_outputs")
         self._batch_records = np.concatenate([b.record() for b in self.batches])
@@ -271,7 +271,7 @@ class System:
 
     @property
     def has_events(self):
-        """True when some element has events."""
+        """True if some element has events."""
         return len(self.values_of_events) > 0
 
     def event_values(self, s):

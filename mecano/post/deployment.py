@@ -37,13 +37,13 @@ def deployment_sheet(runs):
             margin = np.where(resists, torque / np.where(resists, resisting, 1.0), np.nan)
             if resists.any():
                 margins.append(curve.of("margin", "-", margin))
-                reported.append(margin_told(angle, margin))
+                reported.append(margin_text(angle, margin))
     panels = [Panel("torque of a motor", tuple(torques))] if torques else []
     panels += [Panel("deployment margin", tuple(margins), note="\n".join(reported))] if margins else []
     return Sheet("deployment", "Deployment: torque of motors and resistance, to the first lock", tuple(panels))
 
 
-def margin_told(angle, margin):
+def margin_text(angle, margin):
     """Return a text on the least ``margin`` (n,) over ``angle`` (n,) [rad], in the last part LATCHING and before."""
     last = np.arange(len(angle)) >= round((1.0 - LATCHING) * len(angle))
     least = []

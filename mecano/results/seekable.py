@@ -1,10 +1,10 @@
-"""Position in a file that HDF5 reads through Python."""
+"""Base class of the file-like objects through which HDF5 accesses a file in Python."""
 
 import os
 
 
 class Seekable:
-    """Base of file-like objects for HDF5: the position, and ``read`` in terms of ``readinto``.
+    """File-like object with a position, and ``read`` in terms of ``readinto`` of the derived class.
 
     Attributes
     ----------
