@@ -67,7 +67,7 @@ NODE_PAIR = pair_of(NODE)
 
 
 def joint_with(output):
-    """The name of a joint with a coordinate that is this output; its checked values take the place of the name."""
+    """Return the type of the name of a joint with this output; its checked value is the values of the joint."""
     return Type("joint", f"the name of a joint with the output '{output}'", (output,))
 
 

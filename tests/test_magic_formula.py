@@ -180,8 +180,8 @@ def test_units_of_the_file(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("FITTYP                   = 61 ", "FITTYP                   = 99 ", "has FITTYP = 99; read are 6, 21"),
-        ("PCX1                     = 1.62", "PCX1                     = abc", "has PCX1 = 'abc', which is no number"),
+        ("FITTYP                   = 61 ", "FITTYP                   = 99 ", "has FITTYP = 99; supported: 6, 21"),
+        ("PCX1                     = 1.62", "PCX1                     = abc", "PCX1 = 'abc', which is not a number"),
         ("PKY1                     = -24.0\n", "", "'tire_law.magic_formula' has no PKY1"),
         ("'meter'", "'furlong'", "has the unit LENGTH = 'furlong'; known: meter"),
         ("VERTICAL_STIFFNESS       = 210000\n", "", "missing 'radial', radial force"),
@@ -200,7 +200,7 @@ def test_what_is_wrong_in_a_file(tmp_path, old, new, said):
     [
         ("file: own.tir", "file: none.tir", "file 'none.tir' cannot be read"),
         ("file: own.tir", "file: ../own.tir", "must lie in the folder of the deck"),
-        ("file: own.tir", "pressure: 2.4 bar", "either a 'file' or 'coefficients'"),
+        ("file: own.tir", "pressure: 2.4 bar", "either 'file' or 'coefficients'"),
         ("{magic_formula: {file: own.tir}}", "{radius: 0.3}", "missing a slip law, one of 'friction', 'fiala'"),
         ("own.tir}}", "own.tir}, friction: 0.8, slip_regularization: 0.1}", "a tyre has one slip law"),
         ("type: wheel", "type: flexible_wheel", "'tire_law.friction' is missing, which a flexible_wheel needs"),

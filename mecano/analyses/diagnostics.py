@@ -80,7 +80,7 @@ def unresolved(values, sampler, ringing):
 
 
 def exceeded(deck, sampler, extremes):
-    """Warnings on outputs whose size went beyond what the deck says an element is good for, one text each."""
+    """Return a warning for each output whose magnitude exceeded the limit of validity of its element."""
     below = -extremes.low > extremes.high
     worst = np.where(below, extremes.low, extremes.high)
     when = np.where(below, extremes.low_time, extremes.high_time)

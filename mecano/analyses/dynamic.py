@@ -48,7 +48,7 @@ def begun(
 
 @contextmanager
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
-    """``begun`` while no other process writes the file."""
+    """Run ``begun`` while no other process writes the file."""
     prepared = prepare(deck, compile_time_integration)
     found = abandonable(bring_to_start, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
@@ -85,7 +85,7 @@ def _resumable(path):
 
 
 def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
-    """Go on with the run in the results file ``path`` from its last checkpoint; returns the final RunState.
+    """Resume the run in the results file ``path`` from its last checkpoint; return the final RunState.
 
     Without such a file, or without a checkpoint in it, the run starts anew. Return None if the run is complete. The
     results are bit for bit those of an uninterrupted run on the same machine with the same versions and number of
@@ -98,7 +98,7 @@ def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None
 
 
 def _resume(deck, path, *around):
-    """``resume`` while no other process writes the file."""
+    """Run ``resume`` while no other process writes the file."""
     observers, reporters, announce, interruption, interval = around
     if not exists(path):
         with _from_the_start(deck, path, False, *around) as ongoing:
@@ -121,7 +121,7 @@ def _resume(deck, path, *around):
 
 
 def _go_on(deck, left, observers, reporters, announce, interruption, interval):
-    """March on from the checkpoint of the Remains ``left``, into a file that takes their place."""
+    """Continue from the checkpoint of the InterruptedRun ``left``, in a new file that replaces its file."""
     prepared = prepare(deck, compile_time_integration)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start, recorded = restore(left.checkpoint["run"], integrator)

@@ -17,14 +17,14 @@ COMPILING = "compiling elements used for the first time: this takes a minute or 
 
 
 class Progress:
-    """Reporter of a march; all output goes to the standard error stream."""
+    """Reporter of the progress of a run; all output goes to the standard error stream."""
 
     def __init__(self, values, quiet, path):
         self.start, self.end, self.path = values["start"], values["end"], path
         self.quiet, self.terminal = quiet, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
         self.compiled = compile_time()
-        self.tenths, self.marching, self.announced = 0, None, False
+        self.tenths, self.integrating, self.announced = 0, None, False
 
     def announce_compiling(self):
         """Print a note before the first function is compiled, if any has to be, and show how many are ready."""
@@ -48,11 +48,11 @@ class Progress:
             self._say("\n".join(lines) + "\n")
 
     def __call__(self, run):
-        """Show simulated time, step size and the time that is left."""
+        """Show simulated time, step size and remaining time."""
         if self.quiet:
             return
         now, share = time.monotonic(), self._share(run)
-        self.marching = self.marching or (now, share)
+        self.integrating = self.integrating or (now, share)
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
             self._say(f"\r[{_bar(share)}] {self._numbers(run, now, share)}\x1b[K")
@@ -61,14 +61,13 @@ class Progress:
             self._say(f"{self._numbers(run, now, share)}\n")
 
     def done(self, run):
-        """Print the last lines: counts of steps and iterations, time taken, results file."""
+        """Print the last lines: numbers of steps and iterations, elapsed time, results file."""
         self.finished(
-            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations with those of rejected "
-            "steps"
+            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations including rejected steps"
         )
 
     def finished(self, text):
-        """Print the last lines: ``text``, time taken, results file."""
+        """Print the last lines: ``text``, elapsed time, results file."""
         compiling = compile_time() - self.compiled
         more = f" and {compiling:.2f} s for compiling" if compiling >= NOTICED else ""
         self.note(f"{text}, in {time.monotonic() - self.begun - compiling:.2f} s{more}")
@@ -78,7 +77,7 @@ class Progress:
         return (run.motion.t - self.start) / (self.end - self.start)
 
     def _numbers(self, run, now, share):
-        begun, first = self.marching
+        begun, first = self.integrating
         text = f"t = {run.motion.t:.4g} of {self.end:g} s, step {run.h:.2g} s"
         return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
 

@@ -15,7 +15,7 @@ FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 
 
 class Recorder:
-    """Writes saved times, solver history, events and extremes of a march.
+    """Writer of saved times, solver history, events and extremes of a run.
 
     ``poll()`` is called after every ``LOOK`` saved times within a step; it may raise Stopped.
     """
@@ -53,12 +53,12 @@ class Recorder:
         self.ringing.begin()
 
     def to_plain(self):
-        """Return what ``from_plain`` needs to go on at the beginning of the next step."""
+        """Return plain data from which ``from_plain`` continues at the beginning of the next step."""
         saved = int(self.output.record["saved"][0])
         return {"saved": saved, "row": self.row, "ringing": self.ringing.to_plain()}
 
     def from_plain(self, plain):
-        """Go on at a checkpoint: nothing is written. Raises ValueError where the row is of another model."""
+        """Continue at a checkpoint, without writing; raises ValueError if the row belongs to another model."""
         self.row[:], self.output.record["saved"] = plain["row"], plain["saved"]
         self.ringing.from_plain(plain["ringing"])
 
@@ -81,13 +81,13 @@ class Recorder:
             )  # fmt: skip
 
     def report(self, run):
-        """Give the writer what is in the buffers, now and then."""
+        """Pass the contents of the buffers to the writer, at intervals."""
         if clock.monotonic() >= self._due:
             self.flush()
 
     @contextmanager
     def emptied(self):
-        """Give the writer what is in the buffers at the end, also of a march that fails, unless the writer does."""
+        """Pass the contents of the buffers to the writer at the end, also of a failed run, unless the writer failed."""
         try:
             yield
         except ResultsError:
@@ -98,20 +98,20 @@ class Recorder:
         self.flush()
 
     def empty(self, again=False):
-        """Give the writer what is in the full buffers; may raise Stopped where one step fills them ``again``."""
+        """Pass the contents of full buffers to the writer; may raise Stopped if one step fills them ``again``."""
         self.flush()
         if again:
             self.poll()
 
     def flush(self):
-        """Give the writer what is in the buffers."""
+        """Pass the contents of the buffers to the writer."""
         rows, steps = self.output.taken()
         self.writer.extend("output", rows)
         self.writer.extend("solver", steps)
         self._due = clock.monotonic() + INTERVAL
 
     def refuse(self, t):
-        """Raise an error where the last step, to the time t [s], is one from which the run cannot go on."""
+        """Raise an error if the run cannot continue from the last step, to the time t [s]."""
         code, which = self.output.outcome()
         if code == NOT_FINITE:
             raise self._not_finite(t, which)

@@ -74,7 +74,7 @@ class InterruptedRun:
             raise ResultsError(f"{self.path} is still being written, by process {process}")
 
     def _changed_plugins(self):
-        """What is different about the plugins of the run, in words; "" where nothing is."""
+        """Return the differences of the plugins from those of the run as text, "" if there are none."""
         before, now = (json.loads(text) for text in (self.results.metadata.get("plugins", "{}"), plugins()))
         was, has = ({one["sha256"]: source for source, one in found.items()} for found in (before, now))
         missing, other = ([of[key] for key in of if key not in rest] for of, rest in ((was, has), (has, was)))

@@ -19,9 +19,9 @@ UNTIL = "mecano: {} (until Ctrl-C)"
 def view(file, wait, overrides):
     """Show a deck before it runs, or the motion of a results file, in a browser.
 
-    Of a deck: the model as it is assembled, with the axes of its joints; names are shown under the pointer. Of results:
-    the page of `mecano post --animate`, which follows a run that goes on. The address that is printed is one of this
-    machine alone, and has a token; Ctrl-C ends it.
+    For a deck: the assembled model with the axes of its joints; point at a part to see its name. For results: the page
+    of `mecano post --animate`, updated while the run continues. The printed address, which contains a token, is
+    available on this machine only; Ctrl-C ends the command.
     """
     with suppress(KeyboardInterrupt):
         if wait or _is_results(file):
@@ -34,7 +34,7 @@ def view(file, wait, overrides):
 
 
 def _is_results(file):
-    """True where a file is HDF5, or has the name of one."""
+    """Return whether a file is HDF5, by its content or its name."""
     with suppress(OSError), open(file, "rb") as content:
         return content.read(8) == b"\x89HDF\r\n\x1a\n"
     return os.path.splitext(file)[1] == ".h5"

@@ -96,7 +96,10 @@ def written_out(root, sections, scope):
         known = dict.fromkeys(f.name for f in (*sections, *LANGUAGE))
         filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, known)
         if not scope.problems:
-            scope.refuse(copies.without_value, "this needs a number: a value of 'repeat' or of 'place' in it is none")
+            scope.refuse(
+                copies.without_value,
+                "this must be a number: it contains a value of 'repeat' or 'place' that is not a number",
+            )
         raise DeckError(scope.problems, UNCHECKED)
     return root
 

@@ -56,8 +56,8 @@ def describe_term(term):
 
 
 def describe_slip_law(law):
-    """A slip law of tyres: its fields."""
-    fields = (Field(law.name, law.type, "-", "stands in a tyre law"),)
+    """Return the description of a slip law of tyres: its documentation and fields."""
+    fields = (Field(law.name, law.type, "-", "a field of a tyre law"),)
     parts = [f"{law.name} (slip law, a field of 'tire_laws')", "", law.doc.strip(), "", "Fields", *field_lines(fields)]
     return "\n".join([*parts, *example_lines(law.name, "tire_laws", WIDTH)]) + "\n"
 

@@ -113,16 +113,16 @@ GRIP_FIELDS = (
     Field("factor", CURVE, "-", "factor on the friction of tyres, a curve of the distance [m] from the plane's point"),
 )
 MOTION_FIELDS = (
-    Field("direction", DIRECTION, "-", "direction in which it moves as a belt", None),
+    Field("direction", DIRECTION, "-", "direction in which it moves (a belt)", None),
     Field("speed", CURVE, "m/s", "speed along the direction, a curve of the time", None),
-    Field("rate", CURVE, "rad/s", "angular velocity about the normal as of a turntable, a curve of the time", None),
+    Field("rate", CURVE, "rad/s", "angular velocity about the normal (a turntable), a curve of the time", None),
     Field("centre", POSITION, "m", "point about which it turns; that of the plane when absent", None),
 )
 GROUND_FIELDS = (
     Field("plane", mapping(*PLANE_FIELDS), "-", "plane of the ground, or reference plane of its profile"),
     Field("profile", mapping(*PROFILE_FIELDS), "-", "unevenness; the ground is flat when absent", None),
     Field(
-        "friction", mapping(*GRIP_FIELDS), "-", "friction that differs along the ground: wheels with a tyre law", None
+        "friction", mapping(*GRIP_FIELDS), "-", "friction that varies along the ground: wheels with a tyre law", None
     ),
     Field("motion", mapping(*MOTION_FIELDS), "-", "motion of a flat ground in its plane: wheel, transient_wheel", None),
 )

@@ -1,4 +1,4 @@
-"""Files .tir of tyres: keys and numbers in sections, with the units of the file, turned into SI units."""
+"""Read .tir files of tyres: keys and numbers in sections, converted from the units of the file to SI units."""
 
 import math
 import os
@@ -32,9 +32,9 @@ FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
 
 
 def read_tyre(name, node, scope):
-    """Coefficients (dict) that the formula uses of a file named in the deck at ``node``.
+    """Return the coefficients used by the Magic Formula (dict) from a file named in the deck at ``node``.
 
-    None with the problems noted where it cannot be read, is of another formula or has a number that is none.
+    Return None, with errors noted, if it cannot be read, is for another formula or contains an invalid number.
     """
     path = within(name, node, scope)
     if path is None:
@@ -52,14 +52,14 @@ def read_tyre(name, node, scope):
 
 
 class _Reading:
-    """One walk through the lines of a file."""
+    """Reader of one file."""
 
     def __init__(self, source, node, name, scope):
         self.source, self.node, self.name, self.scope = source, node, name, scope
         self.texts, self.sizes = {}, dict.fromkeys(UNITS, 1.0)
 
     def coefficients(self):
-        """The numbers by name in SI units, as far as the formula uses them."""
+        """Return {name: number in SI units} of the coefficients that the formula uses."""
         before = len(self.scope.problems)
         self._read()
         version = self._version()
@@ -103,12 +103,12 @@ class _Reading:
         what = (
             f"FITTYP = {self.texts['FITTYP']}" if kind is not None else f"no FITTYP, format {quoted(named or 'none')}"
         )
-        return self._refuse(f"has {what}; read are 6, 21 (Magic Formula 5.2, PAC2002), 60, 61 (6.1) and 62 (6.2)")
+        return self._refuse(f"has {what}; supported: 6, 21 (Magic Formula 5.2, PAC2002), 60, 61 (6.1) and 62 (6.2)")
 
     def _number(self, key, text):
         found = number(text)
         if found is None or not math.isfinite(found):
-            self._refuse(f"has {key} = {quoted(text)}, which is no number")
+            self._refuse(f"has {key} = {quoted(text)}, which is not a number")
             return 0.0
         length, force, angle, time = POWERS.get(key, (0, 0, 0, 0))
         s = self.sizes

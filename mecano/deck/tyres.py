@@ -1,4 +1,4 @@
-"""Tyre laws of a deck: their files, what a slip law knows of the others' fields, and what then is still missing."""
+"""Complete the tyre laws of a deck: read their files, and fill in the fields that their slip laws provide."""
 
 from mecano.deck.tyre_file import read_tyre
 from mecano.deck.wording import quoted
@@ -9,9 +9,9 @@ REQUIRED = {"radius": "undeformed radius [m]", "radial": "radial force [N], a cu
 
 
 def complete_tyres(tire_laws, root, scope):
-    """Read files of tyres, and fill in what the slip laws know of the other fields; note what is missing or too much.
+    """Read files of tyres, fill in fields that slip laws provide, and note errors for missing or excess fields.
 
-    ``tire_laws`` are the checked values by name, changed in place; ``root`` the tree of the deck.
+    ``tire_laws``: checked values by name, changed in place; ``root``: tree of the deck.
     """
     for name, values in tire_laws.items():
         key, node = root.value["tire_laws"][1].value[name]
@@ -32,10 +32,10 @@ def complete_tyres(tire_laws, root, scope):
 
 
 def _with_file(values, entry, scope):
-    """Put the coefficients of its file into the values of a Magic Formula; False where they cannot be had."""
+    """Replace the file of a Magic Formula by its coefficients; return False, with errors noted, if that fails."""
     key, node = entry
     if (values["file"] is None) == (values["coefficients"] is None):
-        scope.refuse(key, "a Magic Formula has either a 'file' or 'coefficients'")
+        scope.refuse(key, "a Magic Formula needs either 'file' or 'coefficients'")
         return False
     if values["file"] is not None:
         found = read_tyre(values["file"], node.value["file"][1], scope)

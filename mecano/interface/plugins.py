@@ -14,7 +14,7 @@ def load_plugin(path: str | os.PathLike[str]) -> list[str]:
     Returns
     -------
     list of str
-        Names of what it registered.
+        Names of the kinds and laws that it registered.
 
     Raises
     ------

@@ -125,7 +125,7 @@ class _Reader:
         return most
 
     def _pairs(self, code, operands, level):
-        """Steps of an operation of two operands, or of one after the other of several."""
+        """Append the steps of a binary operation, applied successively to several operands."""
         most = self._put(operands[0], level + 1)
         for operand in operands[1:]:
             most = max(most, 1 + self._put(operand, level + 1))
@@ -143,7 +143,7 @@ class _Reader:
         raise FormulaError(f"there is no function '{name}'; known: {', '.join(FUNCTIONS)}", self._column(tree))
 
     def _leaf(self, tree):
-        """A number, the time, a constant, or the name of a quantity."""
+        """Append the step of a number, the time, a constant, or the name of a quantity."""
         if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
             self.program.append((NUMBER, self._number(tree)))
         elif isinstance(tree, ast.Name) and tree.id in CONSTANTS:

@@ -93,7 +93,7 @@ def number_terms():
     Called again when terms are registered, before the first law of the process is packed or compiled.
     """
     global LAST_CURVE, curve_term, force_term, integral_term
-    # curves first: one comparison then tells a curve from a force
+    # curves first: one comparison then distinguishes a curve from a force
     CODES.update((name, code) for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1))
     curves, forces = (
         {CODES[name]: term.evaluate for name, term in TERMS.items() if term.role == role} for role in ("curve", "force")

@@ -47,7 +47,7 @@ class Term:
     """{field: value} -> [argument]: jumps and corners of a curve"""
     shape: Callable = nothing
     """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
-    little: from ``low`` to ``high`` of what is endless (a sine), all of what is not (a table, an edge)"""
+    little: from ``low`` to ``high`` for unbounded terms (a sine), everything for bounded ones (a table, an edge)"""
     sample: Callable | None = None
     """() -> [{field: value}] for the generic tests of a term that is not one of mecano's"""
 

@@ -167,7 +167,7 @@ def fill(
 
 @entry
 def node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, R: Matrices, row_out: Vector):
-    """Position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
+    """Write position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
     for i in range(x.shape[0]):
         A = mat(R[rotation[i]])
         j = 13 * i

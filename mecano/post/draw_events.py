@@ -7,7 +7,7 @@ from mecano.post.sheet import Panel
 from mecano.post.style import COLOURS, GREY, PALE
 
 MARKERS = "v^sDoPX*"
-OTHERS = "|"  # the mark of what has none of its own
+OTHERS = "|"  # common mark of all further events
 MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer to one another
 LINE_ROOM = 0.01  # the same of lines
 MANY = 8  # events from which on lines that are close are left out

@@ -5,7 +5,7 @@ import numpy as np
 AZIMUTHS = np.radians([a for a in range(-170, 181, 10) if 20 <= abs(a) % 90 <= 70])  # not along an axis
 ELEVATIONS = np.radians((14.0, 22.0, 35.0))
 USUAL = np.radians((-60.0, 22.0))  # the direction where all others are as good
-PREFERRED = 0.15  # what the usual direction is worth
+PREFERRED = 0.15  # bonus in the score of the usual direction
 
 
 def eye(cloud, wheels=(), up=(0.0, 0.0, 1.0)):

@@ -6,7 +6,7 @@ STEEPEST = 0.2  # component of the normal along the vertical axis below which th
 POINTS = 60
 POINTS_OF_WAY = 500
 BESIDE = 3.0  # radii beyond the way
-ROUND = 0.15  # of its size: a patch is wider than what stands on it
+ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to its size
 
 
 def ground_line(deck, ground, axes, centre, half_width):

@@ -19,7 +19,7 @@ from mecano.results.writer import WRITING
 
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
-MOST_NAMES = 6  # of what has the same outputs
+MOST_NAMES = 6  # names listed of entries with the same outputs
 WIDTH = 100
 NOTICED = 0.01  # s, least compile time reported
 RESUME = "--resume"

@@ -24,7 +24,7 @@ class Look:
         panels = [panel for panel in sheet.panels if isinstance(panel, Panel)]
         whats = max((len(panel.whats) for panel in panels), default=1)
         alone = all(len(panel.subjects) * len(panel.whats) == 1 for panel in panels)
-        self._told_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
+        self._legend_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
         self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, whats)
         self._owners = None if panel_by_panel else sheet.subjects
 
@@ -43,7 +43,7 @@ class Look:
     def _key(self, curve, panel):
         """Return the numbers of colour and dashes; len(DASHES) or more for a curve without a style of its own."""
         subjects = self._subjects(panel)
-        if curve.subject not in subjects or curve.run >= len(self._told_runs or [0]):
+        if curve.subject not in subjects or curve.run >= len(self._legend_runs or [0]):
             return 0, len(DASHES)
         many = max(len(panel.whats), 1)
         what = panel.whats.index(curve.y.what) if curve.y.what in panel.whats else 0
@@ -79,8 +79,8 @@ class Look:
     def handles(self):
         """Return the legend of the whole sheet: runs, or elements if there are several."""
         if self.runs:
-            handles = [_handle(i, name) for i, name in enumerate(self._told_runs)]
-            return handles + _others(len(self.runs) - len(self._told_runs))
+            handles = [_handle(i, name) for i, name in enumerate(self._legend_runs)]
+            return handles + _others(len(self.runs) - len(self._legend_runs))
         if self._sheet is None or len(self._owners) < 2:
             return []
         handles = [_handle(i, name) for i, name in enumerate(self._sheet)]

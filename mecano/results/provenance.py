@@ -60,7 +60,7 @@ def displays(resolved):
 
 
 def read_displays(file, resolved):
-    """Return the same as ``displays``, from an open file that holds the deck; older ones do not tell."""
+    """Return ``displays`` as stored in an open results file; for older files, those of the current kinds."""
     if "deck/displays" not in file:
         return displays(resolved)
     return {name: Display(**values) for name, values in json.loads(file["deck/displays"][()]).items()}

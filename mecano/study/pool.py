@@ -44,7 +44,7 @@ def case_words(folder, limits):
 
 
 def plugin_words():
-    """Options that name the plugins of this process to another one."""
+    """Return the options by which another process loads the plugins of this one."""
     return [word for file in plugins.files() for word in ("--plugin", file)]
 
 

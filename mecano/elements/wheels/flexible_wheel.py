@@ -20,8 +20,8 @@ in straight rolling without slip, dy/dt = v_lat - V psi. Internal forces (51), w
     x: F_fr - N n      Theta: R^T (rho x G)      y: F - a.G - s N_d      psi: M - y (n x a).F_fr
 
 with N_d the part of N by damping. Upright this is the paper's (51) and the overturning moment y N about t, which it
-leaves out. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. What the lateral law stores
-and dissipates, and what it exchanges with the rolling, is in docs/tyres.md.
+neglects. Laws without a rate of psi have psi: M, and no dpsi/dt in v_C. The energy that the lateral law stores,
+dissipates and exchanges with the rolling is given in docs/tyres.md.
 
 In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see ``adhesive_wheel``. Validity as
 ``wheel``.

@@ -20,16 +20,16 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class Compliance:
-    """The symmetric matrix c, which couples rows of one element only, rows P, and where they stand in the tangent.
+    """The symmetric matrix c, which couples rows of one element only, rows P, and their entries in the tangent.
 
-    Constraints on velocities give way by c for each second: ``lag`` times c in a step, whose rows are displacements.
-    The rows P count ``RELEASED_COMPLIANCE`` over the stiffness of the step. They may couple elements, for which the
-    tangent has no place. There they are the identity, with which Newton's iteration converges as well: P projects on
-    just those reactions that change with the multipliers of constraints let go.
+    Constraints on velocities have the compliance c per second: ``lag`` times c in a step, whose rows are displacements.
+    The rows P are multiplied by ``RELEASED_COMPLIANCE`` over the stiffness of the step. They may couple elements, for
+    which the tangent has no entries. There they are replaced by the identity, with which Newton's iteration converges
+    as well: P projects on exactly those reactions that change with the multipliers of released constraints.
     """
 
     matrix: object  # csr_matrix (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
-    places: np.ndarray  # (matrix.nnz,) in the values of the tangent; its last one for what has none
+    places: np.ndarray  # (matrix.nnz,) indices into the values of the tangent; the last one if there is none
     of_rates: np.ndarray  # (matrix.nnz,) bool
     released_entries: np.ndarray  # (matrix.nnz,) bool: P
     values: np.ndarray  # (matrix.nnz,) in a step
