@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from llvmlite.binding import get_host_cpu_features as host_features
 
 from mecano.errors import ResultsError
-from mecano.jit import compiler, store, trust
+from mecano.jit import compiler, shipped, store, trust
 from mecano.jit.closure import digest
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
@@ -223,8 +224,8 @@ FAILING = """
 """
 
 
-def run_script(script, folder, check=True):
-    environment = {**os.environ, store.FOLDER: str(folder)}
+def run_script(script, folder, check=True, **variables):
+    environment = {**os.environ, store.FOLDER: str(folder), **variables}
     command = [sys.executable, "-c", textwrap.dedent(script)]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=check)
 
@@ -251,6 +252,21 @@ class TestStore:
         assert run_script(SCRIPT, tmp_path).stdout.split() == ["True", first]
         path.rename(path.with_name(path.name.replace("-", "-0", 1)))
         assert run_script(SCRIPT, tmp_path).stdout.split() == ["True", first]
+
+    def test_an_installation_with_machine_code_needs_no_compiler(self, tmp_path):
+        """On a processor of its level, of the user who installed it, and as long as nobody else can write there."""
+        if not set(shipped.LEVELS["x86-64-v2"].split()) <= {n for n, yes in host_features().items() if yes}:
+            pytest.skip("not a processor of this level")
+        head = f"from mecano.jit import shipped, store\nshipped.OBJECTS = store.Path({str(tmp_path / 'objects')!r})\n"
+        script, level = head + textwrap.dedent(SCRIPT), {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}
+        first = run_script(script, tmp_path / "a", **level).stdout.split()[1]
+        ship = f"{head}print(*store.ship('x86-64-v2'))"
+        folder = run_script(ship, tmp_path / "a", **level).stdout.split()[0]
+        assert "this process compiles for" in run_script(ship, tmp_path / "a", check=False).stderr
+        assert run_script(script, tmp_path / "b").stdout.split() == ["False", first]
+        assert not list((tmp_path / "b").rglob("*.o"))
+        Path(folder).chmod(0o777)
+        assert run_script(script, tmp_path / "c").stdout.split()[0] == "True"
 
     def test_folders_are_private_and_those_of_others_are_refused(self, tmp_path, monkeypatch):
         monkeypatch.setenv(store.FOLDER, str(tmp_path / "new" / "base"))

@@ -55,7 +55,8 @@ def _start(codes, tasks, done, alive, held):
         gc.disable()  # a process this short needs none, and it takes a tenth of the time
         threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
         while index := os.read(tasks, INDEX.size):
-            store.compile_code(codes[INDEX.unpack(index)[0]])
+            with suppress(Exception):
+                store.compile_code(codes[INDEX.unpack(index)[0]])
             os.write(done, index)
     finally:
         os._exit(0)

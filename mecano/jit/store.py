@@ -83,8 +83,11 @@ def shared_folder():
 
 @cache
 def _trusted_folders():
-    """Return the folders that others may have written, and whose files are trusted all the same."""
-    return [found for found in (shared_folder(), shipped.folder(_sources())) if found is not None]
+    """Return the folders of others whose files are trusted."""
+    own_package = shipped.folder(_sources())
+    if own_package is not None and trust.is_writable_by_others(own_package):
+        own_package = None
+    return [found for found in (shared_folder(), own_package) if found is not None]
 
 
 @cache
@@ -112,7 +115,6 @@ def processor():
     )  # fmt: skip
 
 
-@cache
 def _sources():
     """Return the digest of the modules that generate code."""
     here = Path(__file__).parent

@@ -51,6 +51,11 @@ def refuse_untrusted(folder):
         )
 
 
+def is_writable_by_others(folder):
+    """Return whether an untrusted user could have written to a folder of an installed package."""
+    return hasattr(os, "getuid") and bool(_problem(folder, _installers()))
+
+
 def is_trusted(file):
     """Return whether only trusted users could have written an open file of a shared store."""
     return not hasattr(os, "getuid") or not _problem_of(os.fstat(file.fileno()), _installers())

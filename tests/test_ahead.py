@@ -1,0 +1,109 @@
+"""Functions compiled by several processes before the first is needed."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import pytest
+
+from mecano.jit import ahead, store
+from mecano.jit.store import Code
+
+PATIENCE = 20.0  # s
+
+
+@pytest.fixture
+def empty_store(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "_listeners", [])
+    return tmp_path
+
+
+def made(name, tmp_path, seconds=0.0):
+    """A function whose compilation takes some seconds and leaves a line in a file."""
+
+    def generate(_):
+        with open(tmp_path / "made.txt", "a") as file:
+            file.write(f"{name} {os.getpid()}\n")
+        time.sleep(seconds)
+        if name == "bad":
+            raise SystemError("bad")
+        return name, b"machine code"
+
+    return Code(name, "0", generate)
+
+
+def test_processes_share_the_work(empty_store, monkeypatch):
+    """Each function is compiled once, none by this process; what is there, or given twice, is not compiled again."""
+    monkeypatch.setattr(ahead, "cores", lambda: 2)
+    codes = [made(name, empty_store, 0.2) for name in ("a", "b", "c", "d", "e")]
+    store.write(codes[0].file, b"e\nmachine code")
+    reported = []
+    store.while_compiling(lambda *counts: reported.append(counts))
+    ahead.compile_ahead([*codes, codes[1]])
+    names, processes = zip(*(line.split() for line in (empty_store / "made.txt").read_text().splitlines()), strict=True)
+    assert sorted(names) == ["b", "c", "d", "e"]
+    assert len(set(processes)) == 2 and str(os.getpid()) not in processes
+    assert reported == [(i, 4) for i in range(5)]
+    assert all(store.read(code.file) == b"%s\nmachine code" % code.name.encode() for code in codes[1:])
+
+
+def test_what_a_process_cannot_compile_is_left_to_its_first_use(empty_store, monkeypatch):
+    monkeypatch.setattr(ahead, "cores", lambda: 2)
+    bad, good = made("bad", empty_store), [made(name, empty_store) for name in ("a", "b")]
+    ahead.compile_ahead([bad, *good])
+    assert [store.holds(code.file) for code in (bad, *good)] == [False, True, True]
+    with pytest.raises(SystemError, match="bad"):
+        store.address(bad)
+
+
+def test_a_file_is_compiled_by_one_process_at_a_time(empty_store):
+    code = made("once", empty_store, 0.3)
+    child = os.fork()
+    if not child:
+        store.compile_code(code)
+        os._exit(0)
+    store.compile_code(code)
+    os.waitpid(child, 0)
+    assert (empty_store / "made.txt").read_text().count("once") == 1
+    assert not list(empty_store.glob("*.lock"))
+
+
+def test_processes_end_with_the_one_that_started_them(tmp_path):
+    script = """
+        import os, pathlib, sys, time
+        from mecano.jit import ahead
+        from mecano.jit.store import Code
+
+        def generate(compiler):
+            pathlib.Path(sys.argv[1], str(os.getpid())).touch()
+            time.sleep(1000.0)
+
+        ahead.cores = lambda: 2
+        ahead.compile_ahead([Code(name, "0", generate) for name in "abc"])
+    """
+    environment = {**os.environ, store.FOLDER: str(tmp_path / "store")}
+    (tmp_path / "running").mkdir()
+    command = [sys.executable, "-c", textwrap.dedent(script), str(tmp_path / "running")]
+    with subprocess.Popen(command, env=environment) as process:
+        deadline = time.monotonic() + PATIENCE
+        while len(os.listdir(tmp_path / "running")) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGKILL)
+    children = [int(name) for name in os.listdir(tmp_path / "running")]
+    assert len(children) == 2
+    while any(map(lives, children)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(map(lives, children))
+
+
+def lives(process):
+    """True while a process runs: one that ended, and that nobody waits for, is a zombie in a container."""
+    try:
+        with open(f"/proc/{process}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
