@@ -9,6 +9,7 @@ from contextlib import suppress
 from mecano.jit import store
 from mecano.process.cores import cores
 
+MOST = 8  # processes; each takes 0.3 GB
 INDEX = struct.Struct("H")  # of a code, as it passes through a pipe; the system never splits so few bytes
 
 
@@ -18,7 +19,7 @@ def compile_ahead(codes):
     A code that a process fails to compile is left for ``store.address``, which reports why.
     """
     missing = list({code.file: code for code in codes if not store.holds(code.file)}.values())
-    processes = min(cores(), len(missing))
+    processes = min(cores(), MOST, len(missing))
     if processes > 1:
         with suppress(OSError):  # no process, or no pipe, is left: each code is compiled when it is needed
             _compile(missing, processes)
