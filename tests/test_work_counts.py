@@ -1,9 +1,16 @@
-"""What reference runs cost, in counts that do not depend on the machine: steps, Newton iterations, factorizations."""
+"""What reference runs cost, in counts that do not depend on the machine.
+
+Steps, Newton iterations, factorizations; functions that a first run compiles, most of whose cost is per function.
+"""
 
 import pytest
 from time_runs import input_deck
 
 from mecano.analyses import dynamic
+from mecano.analyses.compilation import TIME_INTEGRATION
+from mecano.analyses.prepare import prepare
+from mecano.jit import closure
+from mecano.model import loops
 from mecano.solve.linear.sparse import LinearSolver
 
 GROWTH = 1.03  # from which on a count is one of a slower program: find out why, or say why it must be so
@@ -17,6 +24,8 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("bouncing_ball",): (535, 535, 1336),
     ("flexible_pendulum", "time.end=0.2"): (200, 400, 202),
 }
+
+COMPILED = {"pendulum": (27, 160), "nose_gear_rigid": (42, 268)}  # machine code objects, functions in them
 
 
 def counts(deck, path, monkeypatch):
@@ -46,4 +55,18 @@ def test_reference_runs_cost_no_more(deck, tmp_path, monkeypatch):
     found = counts(input_deck(*deck), tmp_path / "r.h5", monkeypatch)
     for what, now, before in zip(("steps", "Newton iterations", "factorizations"), found, REFERENCE[deck], strict=True):
         assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
+        assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
+
+
+@pytest.mark.parametrize("name", COMPILED)
+def test_a_first_run_compiles_no_more_functions(name, monkeypatch):
+    monkeypatch.setattr(closure, "_digests", {})
+    loops._code.cache_clear()
+    system = prepare(input_deck(name)).system
+    loops._code.cache_clear()
+    closure._digests.clear()
+    objects = {code.file for code in (*(entry.code for entry in TIME_INTEGRATION), *system.codes())}
+    found = len(objects), len(closure._digests)
+    for what, now, before in zip(("objects", "functions"), found, COMPILED[name], strict=True):
+        assert now <= GROWTH * before, f"{what}: {now}, were {before}; both counts: {found}"
         assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"

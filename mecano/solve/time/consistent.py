@@ -28,6 +28,7 @@ FAST = 1e-4  # of a step: a scalar without inertia that settles within this time
 SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
+NEXT, LAST = [1, 2, 0], [2, 0, 1]  # components after and before each in the cycle of x, y, z
 ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
 
@@ -251,7 +252,8 @@ class Consistent:
         """B (omega x alpha) (n_l,), material, of all rotations of ``s``: see ``GeneralizedAlpha._history``."""
         of, turning = self.system.numbering, s.copy()
         at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
-        turning.v[at] += np.cross(s.v[at], s.a[at])
+        omega, alpha = s.v[at], s.a[at]
+        turning.v[at] += omega[:, NEXT] * alpha[:, LAST] - omega[:, LAST] * alpha[:, NEXT]  # np.cross takes far longer
         return self.system.constraint_derivatives(turning)[:, 1] - self.system.constraint_derivatives(s)[:, 1]
 
 

@@ -294,12 +294,12 @@ class Strides:
         code = self._march()
         if r["done"]:
             run = self._run(run)
-        self.workspace.held = run
+        self.workspace.held = run if run.h == self.workspace.record["h"][0] else None  # else its history is not there
         if code == DECIDE:
             return run, self._trial(run), True
         if code == REPEAT:
             r["phase"] = READY
-        return run, None, code == REPEAT or (code == ENOUGH and r["done"] < most)
+        return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
     def _march(self):
         """Step on, and empty the buffers of the output as often as they are full; a code above."""
