@@ -1,5 +1,6 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
+import math
 from dataclasses import replace
 
 from mecano.deck import values
@@ -26,6 +27,7 @@ from mecano.schema import mapping as mapping_type
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
+MOST_SAMPLES = 2_000_000  # sampling times of a signal, each of which is kept and ends a step
 UNCHECKED = "consistency is checked once these errors are fixed"
 
 
@@ -120,6 +122,7 @@ def checked_values(root, sections, scope):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _check_saved_times(result, root, scope)
+    _check_samples(result, root, scope)
     complete_tyres(result.get("tire_laws", {}), root, scope)
     resolve(result, scope)
     check_formulas(result, scope)
@@ -191,6 +194,16 @@ def _check_saved_times(result, root, scope):
         text = f"'output.every' asks for {count:.3g} saved times in one step of 'time.step', {time['step']:g} s"
         hint = f"between steps results are interpolated: write 'step', or {time['step'] / MOST_IN_A_STEP:.3g} s or more"
         scope.refuse(node, text, hint)
+
+
+def _check_samples(result, root, scope):
+    """Refuse a sampling period with too many sampling times, each of which ends a step, to the end of the run."""
+    time = result["time"]
+    for name, d in result.get("signals", {}).items():
+        if time and (count := (time["end"] - time["start"]) / d.get("period", math.inf)) > MOST_SAMPLES:
+            node = root.value["signals"][1].value[name][1].value["period"][1]
+            text = f"signal {quoted(name)}: 'period' asks for {count:.3g} sampling times to the end of the run"
+            scope.refuse(node, text, f"at most {MOST_SAMPLES:,} are possible")
 
 
 def _check_version(root, problems):

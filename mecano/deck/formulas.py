@@ -9,9 +9,10 @@ from mecano.deck.laws import law_or_name
 from mecano.deck.parameters import Refused
 from mecano.deck.scope import INVALID, Reference
 from mecano.deck.units import is_quantity
-from mecano.deck.values import number
+from mecano.deck.values import in_range, number
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
+from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
 from mecano.schema import NUMBER
@@ -77,6 +78,9 @@ def _read(text, node, scope):
         exact = numbers == text
         message = f"the formula {quoted(text)}: {error.message}"
         return scope.refuse_expression(node, ExpressionError(message, error.column if exact else 0))
+    for code, x in found.program:
+        if code == NUMBER_STEP and not in_range(x):
+            return scope.refuse_expression(node, ExpressionError(f"the formula {quoted(text)}: {x:g} is out of range"))
     return found
 
 

@@ -19,6 +19,8 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
 
+MOST_COEFFICIENTS = 101  # of a polynomial: roots of higher ones depend on the rounding of the coefficients
+
 RECORD = record(n="i", m="i", table="i")
 """Numbers of states and of inputs; start of the rows of [A B] in the table of laws, followed by the row [C D]."""
 
@@ -96,6 +98,8 @@ def check_transfer(d, nodes):
     a, b = d["denominator"], d["numerator"]
     if len(a) < 2 or a[-1] == 0.0:
         return ["'denominator' must have two coefficients or more, the last one not zero"]
+    if len(a) > MOST_COEFFICIENTS:
+        return [f"'denominator' has {len(a)} coefficients; {MOST_COEFFICIENTS} are allowed: use 'state_space'"]
     if not b or len(b) > len(a):
         return ["'numerator' must have at least one coefficient and at most as many as 'denominator'"]
     return []

@@ -173,7 +173,7 @@ def standstill(event, count, t):
     return ConvergenceError(
         f"time stands still at t = {t:.9g} s: {event.element} has met '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
-        "what to try: laws of this element without jumps; some damping at its stops; nodes a little farther from the "
-        "boundary between two of its phases; for a wheel that cannot slip, a flexible one: without slip it may be able "
-        "neither to stay on the ground nor to leave it"
+        "what to try: laws of this element without jumps; two levels of a switch; some damping at its stops; nodes a "
+        "little farther from the boundary between two of its phases; for a wheel that cannot slip, a flexible one: "
+        "without slip it may be able neither to stay on the ground nor to leave it"
     )
