@@ -118,6 +118,12 @@ def test_wrong_signals(signal, message, hint):
     assert message in problem.message and hint in problem.hint and problem.mark.line == 9
 
 
+@pytest.mark.parametrize("name", ["time", "pi"])
+def test_a_signal_named_as_something_in_formulas(name):
+    with pytest.raises(DeckError, match=f"signal '{name}': in formulas '{name}' is"):
+        deck(CART.replace("SIGNAL", "1").replace("thrust", name))
+
+
 @pytest.mark.parametrize(
     ("load", "message", "hint"),
     [

@@ -92,6 +92,8 @@ def test_a_tilted_wheel_on_a_belt_has_the_force_of_the_slip_angle():
     [
         ("direction: [1, 0, 0], factor", "direction: [0, 0, 1], factor", "'ground.friction.direction' is along"),
         ("friction: {direction", "motion: {speed: 3}\n    friction: {direction", "'ground.motion.direction' is"),
+        ("factor: wetness", "factor: -0.5", "'ground.friction.factor' must not be negative"),
+        ("friction: {direction", "motion: {}\n    friction: {direction", "'ground.motion' needs 'speed' or 'rate'"),
         ("friction: {direction", "motion: {rate: 3}\n    profile: {direction: [1, 0, 0], height: 0}\n"
          "    friction: {direction", "'ground.motion' requires a flat ground"),
     ],

@@ -27,6 +27,7 @@ from mecano.schema import mapping as mapping_type
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
+OTHER_MEANINGS = {"time": "the time of the run", "pi": "3.14159..."}  # names in formulas that are no signals
 MOST_SAMPLES = 2_000_000  # sampling times of a signal, each of which is kept and ends a step
 UNCHECKED = "consistency is checked once these errors are fixed"
 
@@ -123,6 +124,7 @@ def checked_values(root, sections, scope):
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _check_saved_times(result, root, scope)
     _check_samples(result, root, scope)
+    _check_signal_names(result, root, scope)
     complete_tyres(result.get("tire_laws", {}), root, scope)
     resolve(result, scope)
     check_formulas(result, scope)
@@ -194,6 +196,13 @@ def _check_saved_times(result, root, scope):
         text = f"'output.every' asks for {count:.3g} saved times in one step of 'time.step', {time['step']:g} s"
         hint = f"between steps results are interpolated: write 'step', or {time['step'] / MOST_IN_A_STEP:.3g} s or more"
         scope.refuse(node, text, hint)
+
+
+def _check_signal_names(result, root, scope):
+    """Refuse signals whose names mean something else in formulas."""
+    for name in set(OTHER_MEANINGS) & set(result.get("signals", {})):
+        text = f"signal {quoted(name)}: in formulas {quoted(name)} is {OTHER_MEANINGS[name]}"
+        scope.refuse(root.value["signals"][1].value[name][0], text, "give the signal another name")
 
 
 def _check_samples(result, root, scope):

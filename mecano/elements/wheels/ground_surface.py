@@ -13,6 +13,7 @@ import numpy as np
 
 from mecano.constraints.ground import in_plane, unit
 from mecano.jit.kernel import kernel
+from mecano.laws.probe import curve_at
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, constant
 from mecano.maths.vector import cross, dot, vec
@@ -62,8 +63,12 @@ def check_surface(ground):
     texts = []
     if friction and np.linalg.norm(in_plane(friction["direction"], normal)) < OUT_OF_PLANE:
         texts.append("'ground.friction.direction' is along the normal of the plane; it must lie in the plane")
+    if friction and curve_at(friction["factor"], 0.0)[0] < 0.0:
+        texts.append("'ground.friction.factor' must not be negative")
     if not motion:
         return texts
+    if motion["speed"] is None and motion["rate"] is None:
+        texts.append("'ground.motion' needs 'speed' or 'rate'")
     if ground.get("profile"):
         texts.append("'ground.motion' requires a flat ground: remove 'profile'")
     direction = motion["direction"]
