@@ -1,4 +1,4 @@
-"""Line 6: disks that are full, read-only or gone, files that may not grow, and files of runs that go on."""
+"""Line 6: disks that are full, read-only or gone, files that may not grow, and files of running simulations."""
 
 import os
 import random
@@ -17,7 +17,7 @@ from scorecard.outcome import forked, in_process, last_line, unfit
 from scorecard.trial import Job, Line
 
 LINES = (
-    Line(6, "full, read-only, forbidden, vanishing disks and files of runs that go on: exit 5, nothing lost", 7, 150),
+    Line(6, "full, read-only, forbidden, vanishing disks and files of running simulations: exit 5, nothing lost", 7, 150),
 )
 SIZES, LIMITS = 100, 25  # of 150: sizes of a disk, of a file
 ROOM = 2**24  # bytes
