@@ -64,7 +64,7 @@ STRUCTURE = [
     ("mass: $mass", "mass: '=sqr($mass)'", 13, "sqr(",
      "body 'hub': there is no function 'sqr'; did you mean 'sqrt'?"),
     ("mass: $mass", "mass: $mass + open('x')", 13, "'x')",
-     "body 'hub': the expression \"$mass + open('x')\" may have numbers, $parameters, + - * / ** ( ) and functions only"),
+     "body 'hub': the expression \"$mass + open('x')\" may contain numbers, $parameters, + - * / ** ( ) and functions only"),
     ("mass: $mass", "mass: $mass / (1 - 1)", 13, "$mass /",
      "body 'hub': the expression '$mass / (1 - 1)' divides by zero"),
     ("mass: $mass", "mass: $mass * sink", 13, "sink",

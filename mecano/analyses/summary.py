@@ -50,7 +50,7 @@ def summary_of(prepared, every=False):
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in prepared.redundant:
-        lines.append(f"  {group.count} too many among these, whose reactions are therefore not unique:")
+        lines.append(f"  {group.count} redundant among these, whose reactions are therefore not unique:")
         lines += [f"    {name}" for name in group.names]
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")

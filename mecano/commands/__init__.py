@@ -21,7 +21,7 @@ def _load(context, parameter, paths):
 
 plugins = click.option(
     "--plugin", multiple=True, metavar="FILE.py", callback=_load, expose_value=False, is_eager=True,
-    help="Kinds, tyre laws and laws of your own, from a Python file, which is run; may be repeated.",
+    help="Python file with your own kinds, tyre laws and laws, which is executed; may be repeated.",
 )  # fmt: skip
 
 

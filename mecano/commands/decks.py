@@ -70,7 +70,7 @@ def schema(output, study):
 @click.command(name="check-kind")
 @click.argument("plugin", type=click.Path())
 def check_kind(plugin):
-    """Try the kinds, tyre laws and terms of laws of a Python file: tangents, power, invariance, declarations.
+    """Test the kinds, tyre laws and terms of laws of a Python file: tangents, power, invariance, declarations.
 
     The tests are those that all kinds of mecano pass, in the states that their 'sample' gives.
     """

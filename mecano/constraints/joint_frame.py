@@ -43,7 +43,7 @@ def cross(a, b):
 def not_flipped(p, q, R):
     """Return an error if the axis xi_3 of the second node opposes mu_3 of the first: the ``admissible`` of a joint."""
     if (R[0] @ p["mu"][2]) @ (R[1] @ p["xi"][2]) < 0.0:
-        return "the axis carried by its second node points against that of the first (flipped by half a turn)"
+        return "the axis fixed in its second node is opposite to that of the first (flipped by half a turn)"
     return ""
 
 

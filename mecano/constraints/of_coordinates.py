@@ -13,14 +13,14 @@ from mecano.constraints.coordinates.twist import TWIST
 from mecano.element_interface import Part
 
 IN_PLANE = hold_kind(
-    "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu carried by the first node.", SLIDE,
+    "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu fixed in the first node.", SLIDE,
     "force that holds the node in a plane",
 )  # fmt: skip
 ORTHOGONAL = hold_kind(
-    "orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu carried by the first node and xi by the second.", TILT,
+    "orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu fixed in the first node and xi in the second.", TILT,
     "moment that keeps two axes perpendicular",
 )  # fmt: skip
-SAME_ANGLE = hold_kind("same_angle", "Same angle: the twist of two nodes stays.", TWIST, "moment that holds the angle")
+SAME_ANGLE = hold_kind("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle")
 RELEASED = {
     kind: release_kind(
         f"{kind.name}_release", f"{kind.doc.strip()} Until it is released.", coordinate, kind.multipliers[0].name
@@ -38,12 +38,12 @@ HELD_COORDINATE = drive_kind(
 )  # fmt: skip
 DRIVEN_SLIDE = drive_kind("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding")
 LEVEL_AXIS = hold_kind(
-    "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a carried by the node and an inertial direction n.",
+    "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
     LEVEL, "moment that keeps the axis level",
 )  # fmt: skip
 
-SLIDE_LAW = law_kind("slide_law", "Slide law: a force from a law of the sliding; > 0 pulls b back.", SLIDE)
-TWIST_LAW = law_kind("twist_law", "Twist law: a moment from a law of the twist; > 0 turns b back.", TWIST)
+SLIDE_LAW = law_kind("slide_law", "Slide law: a force from a law of the sliding; > 0 opposes the sliding.", SLIDE)
+TWIST_LAW = law_kind("twist_law", "Twist law: a moment from a law of the twist; > 0 opposes the twist.", TWIST)
 TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the sine of an angle.", TILT)
 PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
 

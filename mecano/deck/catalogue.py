@@ -44,7 +44,7 @@ LAWS = [
     "",
 ]
 SIGNALS = [
-    "A signal is a formula, or a mapping with a type (a filter, a controller). Loads take formulas as they take laws:",
+    "A signal is a formula, or a mapping with a type (a filter, a controller). Loads accept formulas as well as laws:",
     "",
     "  signals:",
     "    error: 0.5 - knee.angle                                    # an output of a joint",
@@ -53,7 +53,7 @@ SIGNALS = [
     "  loads:",
     "    motor: {type: joint_moment, joint: knee, value: torque}",
     "",
-    "mecano explain formula says what may stand in one.",
+    "mecano explain formula lists what a formula may contain.",
     "",
 ]
 WRITTEN = {

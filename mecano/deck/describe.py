@@ -17,7 +17,7 @@ def describe(kind):
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
     if kind.measures:
-        parts += ["", *wrap(f"Signals can take {', '.join(measurable(kind))} of it (mecano explain signals).", WIDTH)]
+        parts += ["", *wrap(f"Signals can read its {', '.join(measurable(kind))} (mecano explain signals).", WIDTH)]
     for field in dict.fromkeys(field for field, _, _ in kind.optional):
         parts += _option(field, [(part, label) for name, part, label in kind.optional if name == field])
     if kind.multipliers:

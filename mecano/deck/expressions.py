@@ -164,7 +164,7 @@ class _Reading:
             return self._named(tree)
         if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:
             return self._called(tree, inner)
-        what = "may have numbers, $parameters, + - * / ** ( ) and functions only"
+        what = "may contain numbers, $parameters, + - * / ** ( ) and functions only"
         raise _wrong(self.text, what, self._column(tree))
 
     def _called(self, tree, inner):

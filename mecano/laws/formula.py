@@ -66,14 +66,14 @@ class Formula(NamedTuple):
 def read_formula(text):
     """Return the Formula of a text. Raises FormulaError."""
     if len(text) > LONGEST:
-        raise FormulaError(f"a formula has at most {LONGEST} characters: give parts of it names of their own")
+        raise FormulaError(f"a formula has at most {LONGEST} characters: define parts of it as signals")
     body = text.strip().removeprefix("=").strip()
     skipped = text.find(body) if body else 0
     try:
         tree = ast.parse(body, mode="eval").body
     except SyntaxError as error:
         if body.count("(") > body.count(")"):
-            raise FormulaError("a bracket is not closed: a formula with a comma stands in quotes", skipped) from None
+            raise FormulaError("a bracket is not closed: a formula with a comma must be quoted", skipped) from None
         raise FormulaError("it cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise FormulaError("it cannot be understood") from None
@@ -103,7 +103,7 @@ class _Reader:
     def formula(self, tree):
         most = self._put(tree, 0)
         if most > DEPTH:
-            raise FormulaError("it has too many levels of brackets: give parts of it names of their own, as signals")
+            raise FormulaError("it has too many levels of brackets: define parts of it as signals")
         return Formula(self.text, tuple(self.references), tuple(self.references.values()), tuple(self.program))
 
     def _put(self, tree, level):
@@ -139,7 +139,7 @@ class _Reader:
         if (name in BINARY and count == 2) or (name in SEVERAL and count > 1):
             return self._pairs((BINARY | SEVERAL)[name], tree.args, level)
         if name in FUNCTIONS:
-            raise FormulaError(f"'{name}' takes another number of arguments", self._column(tree))
+            raise FormulaError(f"'{name}' has the wrong number of arguments", self._column(tree))
         raise FormulaError(f"there is no function '{name}'; known: {', '.join(FUNCTIONS)}", self._column(tree))
 
     def _leaf(self, tree):
@@ -170,7 +170,7 @@ class _Reader:
             return tree.id
         if isinstance(tree, ast.Attribute):
             return f"{self._name(tree.value)}.{tree.attr}"
-        what = "it may have numbers, names, + - * / ** ( ) and functions only"
+        what = "it may contain numbers, names, + - * / ** ( ) and functions only"
         raise FormulaError(what, self._column(tree))
 
     def _column(self, tree):

@@ -17,7 +17,9 @@ from scorecard.outcome import forked, in_process, last_line, unfit
 from scorecard.trial import Job, Line
 
 LINES = (
-    Line(6, "full, read-only, forbidden, vanishing disks and files of running simulations: exit 5, nothing lost", 7, 150),
+    Line(
+        6, "full, read-only, forbidden, vanishing disks and files of running simulations: exit 5, nothing lost", 7, 150
+    ),
 )
 SIZES, LIMITS = 100, 25  # of 150: sizes of a disk, of a file
 ROOM = 2**24  # bytes

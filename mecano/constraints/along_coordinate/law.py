@@ -1,6 +1,6 @@
 """Load a coordinate c by a law: P(c - natural, dc/dt) adds P times the gradient of c to the forces.
 
-P > 0 drives the coordinate back. An angle is continued over whole turns with the memory of the last accepted step.
+P > 0 acts against increasing c. An angle is continued over whole turns with the memory of the last accepted step.
 """
 
 from mecano.constraints.body_fixed import follow
@@ -12,11 +12,17 @@ from mecano.laws.table import evaluate_force, law_force, potential
 from mecano.schema import LAW, NUMBER, Field
 
 TURNING_FIELDS = (
-    Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns b back", None),
+    Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None),
     Field("natural_angle", NUMBER, "rad", "angle at which the extension of the turning law is zero", 0.0),
 )
 SLIDING_FIELDS = (
-    Field("sliding_law", LAW, "-", "force [N] from displacement [m] and velocity [m/s]; > 0 drives b back", None),
+    Field(
+        "sliding_law",
+        LAW,
+        "-",
+        "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
+        None,
+    ),
     Field("natural_displacement", NUMBER, "m", "displacement at which the extension of the sliding law is zero", 0.0),
 )
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": ()}
@@ -77,7 +83,7 @@ def law_kind(name, doc, coordinate):
     what, unit = coordinate.load
     return Kind(
         name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LAW_RECORD), layout=coordinate.layout,
-        outputs=(Output(f"law_{what}", unit, f"{what} of the law; > 0 drives the coordinate back"),),
+        outputs=(Output(f"law_{what}", unit, f"{what} of the law; > 0 acts against the coordinate"),),
         phases=PHASES, events=EVENTS, memory=("angle",) if coordinate.periodic else (),
         residual=residual, observe=observe, event_values=event_values, commit=commit if coordinate.periodic else None,
     )  # fmt: skip

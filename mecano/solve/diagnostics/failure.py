@@ -171,7 +171,7 @@ def minimum_step(system, before, after, error, t, h):
 def standstill(event, count, t):
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
     return ConvergenceError(
-        f"time stands still at t = {t:.9g} s: {event.element} has met '{event.name}' ({event.before} -> "
+        f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
         "what to try: laws of this element without jumps; two levels of a switch; some damping at its stops; nodes a "
         "little farther from the boundary between two of its phases; for a wheel that cannot slip, a flexible one: "
