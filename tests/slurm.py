@@ -47,7 +47,7 @@ def available():
 
 @contextmanager
 def running(folder):
-    """In this block a Slurm with its state in ``folder`` takes jobs; SLURM_CONF tells sbatch of it."""
+    """In this block a Slurm with its state in ``folder`` takes jobs; SLURM_CONF leads sbatch to it."""
     host = os.uname().nodename
     for name in ("spool", "state"):
         (folder / name).mkdir()

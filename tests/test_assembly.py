@@ -65,7 +65,7 @@ def test_mechanisms_and_redundant_constraints_are_named():
 
 @pytest.mark.parametrize("what, order", [("position", 4), ("velocity", 3)])
 def test_motion_between_steps_is_as_good_as_the_steps(what, order):
-    """Errors of a step's interpolation against a march that ends there: h^4 and h^3, beyond the method's h^2."""
+    """Errors of a step's interpolation against a run that ends there: h^4 and h^3, beyond the method's h^2."""
     errors = []
     for h in (0.02, 0.01):
         kept = []
@@ -74,7 +74,7 @@ def test_motion_between_steps_is_as_good_as_the_steps(what, order):
             integrator.observers = (*integrator.observers, kept.append)
             return run
 
-        # nearly exact states at the ends of long steps and a quarter into them, from a fine march
+        # nearly exact states at the ends of long steps and a quarter into them, from a run with fine steps
         m = RecordedRun(input_deck("double_pendulum", "time.end=0.4", f"time.step={h / 40}"), change=keep)
         of, x = m.system.numbering, m.system.numbering.x[m.system.numbering.x < m.system.numbering.n_q]
         worst = 0.0

@@ -183,7 +183,7 @@ def breathing(times):
 
 
 def ring(mesh, *overrides):
-    """The march of flexible_ring with so many elements in a quarter."""
+    """Run flexible_ring with so many elements in a quarter."""
     quarters = (f"elements.{name}.mesh={mesh}" for name in ("first", "second", "third", "fourth"))
     return RecordedRun(input_deck("flexible_ring", *quarters, *overrides))
 

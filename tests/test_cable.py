@@ -35,7 +35,7 @@ def test_fall_on_a_slack_rope():
 
 
 def length_of_the_wire(recorded):
-    """The one equation of the hoist, integrated to 1e-11: the length at the times of the march."""
+    """The one equation of the hoist, integrated to 1e-11: the length at the times of the run."""
     m, mu, EA, tau = 200.0, 8.0, 5e5, 0.02
 
     def natural(t):

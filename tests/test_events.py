@@ -30,7 +30,7 @@ STIFFNESS, MASS = 2e5, 20.0
 
 
 def wheels(*heights, slope=0.0, speed=0.0, climb=0.0, end=0.2, step=1e-3):
-    """A march of wheels of radius 0.3 m, side by side at the given heights [m], on a plane."""
+    """A run of wheels of radius 0.3 m, side by side at the given heights [m], on a plane."""
     nodes = [f"hub_{i}: {{position: [0, {i}, {z!r}]}}" for i, z in enumerate(heights)]
     elements = []
     for i in range(len(heights)):
@@ -167,7 +167,7 @@ def test_a_wheel_that_starts_in_the_ground_is_in_contact():
 
 @pytest.mark.parametrize("late", [-1e-9, -1e-12, 1e-12, 1e-9])
 def test_an_event_near_the_end_of_the_run(late):
-    """The run ends when it is told to; what lies before the end has happened, at its time, and nothing else."""
+    """The run ends at its end time; exactly the events before it have happened, at their times."""
     recorded = wheels(0.4, end=falling(0.4) + late)
     assert recorded.time[-1] == recorded.run.motion.t == falling(0.4) + late
     assert story(recorded) == ([("touch_down", "tire_0")] if late > 0 else [])

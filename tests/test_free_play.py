@@ -49,7 +49,7 @@ def cycle(time, angle):
     return angle[peaks].max(), 2 * np.pi * (len(peaks) - 1) / np.ptp(time[peaks])
 
 
-def marched(V, *overrides):
+def run_at(V, *overrides):
     recorded = RecordedRun(
         input_deck("shimmy_freeplay", f"parameters.speed={V!r}", f"parameters.spin={V / 0.3!r}", *overrides)
     )
@@ -58,7 +58,7 @@ def marched(V, *overrides):
 
 
 def test_the_describing_function_is_near_the_motion():
-    """What the table in docs/tyres.md and the header of the deck say, without a march."""
+    """Check the table in docs/tyres.md and the header of the deck without a run."""
     for V, (_, amplitude) in TABLE.items():
         assert describing_function(V)[0] == pytest.approx(1e-3 * amplitude, rel=1e-3)
     assert integrated(20.0) == pytest.approx((4.146e-3, 150.53), rel=1e-3)
@@ -68,11 +68,11 @@ def test_the_describing_function_is_near_the_motion():
 @pytest.mark.slow
 def test_limit_cycle_at_twenty_metres_per_second():
     """Against the equations: within 0.05 % with the deck's tolerance, 0.02 % with less than half of it."""
-    assert marched(20.0) == pytest.approx((4.146e-3, 150.53), rel=5e-4)
-    assert marched(20.0, "time.adaptive.tolerance=1e-4")[0] == pytest.approx(4.146e-3, rel=2e-4)
+    assert run_at(20.0) == pytest.approx((4.146e-3, 150.53), rel=5e-4)
+    assert run_at(20.0, "time.adaptive.tolerance=1e-4")[0] == pytest.approx(4.146e-3, rel=2e-4)
 
 
 @pytest.mark.slow
 def test_amplitude_against_speed():
     for V, (amplitude, _) in TABLE.items():
-        assert marched(V, "time={end: 4, step: 1.0e-3}")[0] == pytest.approx(1e-3 * amplitude, rel=2e-3)
+        assert run_at(V, "time={end: 4, step: 1.0e-3}")[0] == pytest.approx(1e-3 * amplitude, rel=2e-3)

@@ -178,7 +178,7 @@ def test_a_turning_shaft_slides_easily():
 
 
 def test_friction_on_redundant_reactions_is_reported():
-    """Two hinges on one axis share their loads in a way that the rigid model does not tell."""
+    """Two hinges on one axis share their loads in a way that the rigid model does not determine."""
     text = SPIN.format(kind="hinge", axes="axis: [0, 1, 0],", geometry="radius: 0.05", center=[0, 0, 0], spin=[0, 9, 0])
     for old, new in (
         ("0, 0]}}", "0, 0]}, end: {position: [0, 1, 0]}}"),

@@ -190,7 +190,7 @@ def test_order_of_steps_that_always_change(method, rho, verify):
 
 
 def constraints_watched(worst):
-    """A change of the march that notes the largest constraint of each step, over the length scale or one radian."""
+    """A change of the integrator: record the largest constraint of each step, over length scale or one radian."""
 
     def change(integrator, run):
         system, n_q, n = integrator.system, integrator.system.n_q, integrator.system.n

@@ -102,7 +102,7 @@ class TestRun:
         assert mecano.run("beam.yaml", quiet=True)["tip.position.z"].values[-1] == pytest.approx(-7.65e-3, rel=5e-3)
 
     def test_interruption_leaves_a_checkpoint_and_the_handlers(self, folder, monkeypatch):
-        """A SIGINT after some steps; the run goes on to the same bits."""
+        """A SIGINT after some steps; the run is resumed to the same bits."""
         whole = mecano.run("pendulum.yaml", "whole.h5", quiet=True)
         handler, hook = signal.getsignal(signal.SIGINT), sys.unraisablehook
         seen = []

@@ -15,7 +15,7 @@ import mecano
 from mecano.errors import ResultsError
 
 KILLS = 30
-# `mecano run` that tells, as soon as each flush has returned, what it has acknowledged: saved times, steps, events
+# `mecano run` that reports, as soon as each flush has returned, the acknowledged data: saved times, steps, events
 WITNESS = """
 import os
 from mecano.results.writer import Writer

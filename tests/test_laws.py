@@ -230,7 +230,7 @@ def test_kinks_are_the_stiffest_corners():
 
 @pytest.mark.parametrize("name", [name for name, _ in of_role["curve"]])
 def test_what_shows_the_shape_of_a_curve_misses_no_bend(name):
-    """The largest second derivative of each sign between -1 and 2, of 3,000 places, is among those told to 0.5 %."""
+    """The largest second derivative of each sign between -1 and 2, at 3,000 points, is reported to 0.5 %."""
     law = (CASES[name][:2],)
     places, reported = shape_of_curve(law, -1.0, 2.0)
     assert np.all(np.diff(places) > 0.0)

@@ -36,7 +36,7 @@ WARNINGS = {  # deck: overrides, what is said at the start
 
 def run_of(tmp_path, name, *overrides):
     """(errors printed, results) of a run of a deck of inputs/ that succeeds."""
-    path = tmp_path / "told.h5"
+    path = tmp_path / "reported.h5"
     code, out, err = mecano_process("run", INPUTS / f"{name}.yaml", "-o", path, *settings(*overrides))
     assert (code, out) == (0, "")
     return err, mecano.open_results(path)
@@ -44,7 +44,7 @@ def run_of(tmp_path, name, *overrides):
 
 def info(tmp_path):
     """What `mecano info` says of the last run."""
-    code, out, _ = mecano_process("info", tmp_path / "told.h5")
+    code, out, _ = mecano_process("info", tmp_path / "reported.h5")
     assert code == 0
     return flowing(out)
 
@@ -64,11 +64,11 @@ def test_warnings_are_printed_once_and_stored(name, tmp_path):
     if not text:
         assert warnings == []
         return
-    (remark,) = warnings
-    assert remark.startswith(text)
-    assert flowing(err).count(f"mecano: {remark}") == 1 and flowing(err).count(text.strip()) == 1
+    (warning,) = warnings
+    assert warning.startswith(text)
+    assert flowing(err).count(f"mecano: {warning}") == 1 and flowing(err).count(text.strip()) == 1
     assert max(map(len, err.splitlines())) <= 110 and len(err.splitlines()) >= 3
-    assert f"warning {remark}" in info(tmp_path)
+    assert f"warning {warning}" in info(tmp_path)
     assert results.status == "complete" and results.reason == "the end was reached"
 
 
@@ -98,7 +98,7 @@ def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
     assert results.status == "complete" and results.reason.startswith("the end was reached; ")
     assert "0.05 m" in results.reason
     results.close()
-    (tmp_path / "told.h5").unlink()
+    (tmp_path / "reported.h5").unlink()
     err, results = run_of(tmp_path, name, short)
     assert results.reason == "the end was reached" and "deformation" not in err
 
@@ -154,7 +154,7 @@ def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_pa
     counts = len(results.steps), len(results.time)
     assert all(wanted in (None, found) for wanted, found in zip(made, counts, strict=True)), counts
     if None not in foreseen:
-        with h5py.File(tmp_path / "told.h5", locking=False) as file:
+        with h5py.File(tmp_path / "reported.h5", locking=False) as file:
             tables = [file[f"storage/{name}"] for name in ("output", "solver")]
             row, history = (table.shape[1] for table in tables)
             assert result_bytes(values, row, history) == sum(8 * table.size for table in tables)

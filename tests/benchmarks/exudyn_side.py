@@ -1,6 +1,6 @@
 """The cases in Exudyn (pip install exudyn), as its users write and tune them: the same bodies, joints and steps.
 
-Exudyn wants to be told how to solve a model. ``CANDIDATES`` are the settings that its manual offers;
+Exudyn needs settings for the solution of a model. ``CANDIDATES`` are the settings that its manual offers;
 ``run.py tune CASE``
 tries them all; ``BEST`` names the fastest that keeps the accuracy.
 """
@@ -45,7 +45,7 @@ class Settings:
     node: str = "Euler parameters"
     method: str = "index 3"  # or "trapezoidal", which is index 2
     rho: float = 0.9
-    redundant: bool = False  # go on with a singular matrix
+    redundant: bool = False  # continue with a singular matrix
     planar: bool = False  # for the reference of four-bars: hinges without redundancy
     tyre: str = "own"  # "script": the law of mecano's tyre as a Python function
 

@@ -1,4 +1,4 @@
-"""The cases in mecano: decks, marched without a results file."""
+"""The cases in mecano: decks, solved without a results file."""
 
 import time
 from itertools import pairwise
@@ -104,7 +104,7 @@ MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop}
 
 
 class Mecano:
-    """A case ready to march, again and again, with steps of one size."""
+    """A case ready to be integrated repeatedly, with steps of one size."""
 
     def __init__(self, case, step=None):
         self.case, self.step = case, step or case.step
@@ -113,7 +113,7 @@ class Mecano:
         self.prepared = prepare(deck_of_bytes(yaml.safe_dump(deck, sort_keys=False).encode(), case.name))
         self.index = {node.name: i for i, node in enumerate(self.prepared.system.nodes)}
         self.places = places
-        self.counts = None  # (accepted steps, Newton iterations) of the last march
+        self.counts = None  # (accepted steps, Newton iterations) of the last run
 
     def integrate(self, *observers):
         """March the whole duration; CPU time [s]."""

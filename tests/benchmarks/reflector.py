@@ -55,7 +55,7 @@ def deck(*arguments, without="", time=None):
 
 
 class Deployment:
-    """A deck marched to ``end`` [s], its events, the CPU [s] of preparation and march, some outputs of all steps."""
+    """A deck run to ``end`` [s]: its events, the CPU time [s] of preparation and run, outputs of all steps."""
 
     def __init__(self, deck, end=None):
         begun = time.process_time()
@@ -98,7 +98,7 @@ class Deployment:
 def precision():
     """CPU and errors for several steps and tolerances, against the reference."""
     best = Deployment(deck(time=REFERENCE))
-    print(f"reference: {best.run.steps} steps, march {best.wall_time:.1f} s", flush=True)
+    print(f"reference: {best.run.steps} steps, integration {best.wall_time:.1f} s", flush=True)
     for name, text in TIMES.items():
         run = Deployment(deck(time=text))
         lag = max(abs(run.locks()[name][0] - t) for name, (t, *_) in best.locks().items())
@@ -106,7 +106,7 @@ def precision():
         rates = [_rates(one) for one in (run, best)]
         change = max(abs(rates[0][name] / rate - 1.0) for name, rate in rates[1].items())
         print(
-            f"{name}  {run.run.steps} steps, {run.run.rejected} rejected  march {run.wall_time:.2f} s  "
+            f"{name}  {run.run.steps} steps, {run.run.rejected} rejected  integration {run.wall_time:.2f} s  "
             f"nodes {off:.1e} m  locks {lag * 1e3:.2f} ms, rates {change:.1%}  "
             f"stress {run.stress() / best.stress() - 1:+.1%}  "
             f"complete {max(t for t, *_ in run.locks().values()):.4f} s",
@@ -127,7 +127,7 @@ def growth():
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(
             f"{modules} modules  {done.unknowns} unknowns  preparation {done.preparation:.1f} s  "
-            f"march {done.wall_time:.2f} s  {done.run.steps} steps  {done.run.iterations} iterations  "
+            f"integration {done.wall_time:.2f} s  {done.run.steps} steps  {done.run.iterations} iterations  "
             f"{each * 1e6:.2f} us  {memory:.0f} MiB",
             flush=True,
         )

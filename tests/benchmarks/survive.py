@@ -1,10 +1,10 @@
-"""Runs killed, stopped by signals and met by full disks at random: all go on to the same bits.
+"""Runs killed, stopped by signals or by full disks at random: all are resumed to the same bits.
 
     python tests/benchmarks/survive.py [kills] [signals] [levels]
 
 Each case is a fork of this process that does what `mecano run --resume` does; default 200 kill -9, 200 signals (SIGINT,
-SIGTERM, SIGUSR1), both at random instants from before the start of the march to its end, and 100 sizes of a small tmpfs
-(as root, where mount is permitted), which is made larger before the run goes on. The decks are those of
+SIGTERM, SIGUSR1), both at random instants from before the first step to the end, and 100 sizes of a small tmpfs
+(as root, where mount is permitted), which is made larger before the run is resumed. The decks are those of
 tests/surviving.py, for the disks mostly a longer one; checkpoints are written every 5 ms. After each end the file is
 checked by `verify`; in the end all series, steps, events and extremes must equal those of the run without a stop.
 Recorded in docs/long-runs.md.

@@ -209,12 +209,12 @@ def waited(path):
 
 
 def live_file(words, share, folder):
-    """A second run into the file of one that goes on: refused, and the first comes to its end untouched."""
+    """A second run into the file of a running one: refused, and the first reaches its end unaffected."""
     path = folder / "r.h5"
     run = started("bouncing_ball", folder)
     waited(path)
     time.sleep(0.3 * share * reference("bouncing_ball")[1])
-    os.kill(run.pid, signal.SIGSTOP)  # it goes on as far as anybody can know, and is not done before the second
+    os.kill(run.pid, signal.SIGSTOP)  # it appears to be running, and does not end before the second
     second = forked([word for word in arguments("bouncing_ball") if word != "--resume"] + list(words), folder).ended()
     os.kill(run.pid, signal.SIGCONT)
     first = run.ended()
@@ -236,7 +236,7 @@ def live_file_resumed(share, folder):
 
 
 def export_over_live(share, folder):
-    """`export --vtk` into the file of a run that goes on is refused."""
+    """`export --vtk` into the file of a running simulation is refused."""
     run = started("bouncing_ball", folder)
     waited(folder / "r.h5")
     os.kill(run.pid, signal.SIGSTOP)

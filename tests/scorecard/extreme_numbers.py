@@ -141,7 +141,7 @@ def numbers_of(batch):
 
 
 class after_steps:
-    """In this context ``change(system)`` is called once a march has accepted so many steps."""
+    """In this context ``change(system)`` is called once a run has accepted so many steps."""
 
     def __init__(self, steps, change):
         self.steps, self.change = steps, change

@@ -67,7 +67,7 @@ def last_time(folder):
 
 
 def unexplained(text, last):
-    """What the message of a run that could not go on lacks; ``last`` is the time of the last step in its file [s]."""
+    """Return what the message of a failed run lacks; ``last`` is the time of the last step in its file [s]."""
     if not ELEMENT.search(text):
         return f"no element is named: {text.strip().splitlines()[0]}"
     if not (named := re.search(r"t = ([-+.\de]+) s", text)):
@@ -96,7 +96,7 @@ def unbalanced(found):
 
 
 def rejected(folder):
-    """Whether a march that rejects every third step, and makes it again, comes to another end; or empty."""
+    """Return whether a run that rejects and repeats every third step reaches another end; or empty."""
     from mecano.analyses.prepare import integrator_of, prepare
     from mecano.deck.read import read_deck
 
@@ -119,7 +119,7 @@ def rejected(folder):
 
 
 def reject(integrator, every):
-    """Let a march reject every ``every``-th step, try another size in between, and make the step again."""
+    """Let a run reject every ``every``-th step, try another size in between, and repeat the step."""
     judge, count = integrator._instead, [0]
 
     def instead(run, trial, h, *more):

@@ -109,7 +109,7 @@ def warm(folder):
 
 @dataclass
 class Forked:
-    """A command that goes on in a fork of this process, which has all modules at hand."""
+    """A command that runs in a fork of this process, which has imported all modules."""
 
     pid: int
     out: object

@@ -138,7 +138,7 @@ def wrongly(text, must, what):
 
 
 def is_redundant(checked, ran, must, count):
-    """`check` counts and names the redundant constraints; the run warns, with some names of many, and goes on."""
+    """`check` counts and names the redundant constraints; the run warns, with some names of many, and continues."""
     if checked.code:
         return f"check: exit code {checked.code}: {last_line(checked.err)}"
     head, _, block = checked.out.partition("redundant ")
