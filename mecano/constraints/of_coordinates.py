@@ -1,8 +1,8 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
 from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind, release_kind
-from mecano.constraints.along_coordinate.law import law_kind, law_values
-from mecano.constraints.along_coordinate.stops import end_fields, end_parts, latch_kind, stop_kind
+from mecano.constraints.along_coordinate.law import law_kind
+from mecano.constraints.along_coordinate.stops import latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
 from mecano.constraints.coordinates.level import LEVEL
@@ -10,7 +10,6 @@ from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.tilt import TILT
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.element_interface import Part
 
 IN_PLANE = hold_kind(
     "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu fixed in the first node.", SLIDE,
@@ -53,30 +52,3 @@ ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any turns.", T
 ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any turns.", TWIST)
 
 BOTH = (0, 1)
-ANGLE_END_FIELDS, SLIDE_END_FIELDS = end_fields(TWIST), end_fields(SLIDE)
-
-
-def turning_parts(d, place, context):
-    """Return [Part] for the fields ``TURNING_FIELDS`` of a joint at ``place`` (pair.py)."""
-    if d["turning_law"] is None:
-        return []
-    axes = {"mu": place["mu"], "xi": place["xi"]}
-    return [Part(TWIST_LAW, BOTH, law_values(axes, d["turning_law"], d["natural_angle"], context))]
-
-
-def sliding_parts(d, place, context):
-    """Return [Part] for the fields ``SLIDING_FIELDS`` of a joint at ``place`` (pair.py)."""
-    if d["sliding_law"] is None:
-        return []
-    natural = place["start"][2] + d["natural_displacement"]
-    return [Part(SLIDE_LAW, BOTH, law_values({"mu": place["mu"][2]}, d["sliding_law"], natural, context))]
-
-
-def angle_end_parts(d, place):
-    """Return [Part] for the fields ``ANGLE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
-    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCH, ANGLE_STOP)
-
-
-def slide_end_parts(d, place):
-    """Return [Part] for the fields ``SLIDE_END_FIELDS`` of a joint at ``place`` (pair.py)."""
-    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCH, SLIDE_STOP)

@@ -1,25 +1,34 @@
-"""Measurements of joints with an axis: rotation about it, sliding along it, reactions.
+"""What joints of two nodes measure: motions about and along an axis, reactions.
 
-Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py).
+Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py). Functions ``put(p, at, F, y, i)`` write outputs
+starting at y[i]; the other arguments are those of ``observe``.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
 from mecano.constraints.body_fixed import follow
-from mecano.constraints.coordinates.slide import slide
-from mecano.constraints.coordinates.twist import turned
-from mecano.element_interface import Output
+from mecano.constraints.coordinates.slide import SLIDE, slide
+from mecano.constraints.coordinates.twist import TWIST, turned
+from mecano.element_interface import Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
-TURNING = (
-    Output("angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"),
-    Output("rate", "rad/s", "rate of the angle"),
-)
-SLIDING = (
-    Output("displacement", "m", "sliding of b relative to a along the axis since the start", rate="velocity"),
-    Output("velocity", "m/s", "rate of the displacement"),
-)
-MOMENT = Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,))
-REACTIONS = (Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)), MOMENT)
+
+@dataclass(frozen=True)
+class Outputs:
+    """Outputs of a joint that belong together, and the compiled function that writes them."""
+
+    declared: tuple  # of Output
+    put: Callable  # (p, at, F, y, i): write them starting at y[i]
+    memory: tuple = ()  # names of the values that they keep from step to step
+    commit: Callable | None = None
+    measures: dict = field(default_factory=dict)  # {output: place of the joint (pair.py) -> Measured}
+
+    @property
+    def size(self):
+        """Number of values, the components of vectors counted."""
+        return sum(output.shape[0] if output.shape else 1 for output in self.declared)
 
 
 @kernel
@@ -29,20 +38,63 @@ def angle_in_turn(p, v, R):
 
 
 @kernel
-def put_turning(p, m, v, R, y, i):
-    """Write ``TURNING`` starting at y[i]; the memory determines the turn."""
-    angle, y[i + 1] = angle_in_turn(p, v, R)
-    y[i] = follow(m[0], angle)
+def _put_turning(p, at, F, y, i):
+    angle, y[i + 1] = angle_in_turn(p, at.v, at.R)
+    y[i] = follow(at.m[0], angle)
 
 
 @kernel
-def put_sliding(p, q, v, R, y, i):
-    """Write ``SLIDING`` starting at y[i]."""
-    along, y[i + 1] = slide(q, v, mat(R[0]), vec(p.mu[2], 0))
+def put_sliding(p, at, F, y, i):
+    """Write the outputs of ``SLIDING``."""
+    along, y[i + 1] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[2], 0))
     y[i] = along - p.start[2]
 
 
 @kernel
-def follow_turning(p, at, m_out):
-    """Continue the angle over whole turns: the ``commit`` of a joint with the memory ("angle",)."""
+def put_translation(p, at, F, y, i):
+    """Write the outputs of ``TRANSLATION``."""
+    for j in range(3):
+        along, y[i + 3 + j] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[j], 0))
+        y[i + j] = along - p.start[j]
+
+
+@kernel
+def _follow_turning(p, at, m_out):
+    """Continue the angle over whole turns."""
     m_out[0] = follow(at.m[0], angle_in_turn(p, at.v, at.R)[0])
+
+
+TURNING = Outputs(
+    (
+        Output(
+            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
+        ),
+        Output("rate", "rad/s", "rate of the angle"),
+    ),
+    _put_turning, ("angle",), _follow_turning,
+    {"angle": lambda place: Measured(TWIST, (0, 1), {"mu": place["mu"], "xi": place["xi"]})},
+)  # fmt: skip
+SLIDING = Outputs(
+    (
+        Output("displacement", "m", "sliding of b relative to a along the axis since the start", rate="velocity"),
+        Output("velocity", "m/s", "rate of the displacement"),
+    ),
+    put_sliding,
+    measures={"displacement": lambda place: Measured(SLIDE, (0, 1), {"mu": place["mu"][2]}, place["start"][2])},
+)
+
+
+def translation(along):
+    """Return the Outputs of the sliding along three axes, which ``along`` names."""
+    doc = f"sliding of b relative to a along {along} since the start"
+    return Outputs(
+        (
+            Output("displacement", "m", doc, (3,), rate="velocity"),
+            Output("velocity", "m/s", "rate of the displacement", (3,)),
+        ),
+        put_translation,
+    )
+
+
+MOMENT = Output("moment", "N m", "moment of a on b at node b, about mu_1, mu_2 and the axis", (3,))
+REACTIONS = (Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)), MOMENT)

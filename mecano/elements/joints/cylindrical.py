@@ -16,11 +16,14 @@ outputs force and moment include only what holds b; laws and friction have outpu
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_MODES
-from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.along_coordinate.measure import SLIDING, TURNING
 from mecano.constraints.guide_friction import ROUND_FRICTION, round_record
-from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_places
+from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, TURNING_LAW, friction_option
+from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_places
 from mecano.constraints.release import SAMPLE
-from mecano.elements.joints.lower_pair import Friction, LowerPair, lower_pair
+from mecano.element_interface import Display
+from mecano.elements.joints.lower_pair import LowerPair, lower_pair
+from mecano.schema import DIRECTION, Field
 
 RADIUS = radius("radius", "radius at which turning slides", 0.0)
 
@@ -31,7 +34,7 @@ def sample(rng):
     laws = {"turning_law": SPRUNG, "natural_angle": 0.2, "sliding_law": SPRUNG}
     return [
         (d, nodes, ""),
-        ({**d, **SLIDE_ENDS}, nodes, ""),
+        ({**d, **SLIDE_STOPPED}, nodes, ""),
         ({**d, **laws, "friction": {**RUBBING, "radius": 0.3}}, nodes, ""),
         ({**d, "friction": {**STICKING, "radius": 0.0}}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": {"along_1": SPRUNG, "about_1": SPRUNG}}, nodes, ""),
@@ -43,11 +46,11 @@ CYLINDRICAL = lower_pair(
     "cylindrical",
     __doc__,
     LowerPair(
-        axis="axis at the start, inertial; it goes through node b",
+        axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
         held=("about_2", "about_1", "along_1", "along_2"),
-        ends=SLIDE,
-        friction=Friction(ROUND_FRICTION, round_record, (RADIUS, LENGTH)),
-        pictures=("angles", "slides"),
+        display=Display(support=False, pictures=("angles", "slides"), force="force", along_axes=True),
+        motions=(TURNING, SLIDING),
+        options=(TURNING_LAW, SLIDING_LAW, SLIDE_ENDS, friction_option(ROUND_FRICTION, round_record, RADIUS, LENGTH)),
     ),
     sample,
 )

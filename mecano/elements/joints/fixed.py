@@ -5,73 +5,38 @@ With ``compliance`` laws hold b along and about the axes that a carries; what ha
 couples the axes see ``bushing``. With ``release`` it holds b by multipliers until then.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from mecano.constraints.along_coordinate.hold import RELEASE_MODES
-from mecano.constraints.joint_frame import NODES, not_across, not_at_one_place, not_flipped, not_parallel
+from mecano.constraints.along_coordinate.measure import Outputs
+from mecano.constraints.joint_frame import not_at_one_place, not_parallel, one_position, one_rotation
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
-from mecano.constraints.pair import (
-    AXES,
-    AXIS_1,
-    PAIR_RECORD,
-    axis_place,
-    compliance_field,
-    law_outputs,
-    pair_force,
-    pair_moment,
-    pair_parts,
-    pair_record,
-)  # fmt: skip
-from mecano.constraints.release import FIRST_ROW, RELEASE, SAMPLE, check_release, releasable
-from mecano.element_interface import Display, Kind, Output, nothing
+from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
+from mecano.constraints.release import SAMPLE
+from mecano.element_interface import Display, Output
+from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write the reactions."""
-    put(y, 0, -vec(F, 6))
-    put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
+def _put_shared(p, at, F, y, i):
+    """Write the reactions that shared unknowns hide."""
+    put(y, i, -vec(F, 6))
+    put(y, i + 3, -(mat(at.R[1]) @ vec(F, 9)))
 
 
 @kernel
-def observe_held(p, at, F, y, e):
-    """Write the reactions if every axis is held by a part of its own."""
-    put(y, 0, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
-    put(y, 3, mat(at.R[0]) @ (mat(p.mu).T @ pair_moment(p, at.laws, at.q, at.v, at.R)))
+def _put_held(p, at, F, y, i):
+    """Write the reactions where every axis is held by a part of its own."""
+    axes = mat(at.R[0]) @ mat(p.mu).T
+    put(y, i, axes @ pair_force(p, at.laws, at.q, at.v, at.R))
+    put(y, i + 3, axes @ pair_moment(p, at.laws, at.q, at.v, at.R))
 
 
 def _place(d, nodes, context):
     return {**axis_place(d, nodes, context), "start": np.zeros(3)}
-
-
-def prepare_held(d, nodes, context):
-    """Return the axes of both nodes, and the constraint or law of each axis."""
-    return pair_record(_place(d, nodes, context), AXES, d["compliance"], context)
-
-
-def parts_held(d, nodes, context):
-    """Return the Parts that hold the six axes."""
-    return pair_parts(_place(d, nodes, context), AXES, d["compliance"], context)
-
-
-def variant(d):
-    """The joint that shares all, or the one whose axes are held by parts."""
-    return FIXED_RELEASE if d["release"] else FIXED_HELD if d["compliance"] else FIXED
-
-
-def shares(d, nodes):
-    """Return shares of position and rotation."""
-    return [("x", 0, 1), ("R", 0, 1)]
-
-
-def check(d, nodes):
-    """The nodes start at one place with one rotation."""
-    return not_at_one_place(nodes) + not_parallel(nodes) + not_across(d, nodes) + check_release(d, ("compliance",))
 
 
 def sample(rng):
@@ -87,45 +52,27 @@ def sample(rng):
     ]
 
 
-FIXED = Kind(
-    name="fixed",
-    section="joints",
-    doc=__doc__,
-    display=Display(force="force"),
-    layout=("x0", "R0", "x1", "R1"),
-    fields=(
-        NODES,
-        Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
-        AXIS_1,
-        compliance_field(AXES),
-        RELEASE,
+FIXED = sharing_pair(
+    "fixed",
+    __doc__,
+    LowerPair(
+        axis=Field("axis", DIRECTION, "-", "axis of the compliance at the start, inertial", (0.0, 0.0, 1.0)),
+        held=AXES,
+        display=Display(force="force"),
+        reactions=Outputs(
+            (
+                Output("force", "N", "force of a on b, inertial axes", (3,)),
+                Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
+            ),
+            _put_held,
+        ),
+        place=_place,
     ),
-    outputs=(
-        Output("force", "N", "force of a on b, inertial axes", (3,)),
-        Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
+    Shared(
+        lambda d, nodes: one_position(d, nodes) + one_rotation(d, nodes),
+        (),
+        _put_shared,
+        lambda nodes: not_at_one_place(nodes) + not_parallel(nodes),
     ),
-    optional=law_outputs("compliance", AXES),
-    shares=shares,
-    variant=variant,
-    check=check,
-    observe=observe,
-    sample=sample,
+    sample,
 )
-
-FIXED_HELD = replace(
-    FIXED,
-    name="fixed_held",
-    dtype=PAIR_RECORD,
-    prepare=prepare_held,
-    shares=nothing,
-    parts=parts_held,
-    observe=observe_held,
-    admissible=not_flipped,
-)
-
-
-def _prepare_release(d, nodes, context):
-    return pair_record(_place(d, nodes, context), AXES, None, context, FIRST_ROW)
-
-
-FIXED_RELEASE = replace(releasable(FIXED_HELD, parts_held), prepare=_prepare_release, admissible=None)

@@ -12,9 +12,8 @@ turns, offer friction and stops, and need fewer equations. The assembly rejects 
 held.
 """
 
-from mecano.constraints.along_coordinate.measure import MOMENT
+from mecano.constraints.along_coordinate.measure import REACTIONS, put_translation, translation
 from mecano.constraints.body_fixed import relative_rotation
-from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
@@ -53,9 +52,7 @@ DRIVEN = mapping(
 def observe(p, at, F, y, e):
     """Write motion along and about the axes, reactions, power of the drives."""
     A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
-    for i in range(3):
-        along, y[3 + i] = slide(at.q, at.v, A, mu[i])
-        y[i] = along - p.start[i]
+    put_translation(p, at, F, y, 0)
     relative = relative_rotation(A, mat(at.R[1]))
     y[6] = -tilted(mu[1], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
     y[7] = tilted(mu[0], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
@@ -148,16 +145,11 @@ GENERIC_JOINT = Kind(
         compliance_field(AXES),
     ),
     outputs=(
-        Output(
-            "displacement", "m", "sliding of b relative to a along mu_1, mu_2 and the axis since the start", (3,),
-            rate="velocity",
-        ),
-        Output("velocity", "m/s", "rate of the displacement", (3,)),
-        Output("tilt", "-", "sines of the angles by which the axis of b tilts about mu_1 and mu_2", (2,)),
-        Output("angle", "rad", "twist of b relative to a about the axis, within one turn"),
+        *translation("mu_1, mu_2 and the axis").declared,
+        Output("tilt", "-", "sines of the angles by which the axis of b leans about mu_1 and mu_2", (2,)),
+        Output("angle", "rad", "twist of b relative to a about the axis, in one turn"),
         Output("rate", "rad/s", "rate of the angle"),
-        Output("force", "N", "force of a on b along mu_1, mu_2 and the axis", (3,)),
-        MOMENT,
+        *REACTIONS,
     ),
     optional=law_outputs("compliance", AXES),
     prepare=prepare,

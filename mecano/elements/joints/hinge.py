@@ -22,25 +22,28 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_MODES
-from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
+from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
 from mecano.constraints.pair import triads_together
 from mecano.constraints.release import SAMPLE
-from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.element_interface import Display
+from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
 HELD = ("about_2", "about_1", "along_1", "along_2", "along_axis")
-AXIS_B = Field("axis_b", DIRECTION, "-", "axis fixed in b at the start, inertial, if different", None)
+AXIS_B = Field("axis_b", DIRECTION, "-", "axis carried by b at the start, inertial, where it differs", None)
+RADIUS = radius("radius", "radius of the bearing")
 COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.0)
 
 
 @kernel
-def _reactions(p, at, F, y, i):
-    """Write the force on b from the shared position, and the moment of two multipliers, starting at y[i]."""
+def _put_reactions(p, at, F, y, i):
+    """Write the force on b that its shared position hides, and the moment of two multipliers."""
     put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
     put(y, i + 3, (-at.q[13], at.q[12], 0.0))
 
@@ -69,20 +72,22 @@ def sample(rng):
     ]
 
 
-HINGE, HINGE_HELD = sharing_pair(
+HINGE = sharing_pair(
     "hinge",
     __doc__,
     LowerPair(
-        axis="axis at the start, inertial",
+        axis=Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         held=HELD,
-        shared=Shared(one_position, ("about_2", "about_1"), _reactions, not_at_one_place),
-        ends=TWIST,
-        friction=Friction(
-            HINGE_FRICTION, hinge_friction_record, (radius("radius", "radius of the bearing"), COLLAR, LENGTH)
+        display=Display(pictures=("angles",), force="force", along_axes=True),
+        motions=(TURNING,),
+        options=(
+            TURNING_LAW,
+            ANGLE_ENDS,
+            friction_option(HINGE_FRICTION, hinge_friction_record, RADIUS, COLLAR, LENGTH),
         ),
         fields=(AXIS_B,),
         place=_place,
-        pictures=("angles",),
     ),
+    Shared(one_position, ("about_2", "about_1"), _put_reactions, not_at_one_place),
     sample,
 )

@@ -11,36 +11,21 @@ axes in the plane are chosen as for the hinge, and the assembly rejects :math:`\
 Option: ``turning_law`` gives a moment about the normal from the angle and its rate.
 """
 
-from mecano.constraints.along_coordinate.law import TURNING_FIELDS
-from mecano.constraints.along_coordinate.measure import MOMENT, TURNING, follow_turning, put_turning
-from mecano.constraints.coordinates.slide import slide
-from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.along_coordinate.measure import MOMENT, TURNING, Outputs, translation
+from mecano.constraints.joint_options import TURNING_LAW
 from mecano.constraints.joint_samples import SPRUNG, two_places
-from mecano.constraints.of_coordinates import TWIST_LAW, turning_parts
-from mecano.constraints.pair import AXES_RECORD, AXIS_1, axis_place, pair_parts
-from mecano.element_interface import Display, Kind, Output
+from mecano.element_interface import Display, Output
+from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import mat, put, vec
+from mecano.maths.vector import put
 from mecano.schema import DIRECTION, Field
-
-HELD = ("about_2", "about_1", "along_axis")
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write sliding, rotation and reactions."""
-    for i in range(3):
-        along, y[3 + i] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[i], 0))
-        y[i] = along - p.start[i]
-    put_turning(p, at.m, at.v, at.R, y, 6)
-    y[8] = at.q[14]
-    put(y, 9, (-at.q[13], at.q[12], 0.0))
-
-
-def parts(d, nodes, context):
-    """Return the Parts that keep the normals parallel and b in the plane; the law of the angle."""
-    p = axis_place(d, nodes, context)
-    return pair_parts(p, HELD, None, context) + turning_parts(d, p, context)
+def _put_reactions(p, at, F, y, i):
+    """Write the force of one multiplier, the moment of the other two."""
+    y[i] = at.q[14]
+    put(y, i + 1, (-at.q[13], at.q[12], 0.0))
 
 
 def sample(rng):
@@ -50,39 +35,16 @@ def sample(rng):
     return [(d, nodes, ""), ({**d, "axis_1": rng.normal(size=3), **law}, nodes, "")]
 
 
-PLANAR = Kind(
-    name="planar",
-    section="joints",
-    doc=__doc__,
-    display=Display(support=False, pictures=("planes",)),
-    dtype=AXES_RECORD,
-    layout=("x0", "R0", "x1", "R1"),
-    fields=(
-        NODES,
-        Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; fixed in a"),
-        AXIS_1,
-        *TURNING_FIELDS,
+PLANAR = rigid_pair(
+    "planar",
+    __doc__,
+    LowerPair(
+        axis=Field("axis", DIRECTION, "-", "normal of the plane at the start, inertial; carried by a"),
+        held=("about_2", "about_1", "along_axis"),
+        display=Display(support=False, pictures=("planes",)),
+        motions=(translation("mu_1, mu_2 and the normal"), TURNING),
+        options=(TURNING_LAW,),
+        reactions=Outputs((Output("force", "N", "force of a on b along the normal"), MOMENT), _put_reactions),
     ),
-    outputs=(
-        Output(
-            "displacement",
-            "m",
-            "sliding of b relative to a along mu_1, mu_2 and the normal since the start",
-            (3,),
-            rate="velocity",
-        ),
-        Output("velocity", "m/s", "rate of the displacement", (3,)),
-        *TURNING,
-        Output("force", "N", "force of a on b along the normal"),
-        MOMENT,
-    ),
-    optional=(("turning_law", TWIST_LAW, ""),),
-    memory=("angle",),
-    prepare=axis_place,
-    parts=parts,
-    check=not_across,
-    observe=observe,
-    commit=follow_turning,
-    admissible=not_flipped,
-    sample=sample,
+    sample,
 )

@@ -16,15 +16,17 @@ axis. The outputs force and moment include only what holds b; law and friction h
 
 from mecano.constraints.along_coordinate.friction import LENGTH
 from mecano.constraints.along_coordinate.hold import RELEASE_MODES
-from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
 from mecano.constraints.joint_frame import not_parallel, one_rotation
-from mecano.constraints.joint_samples import RUBBING, SLIDE_ENDS, SPRUNG, STICKING, two_parallel
+from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
+from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel
 from mecano.constraints.release import SAMPLE
-from mecano.elements.joints.lower_pair import Friction, LowerPair, Shared, sharing_pair
+from mecano.element_interface import Display
+from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
-from mecano.schema import NUMBER, Field, positive
+from mecano.schema import DIRECTION, NUMBER, Field, positive
 
 HELD = ("about_2", "about_1", "about_axis", "along_1", "along_2")
 KEY_RADIUS = Field(
@@ -34,8 +36,8 @@ KEY_RADIUS = Field(
 
 
 @kernel
-def _reactions(p, at, F, y, i):
-    """Write the force of two multipliers, and the moment on b from the shared rotation, starting at y[i]."""
+def _put_reactions(p, at, F, y, i):
+    """Write the force of two multipliers, and the moment on b that its shared rotation hides."""
     put(y, i, (at.q[12], at.q[13], 0.0))
     put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
 
@@ -48,22 +50,22 @@ def sample(rng):
         (d, nodes, ""),
         ({**d, **law, "friction": {**RUBBING, "key_radius": 0.3}}, nodes, ""),
         ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
-        ({**d, **SLIDE_ENDS}, nodes, ""),
+        ({**d, **SLIDE_STOPPED}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
         *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
     ]
 
 
-PRISMATIC, PRISMATIC_HELD = sharing_pair(
+PRISMATIC = sharing_pair(
     "prismatic",
     __doc__,
     LowerPair(
-        axis="direction of sliding at the start, inertial; fixed in a",
+        axis=Field("axis", DIRECTION, "-", "direction of sliding at the start, inertial; carried by a"),
         held=HELD,
-        shared=Shared(one_rotation, ("along_1", "along_2"), _reactions, not_parallel),
-        ends=SLIDE,
-        friction=Friction(KEYED_FRICTION, keyed_record, (LENGTH, KEY_RADIUS)),
-        pictures=("slides",),
+        display=Display(support=False, pictures=("slides",), force="force", along_axes=True),
+        motions=(SLIDING,),
+        options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, keyed_record, LENGTH, KEY_RADIUS)),
     ),
+    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, not_parallel),
     sample,
 )

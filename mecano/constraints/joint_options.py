@@ -1,0 +1,74 @@
+"""Options of joints with an axis: the fields of the deck, and the parts that are added where they are given."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
+from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS, law_values
+from mecano.constraints.along_coordinate.stops import end_fields, end_parts
+from mecano.constraints.coordinates.slide import SLIDE
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.of_coordinates import (
+    ANGLE_LATCH,
+    ANGLE_STOP,
+    BOTH,
+    SLIDE_LATCH,
+    SLIDE_LAW,
+    SLIDE_STOP,
+    TWIST_LAW,
+)
+from mecano.element_interface import Part
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option of a joint."""
+
+    fields: tuple
+    parts: Callable  # (deck values, place of the joint (pair.py), Context) -> [Part]
+    optional: tuple = ()  # see Kind.optional
+    check: Callable = lambda d: []  # deck values -> texts
+    needs_reactions: bool = False  # along all axes that the joint holds
+
+
+def _turning_parts(d, place, context):
+    if d["turning_law"] is None:
+        return []
+    axes = {"mu": place["mu"], "xi": place["xi"]}
+    return [Part(TWIST_LAW, BOTH, law_values(axes, d["turning_law"], d["natural_angle"], context))]
+
+
+def _sliding_parts(d, place, context):
+    if d["sliding_law"] is None:
+        return []
+    natural = place["start"][2] + d["natural_displacement"]
+    return [Part(SLIDE_LAW, BOTH, law_values({"mu": place["mu"][2]}, d["sliding_law"], natural, context))]
+
+
+def _angle_end_parts(d, place, context):
+    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCH, ANGLE_STOP)
+
+
+def _slide_end_parts(d, place, context):
+    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCH, SLIDE_STOP)
+
+
+def friction_option(kind, values, *geometry):
+    """Return the Option of friction driven by the reactions of all axes that the joint holds.
+
+    ``kind`` is coupled to their multipliers, ``values(place, friction, context)`` returns its record, ``geometry`` are
+    its fields beside those of every friction.
+    """
+    coupled_to = tuple(range(len(kind.coupled_multipliers)))
+
+    def parts(d, place, context):
+        given = d["friction"]
+        return [Part(kind, BOTH, values(place, given, context), coupled_to)] if given else []
+
+    return Option((friction_fields(*geometry),), parts, (("friction", kind, ""),), check_friction, True)
+
+
+TURNING_LAW = Option(TURNING_FIELDS, _turning_parts, (("turning_law", TWIST_LAW, ""),))
+SLIDING_LAW = Option(SLIDING_FIELDS, _sliding_parts, (("sliding_law", SLIDE_LAW, ""),))
+ANGLE_ENDS = Option(end_fields(TWIST), _angle_end_parts, (("latch", ANGLE_LATCH, ""), ("stops", ANGLE_STOP, "")))
+SLIDE_ENDS = Option(end_fields(SLIDE), _slide_end_parts, (("latch", SLIDE_LATCH, ""), ("stops", SLIDE_STOP, "")))
