@@ -288,7 +288,7 @@ def check_declarations(kind):
     assert all(text.strip() for text in texts)
     names = [field.name for field in kind.fields], [output.name for output in kind.outputs]
     assert all(len(set(group)) == len(group) for group in names)
-    assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.velocity_constraints) is not None)
+    assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.constraints) is not None)
     assert bool(kind.outputs) <= (kind.observe is not None)
     assert bool(kind.memory) == (kind.commit is not None)
     assert bool(kind.events) == (kind.event_values is not None)

@@ -12,6 +12,7 @@ from mecano.elements import KINDS
 from mecano.jit.null_matrix import NULL_MATRIX
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
+from mecano.maths.dual import value as number_in
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
@@ -143,12 +144,12 @@ class Instance:
     def constraint_derivatives(self, t, state):
         """Return the constraint derivatives (n_multipliers, 3)."""
         g = np.zeros((len(self.kind.multipliers), 3))
-        if self.kind.velocity_constraints is not None:
+        if self.kind.constraints is not None:
             q, v, a, R = state
             turns = np.array([R_r @ (EYES @ v[c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
-            out = duals(g[:, 0], g[:, 0])
-            self.run("velocity_constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
-            g[:, 1:] = [(x.value, x.slope) if isinstance(x, Dual) else (x, 0.0) for x in out]
+            out = duals(g[:, :2], g[:, :2])
+            self.run("constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
+            g[:] = [(number_in(x), number_in(rate), getattr(rate, "slope", 0.0)) for x, rate in out]
         if self.kind.constraint_derivatives is not None:
             self.run("constraint_derivatives", t, state, g)
         return g

@@ -7,6 +7,7 @@ equations (12)-(14) of Cardona, Geradin & Doan 1991):
            K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B
 """
 
+from mecano.constraints.coordinates.coordinate import add_along
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_col, add_mat, add_row, add_vec, outer
 
@@ -30,18 +31,12 @@ def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
 
 
 @kernel
-def add_scalar(f, K, at, row, k, penalty, g, slope, curvature, blocks):
-    """Add the terms of one more unknown, with index ``at``, to a constraint of ``add_constraint``, which returned g.
-
-    ``slope`` and ``curvature`` are the first and second derivative of the constraint with respect to that unknown.
-    """
-    f[at] += g * slope
-    K[at, at] += penalty * slope * slope + g * curvature
-    K[at, row] -= k * slope
-    K[row, at] -= k * slope
-    for i, b in blocks:
-        add_col(K, i, at, penalty * slope, b)
-        add_row(K, at, i, penalty * slope, b)
+def add_reaction(f, row, k, penalty, Phi, multiplier, blocks):
+    """Add one constraint to a residual whose tangent is computed with dual numbers; see ``add_constraint``."""
+    g = penalty * Phi - multiplier
+    f[row] -= k * Phi
+    add_along(f, g, blocks)
+    return g
 
 
 @kernel

@@ -8,7 +8,8 @@ both circles:
 
 The last terms vanish where the carrier holds both centres. They make the multiplier the tooth force on the first gear
 along :math:`\tau`, and on the second gear against it, each at the pitch point, without a moment on the carrier. The
-angles are continued over whole turns with the memory of their values at the last accepted step.
+angles are continued over whole turns with the memory of their values at the last accepted step. The tangent is that
+of the coordinates, as in geared_slide.py: with dual numbers compiling takes 8.7 instead of 6.0 s of processor time.
 """
 
 from mecano.constraints.augmented_lagrangian import add_constraint, put_derivatives

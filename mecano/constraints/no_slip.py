@@ -4,6 +4,10 @@ The point is at ``arm`` from the node and moves, as a point of the body, with u 
 :math:`\Phi = e \cdot u = 0` for a unit vector e; both arm and e depend on position and rotation. The gradient with
 respect to the velocities is (e, arm x e): the multiplier is the force on the body along e at the contact ((22), (24) of
 Cardona, Geradin & Doan 1991).
+
+The tangents are written by hand. With dual numbers that of a rolling disc takes three times as long on a plane (2.2
+instead of 0.8 us) and nine times on a profile (69 instead of 7.6 us), where each pass searches the contact anew, and
+compiling it takes as long: the decks rolling_disc and trailing_wheel_bump would take 6 and 13 % more processor time.
 """
 
 from typing import NamedTuple

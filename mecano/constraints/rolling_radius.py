@@ -3,6 +3,7 @@ r"""Rolling radius: a disc of given radius touches the ground, :math:`r - radius
 With axis a, contact C = x + r c and q = |n - (n.a) a| of surface.py. On a plane this is (18) of Cardona, Geradin & Doan
 1991 divided by q, (x - P).n - radius q = 0. The gradient is n/q at C, so the multiplier is the force in the plane of
 the disc and the normal force N = k lambda/q. The constraint is inactive in the phase "air".
+Its tangent is written by hand: no_slip.py says why.
 """
 
 import numpy as np

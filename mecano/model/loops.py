@@ -290,14 +290,15 @@ def constraint_derivatives(batch, system):
 
 
 def dual_constraint_derivatives(batch, system):
-    """Compute values and rates of constraints on velocities; the rates are slopes along the motion."""
+    """Compute values, rates and second rates of the constraints; the last are slopes along the motion."""
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
     dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
     columns, multipliers = integers(b.columns, b.n_rotations), integers(b.multipliers, (b.n, b.n_multipliers))
     q, v, a, R = work(b)
-    q_1, v_1, g_1, R_1 = seeded(b)
+    q_1, v_1, _, R_1 = seeded(b)
+    g_1 = items(b.seeded + 2 * SIZE * b.n_local, (b.n_multipliers, 2), DUAL)  # in the place of forces
     g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
@@ -308,11 +309,13 @@ def dual_constraint_derivatives(batch, system):
             put_constant(R_1[r], mat(R[r]))
             put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
         at = Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
+        for i in range(b.n_multipliers):
+            g_1[i, 0], g_1[i, 1] = 0.0, 0.0
         function(p[e], at, g_1)  # noqa: F821
         for i in range(b.n_multipliers):
-            g_out[multipliers[e, i], 0] = 0.0
-            g_out[multipliers[e, i], 1] = g_1[i].value
-            g_out[multipliers[e, i], 2] = g_1[i].slope
+            g_out[multipliers[e, i], 0] = g_1[i, 0].value
+            g_out[multipliers[e, i], 1] = g_1[i, 1].value
+            g_out[multipliers[e, i], 2] = g_1[i, 1].slope
 
 
 def observe(batch, system):
@@ -371,7 +374,7 @@ def commit(batch, system):
 # The function of a kind that each loop calls.
 PURPOSES = {
     tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual",
-    constraint_derivatives: "constraint_derivatives", dual_constraint_derivatives: "velocity_constraints",
+    constraint_derivatives: "constraint_derivatives", dual_constraint_derivatives: "constraints",
     observe: "observe", event_values: "event_values", commit: "commit",
 }  # fmt: skip
 
@@ -386,7 +389,7 @@ def code_of(kind, template):
     """Return the Code of the loop ``template`` for a kind, or None if the kind has no such function."""
     if kind.residual is not None:
         duals = {tangent: dual_tangent, residual: plain_residual}
-        if kind.velocity_constraints is not None:
+        if kind.constraints is not None:
             duals[constraint_derivatives] = dual_constraint_derivatives
         template = duals.get(template, template)
     function = getattr(kind, PURPOSES[template])

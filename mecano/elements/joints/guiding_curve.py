@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, at_most, cos, sin, value
 from mecano.maths.vector import vec
 
 CURVE_RECORD = {
@@ -23,22 +24,20 @@ KEYS = ("center", "semi_axis_1", "semi_axis_2", "advance")
 
 @kernel
 def curve_at(p, laws, s):
-    """Return position X (3,) [m] at s [m], its first and second derivative by s, in the axes of the curve."""
+    """Return the place X (3,) [m] at s [m] and its derivative by s, in the axes of the curve."""
     if p.pieces > 0:
         return _spline_at(p, laws, s)
     a, b, h = vec(p.semi_axis_1, 0), vec(p.semi_axis_2, 0), vec(p.advance, 0)
-    u, rate = s / p.length, 1.0 / p.length
-    cosine, sine = math.cos(u), math.sin(u)
-    around = cosine * a + sine * b
-    along = -sine * a + cosine * b + h
-    return vec(p.center, 0) + around + u * h, rate * along, -rate * rate * around
+    u = s / p.length
+    cosine, sine = cos(u), sin(u)
+    return vec(p.center, 0) + cosine * a + sine * b + u * h, (cosine * b - sine * a + h) / p.length
 
 
 @kernel
 def _spline_at(p, laws, s):
     if p.closed > 0.0:
-        s -= p.length * math.floor(s / p.length)
-    inside = min(max(s, 0.0), p.length)
+        s = s - p.length * math.floor(value(s) / p.length)
+    inside = at_most(at_least(s, 0.0), p.length)
     i, end = 0, p.pieces
     while end - i > 1:
         middle = (i + end) // 2
@@ -48,11 +47,8 @@ def _spline_at(p, laws, s):
             end = middle
     u, first = inside - laws[p.table + i], p.table + p.pieces + 1 + 12 * i
     c_0, c_1, c_2, c_3 = vec(laws, first), vec(laws, first + 3), vec(laws, first + 6), vec(laws, first + 9)
-    X = c_0 + u * (c_1 + u * (c_2 + u * c_3))
     slope = c_1 + u * (2.0 * c_2 + 3.0 * u * c_3)
-    if s != inside:
-        return X + (s - inside) * slope, slope, 0.0 * c_2
-    return X, slope, 2.0 * c_2 + 6.0 * u * c_3
+    return c_0 + u * (c_1 + u * (c_2 + u * c_3)) + (s - inside) * slope, slope
 
 
 @kernel

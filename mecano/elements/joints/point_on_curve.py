@@ -29,8 +29,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
-from mecano.constraints.coordinates.slide import add_slide_curvature, slide_gradient, slide_rates
+from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.coordinates.coordinate import rate_of
+from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.joint_frame import triad
 from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.elements.joints.guiding_curve import (
@@ -45,6 +46,7 @@ from mecano.elements.joints.guiding_curve import (
     prepare_curve,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import ZERO, dot, mat, norm, put, vec
 from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list_of
 
@@ -55,34 +57,35 @@ STILL = 1e-12  # of the speed along the curve: a slower node has no direction of
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Add forces to both nodes, the moment to the first, the force along the curve."""
-    A = mat(at.R[0])
-    d = A.T @ (vec(at.q, 6) - vec(at.q, 0))
-    X, slope, curvature = curve_at(p, at.laws, at.q[S])
-    for i in range(p.rows):
-        axis = vec(p.axes[i], 0)
-        b_0, b_R, b_1 = slide_gradient(at.q, A, axis)
-        blocks = ((0, b_0), (3, b_R), (6, b_1))
-        g = add_constraint(f, K, ROW + i, at.k, at.penalty, dot(axis, d) - X[i], at.q[ROW + i], blocks)
-        add_slide_curvature(K, g, at.q, A, axis)
-        add_scalar(f, K, S, ROW + i, at.k, at.penalty, g, -slope[i], -curvature[i], blocks)
+def _distance(p, at, X, i):
+    """Return the constraint along axis i [m] at the place X of the curve, and its gradient by the nodes."""
+    A, axis = mat(at.R[0]), vec(p.axes[i], 0)
+    b_0, b_R, b_1 = slide_gradient(at.q, A, axis)
+    return slide(at.q, at.v, A, axis)[0] - X[i], ((0, b_0), (3, b_R), (6, b_1))
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write value and rates along each axis."""
-    X, slope, curvature = curve_at(p, at.laws, at.q[S])
+def residual(p, at, f):
+    """Add forces on both nodes, the moment on the first, the force along the curve."""
+    X, slope = curve_at(p, at.laws, number(at.q[S]))
     for i in range(p.rows):
-        Phi, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.axes[i], 0))
-        second -= slope[i] * at.a[S] + curvature[i] * at.v[S] * at.v[S]
-        put_derivatives(g, i, Phi - X[i], rate - slope[i] * at.v[S], second)
+        Phi, along = _distance(p, at, X, i)
+        f[S] -= slope[i] * add_reaction(f, ROW + i, at.k, at.penalty, Phi, at.q[ROW + i], along)
+
+
+@kernel
+def constraints(p, at, g):
+    """Write value and rate along each axis."""
+    X, slope = curve_at(p, at.laws, number(at.q[S]))
+    for i in range(p.rows):
+        Phi, along = _distance(p, at, X, i)
+        g[i, 0], g[i, 1] = Phi, rate_of(along, at.v) - slope[i] * at.v[S]
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Write position on the curve, force, pressure angle."""
-    _, slope, _ = curve_at(p, at.laws, at.q[S])
+    """Place on the curve, force, pressure angle."""
+    _, slope = curve_at(p, at.laws, at.q[S])
     y[0], y[1], y[2] = at.q[S], at.v[S], norm(slope) * at.v[S]
     on_b = ZERO
     for i in range(p.rows):
@@ -181,8 +184,8 @@ POINT_ON_CURVE = Kind(
     variant=variant,
     check=check,
     ends=ends,
-    force=force,
-    constraint_derivatives=constraint_derivatives,
+    residual=residual,
+    constraints=constraints,
     observe=observe,
     sample=sample,
 )

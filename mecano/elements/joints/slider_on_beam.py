@@ -21,12 +21,11 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import add_constraint, add_scalar, put_derivatives
-from mecano.constraints.body_fixed import carried
 from mecano.element_interface import Display, Event, Kind, Output, Row, record
 from mecano.elements.members.smooth_line import nearest_station, smooth_line
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import EYE, add_col, add_mat, add_row, cross, mat, norm, put, skew, vec
+from mecano.maths.dual import number
+from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
 from mecano.schema import NODE, NODES, Field
 
 RECORD = record(n_nodes="i", table="i", first="i", start=(), length=())
@@ -42,14 +41,13 @@ def _element(p, m):
 
 @kernel
 def _shape(p, laws, i, s):
-    """Return (H (4,), first and second derivatives by s) of the element i; those of tangents times its length."""
+    """Return H (4,) and its derivative by s of the element i, those of tangents times its length."""
     start, L = laws[p.table + i], laws[p.table + i + 1] - laws[p.table + i]
     u = (s - start) / L
-    H = (1.0 + u * u * (2.0 * u - 3.0), L * u * (1.0 - u) ** 2, u * u * (3.0 - 2.0 * u), L * u * u * (u - 1.0))
+    w = 1.0 - u
+    H = (1.0 + u * u * (2.0 * u - 3.0), L * u * w * w, u * u * (3.0 - 2.0 * u), L * u * u * (u - 1.0))
     bend = 6.0 * u * (u - 1.0) / L
-    H_1 = (bend, (1.0 - u) * (1.0 - 3.0 * u), -bend, u * (3.0 * u - 2.0))
-    bend = (12.0 * u - 6.0) / (L * L)
-    return H, H_1, (bend, (6.0 * u - 4.0) / L, -bend, (6.0 * u - 2.0) / L)
+    return H, (bend, w * (1.0 - 3.0 * u), -bend, u * (3.0 * u - 2.0))
 
 
 @kernel
@@ -65,69 +63,52 @@ def _sum(H, y):
 
 
 @kernel
-def _of_beam(H, j, e, turn_0, turn_1):
-    """Return gradients of -e . X at the nodes of an element with unknowns from j on, as blocks of add_constraint."""
-    return (
-        (j, -H[0] * e), (j + 3, -H[1] * turn_0), (j + 6, -H[2] * e), (j + 9, -H[3] * turn_1),
-    )  # fmt: skip
-
-
-@kernel
-def _ends(p, laws, i, q, v, a, R):
-    """Return positions and directions at both nodes of the element i, their rates and second rates, inertial."""
+def _ends(p, at, i):
+    """Return places and directions at both nodes of the element i, and their rates, inertial."""
     j, l = 3 + 6 * i, 9 + 6 * i
-    t_0 = carried(mat(R[i]), vec(v, j + 3), vec(a, j + 3), _tangent(p, laws, i))
-    t_1 = carried(mat(R[i + 1]), vec(v, l + 3), vec(a, l + 3), _tangent(p, laws, i + 1))
+    A, B, t_0, t_1 = mat(at.R[i]), mat(at.R[i + 1]), _tangent(p, at.laws, i), _tangent(p, at.laws, i + 1)
+    turning_0, turning_1 = A @ cross(vec(at.v, j + 3), t_0), B @ cross(vec(at.v, l + 3), t_1)
     return (
-        (vec(q, j), t_0[0], vec(q, l), t_1[0]), (vec(v, j), t_0[1], vec(v, l), t_1[1]),
-        (vec(a, j), t_0[2], vec(a, l), t_1[2]),
+        (vec(at.q, j), A @ t_0, vec(at.q, l), B @ t_1), (vec(at.v, j), turning_0, vec(at.v, l), turning_1),
     )  # fmt: skip
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add the force on the slider, its opposite on two nodes of the beam, the force along it."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
     j, l = 3 + 6 * i, 9 + 6 * i
-    A, B, t_0, t_1 = mat(at.R[i]), mat(at.R[i + 1]), _tangent(p, at.laws, i), _tangent(p, at.laws, i + 1)
-    H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
-    y = (vec(at.q, j), A @ t_0, vec(at.q, l), B @ t_1)
-    X, slope, curvature = _sum(H, y), _sum(H_1, y), _sum(H_2, y)
-    for r in range(3):
-        e = EYE[r]
-        turn_0, turn_1 = cross(t_0, A.T @ e), cross(t_1, B.T @ e)
-        blocks = ((0, e),) + _of_beam(H, j, e, turn_0, turn_1)
-        row = own + 1 + r
-        g = add_constraint(f, K, row, at.k, at.penalty, at.q[r] - X[r], at.q[row], blocks)
-        add_scalar(f, K, own, row, at.k, at.penalty, g, -slope[r], -curvature[r], blocks)
-        for place, b in _of_beam(H_1, j, e, turn_0, turn_1):
-            add_col(K, place, own, g, b)
-            add_row(K, own, place, g, b)
-        add_mat(K, j + 3, j + 3, -g * H[1], skew(t_0) @ skew(A.T @ e))
-        add_mat(K, l + 3, l + 3, -g * H[3], skew(t_1) @ skew(B.T @ e))
+    H, H_1 = _shape(p, at.laws, i, number(at.q[own]))
+    y, _ = _ends(p, at, i)
+    Phi = vec(at.q, 0) - _sum(H, y)
+    g = at.penalty * Phi - vec(at.q, own + 1)
+    add_vec(f, 0, 1.0, g)
+    add_vec(f, own + 1, -at.k, Phi)
+    add_vec(f, j, -H[0], g)
+    add_vec(f, j + 3, -H[1], cross(_tangent(p, at.laws, i), mat(at.R[i]).T @ g))
+    add_vec(f, l, -H[2], g)
+    add_vec(f, l + 3, -H[3], cross(_tangent(p, at.laws, i + 1), mat(at.R[i + 1]).T @ g))
+    f[own] -= dot(g, _sum(H_1, y))
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write value and rates along the inertial axes."""
+def constraints(p, at, g):
+    """Write value and rate along the inertial axes."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
-    H, H_1, H_2 = _shape(p, at.laws, i, at.q[own])
-    y, y_1, y_2 = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
-    slope, turning, rate = _sum(H_1, y), _sum(H_1, y_1), at.v[own]
-    X_1 = _sum(H, y_1) + rate * slope
-    X_2 = _sum(H, y_2) + 2.0 * rate * turning
-    X_2 = X_2 + (rate * rate * _sum(H_2, y) + at.a[own] * slope)
-    X = _sum(H, y)
+    H, H_1 = _shape(p, at.laws, i, number(at.q[own]))
+    y, y_1 = _ends(p, at, i)
+    Phi = vec(at.q, 0) - _sum(H, y)
+    rate = vec(at.v, 0) - _sum(H, y_1) - at.v[own] * _sum(H_1, y)
     for r in range(3):
-        put_derivatives(g, r, at.q[r] - X[r], at.v[r] - X_1[r], at.a[r] - X_2[r])
+        g[r, 0], g[r, 1] = Phi[r], rate[r]
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write position on the beam, speed along it, force."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
-    _, H_1, _ = _shape(p, at.laws, i, at.q[own])
-    places, _, _ = _ends(p, at.laws, i, at.q, at.v, at.a, at.R)
+    _, H_1 = _shape(p, at.laws, i, at.q[own])
+    places, _ = _ends(p, at, i)
     y[0], y[1], y[2] = at.q[own], at.v[own], norm(_sum(H_1, places)) * at.v[own]
     put(y, 3, vec(at.q, own + 1))
     y[6] = norm(vec(at.q, own + 1))
@@ -240,8 +221,8 @@ DECLARED = {
     "variant": variant,
     "check": check,
     "ends": ends,
-    "force": force,
-    "constraint_derivatives": constraint_derivatives,
+    "residual": residual,
+    "constraints": constraints,
     "observe": observe,
     "event_values": event_values,
     "commit": commit,

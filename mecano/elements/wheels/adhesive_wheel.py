@@ -43,14 +43,13 @@ def residual(p, at, f):
 
 
 @kernel
-def velocity_constraints(p, at, g):
+def constraints(p, at, g):
     """Write the velocity of the patch along t and l."""
-    g[0], g[1] = 0.0, 0.0
     if at.phase == AIR:
         return
     k = patch(p, at)
     t, l = directions(k.a, k.g)
-    g[0], g[1] = dot(t, k.v_C), dot(l, k.v_C)
+    g[0, 1], g[1, 1] = dot(t, k.v_C), dot(l, k.v_C)
 
 
 @kernel
@@ -71,5 +70,5 @@ ADHESIVE_WHEEL = patch_wheel(
     observe,
     events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP), LIFT_OFF),
     multipliers=ROWS,
-    velocity_constraints=velocity_constraints,
+    constraints=constraints,
 )
