@@ -1,4 +1,4 @@
-"""What a run needs compiled, before it begins."""
+"""Find and compile the functions that a run needs, before it begins."""
 
 from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler

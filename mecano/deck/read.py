@@ -1,4 +1,4 @@
-"""Text -> checked deck, in steps; a step runs only if the one before found no errors, which would cause others."""
+"""Read and check a deck in steps; each step requires that the one before found no errors, which would cause others."""
 
 import os
 import re

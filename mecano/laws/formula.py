@@ -32,7 +32,7 @@ COMPARISON = re.compile(r"(>=|<=|>|<)")
 
 
 class FormulaError(Exception):
-    """What is wrong with a formula, and at which character of it."""
+    """An error in a formula, with the index of its character."""
 
     def __init__(self, message, column=0):
         super().__init__(message)
@@ -49,12 +49,12 @@ class Formula(NamedTuple):
 
     @property
     def depends_on_time(self):
-        """True where the time stands in it."""
+        """True if the formula contains the time."""
         return (TIME, 0.0) in self.program
 
     @property
     def reference(self):
-        """The name of the one quantity that the formula is, or ""."""
+        """The name of the quantity if the formula consists of a single one, otherwise ""."""
         return self.references[0] if self.program == ((INPUT, 0.0),) else ""
 
     @property

@@ -239,4 +239,4 @@ SHAPES = {
     "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip
-"""What draws each ``Display.shape``."""
+"""Functions that draw each ``Display.shape``."""

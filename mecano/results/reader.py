@@ -314,7 +314,7 @@ class Results:
 
     @cached_property
     def displays(self):
-        """How the kinds of the deck are drawn: name of the kind -> Display; of older files as they declare it now."""
+        """Displays of the kinds of the deck: {kind: Display}; for older files, those of the current kinds."""
         return read_displays(self._file, self.resolved)
 
     @cached_property

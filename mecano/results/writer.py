@@ -27,7 +27,7 @@ from mecano.results.whole_file import exists, hidden_name, refuse_folder
 STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
-"""How the reason begins when the disk took no more."""
+"""Beginning of the reason of a run that ended because of a full disk."""
 UNSAFE = 2**14
 """Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
 _CLOSING = 2e-9

@@ -1,1 +1,1 @@
-"""What is wrong with a model or a run, in the words of the deck: constraints, mechanisms, failures, scales."""
+"""Diagnostics of models and runs in the words of the deck: constraints, mechanisms, failures, scales."""
