@@ -189,7 +189,7 @@ def test_columns_and_units(tmp_path, data, more, points):
             "deck.yaml:20:100",
             "unit of a column: 'kn' is not a unit; did you mean",
         ),
-        (WIDE, "columns: [time]", "deck.yaml:20:75", "'value.table.columns' must be a list of 2 headers"),
+        (WIDE, "columns: [time]", "deck.yaml:20:75", "'value.table.columns' must be a list of 2 column headers"),
         (
             WIDE.replace("500", "0"),
             "columns: [time, load]",

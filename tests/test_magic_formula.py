@@ -203,7 +203,7 @@ def test_what_is_wrong_in_a_file(tmp_path, old, new, said):
         ("file: own.tir", "pressure: 2.4 bar", "either 'file' or 'coefficients'"),
         ("{magic_formula: {file: own.tir}}", "{radius: 0.3}", "missing a slip law, one of 'friction', 'fiala'"),
         ("own.tir}}", "own.tir}, friction: 0.8, slip_regularization: 0.1}", "a tyre has one slip law"),
-        ("type: wheel", "type: flexible_wheel", "'tire_law.friction' is missing, which a flexible_wheel needs"),
+        ("type: wheel", "type: flexible_wheel", "a flexible_wheel needs 'tire_law.friction'"),
     ],
 )
 def test_what_is_wrong_in_a_deck(tmp_path, old, new, said):

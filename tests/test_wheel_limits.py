@@ -162,7 +162,7 @@ def test_how_far_a_rim_is_above_the_ground():
     [
         (0.16, "", "the rim is 0.16 m below the ground at the start, more than half of its radius; it just touches "
          "with its node 0.1404 m higher"),
-        (0.075, "valid_deformation: 0.07", "0.075 m below the ground at the start, its radial law holds up to 0.07 m"),
+        (0.075, "valid_deformation: 0.07", "0.075 m below the ground at the start, its law is valid up to 0.07 m"),
     ],
 )  # fmt: skip
 def test_an_axle_too_low_for_the_law_of_its_tire_is_refused(w, valid, text):
