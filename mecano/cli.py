@@ -64,6 +64,7 @@ def main():
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # those of Python and NumPy are for developers: `python -W default -m mecano`
     try:
+        _refuse_other_bytes()
         commands(prog_name="mecano", standalone_mode=False)
     except click.exceptions.Abort as error:
         stopped = stopped_by(error)
@@ -73,6 +74,15 @@ def main():
         _end(2)
     except Exception as error:
         _report(error)
+
+
+def _refuse_other_bytes():
+    """Raise UsageError for an argument that is not UTF-8: results files, pictures and pages name files as text."""
+    for word in sys.argv[1:]:
+        if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
+            from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
+
+            raise UsageError(f"the argument {ascii(word)} is not UTF-8 text; give the file another name")
 
 
 def program():

@@ -324,6 +324,12 @@ class TestInterruptions:
         assert mecano.open_results(folder / "deck.h5").status == "complete"
 
 
+def test_arguments_that_are_no_text(call):
+    """A file name of other bytes cannot be written into results files."""
+    code, out, err = call("run", b"pend\xffulum.yaml".decode(errors="surrogateescape"))
+    assert (code, out) == (2, "") and r"'pend\udcffulum.yaml' is not UTF-8 text" in err
+
+
 def test_check_says_what_the_model_is(call, folder):
     code, out, err = call("check", "deck.yaml")
     assert (code, err) == (0, "") and "Bar on a hinge" in out and "mobility         1" in out

@@ -99,6 +99,8 @@ def _meant(key, known, field, scope):
     """Return a hint for an unknown key."""
     if ":" in key:
         return "write a space after ':'"
+    if key == "include" and not field.name:  # files were included before: this is of --set
+        return f"{quoted(key)} can only stand in the deck itself"
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
     if name in known:
         return f"here it is called {quoted(name)}"

@@ -17,8 +17,9 @@ WORDS = {CLOCK: "the limit of wall-clock time"}
 STACK = 2**26  # B for a thread: compilers need more than the half megabyte of some systems
 BEGUN = time.monotonic()  # start of the process, without the startup of Python
 RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s] at most, for the last checkpoint
-UNITS = re.compile(r"(?:(\d+)d)?(?:(\d+)h)?(?:(\d+)m)?(?:(\d+)s?)?")
-OF_A_CLOCK = re.compile(r"(?:(\d+)-)?(\d+):(\d\d):(\d\d)")
+UNITS = re.compile(r"(?:(\d{1,9})d)?(?:(\d{1,9})h)?(?:(\d{1,9})m)?(?:(\d{1,12})s?)?")
+OF_A_CLOCK = re.compile(r"(?:(\d{1,9})-)?(\d{1,9}):(\d\d):(\d\d)")
+LONGEST_LIMIT = 10**9  # s, thirty years: a timer of the system takes no more than nine times as much
 
 
 class Stopped(KeyboardInterrupt):
@@ -194,4 +195,4 @@ def seconds(text):
         from mecano.errors import UsageError  # import takes 1 % of the time of `mecano --help`
 
         raise UsageError(f"'{text}' is not a wall-clock time; write 3600, 2h30m or 02:30:00")
-    return total
+    return min(total, LONGEST_LIMIT)
