@@ -1,5 +1,7 @@
 r"""Screw: node b rotates about an axis fixed in node a and advances along it by the pitch in every turn.
 
+Node a is the nut and node b the screw, or the reverse.
+
 A cylindrical joint whose sliding s is coupled to its angle, with the pitch P (> 0 for a right-handed thread):
 
 .. math::  s - \frac{P}{2\pi}\,\theta = 0
