@@ -17,7 +17,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 INPUTS = HERE.parent.parent / "inputs"
-PATIENCE = 120  # s for a command
+PATIENCE = 60  # s for a command
 
 
 def damage(data, rng):
@@ -137,6 +137,7 @@ def _command(words, reported, first):
         os.dup2(descriptor, 1)
         os.dup2(descriptor, 2)
         sys.stdout = sys.stderr = os.fdopen(1, "w", buffering=1, errors="replace")
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)  # ends even a loop of the HDF5 library
         signal.alarm(PATIENCE)
         sys.argv = ["mecano", *words]
         from mecano.cli import main
