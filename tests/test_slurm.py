@@ -30,6 +30,7 @@ LONG = {
     "end: 4.0": "end: 30.0",
     "adaptive: {tolerance: 1.0e-3, maximum_step: 0.01}": "adaptive: null",
 }  # 300,000 steps, 14 s of processor time: enough to send a signal after the first of them
+PATIENT = ("--time=60",)  # the minutes of the page do not suffice on a starved machine
 IDLE = """\
 #!/bin/sh
 [ "$1" = info ] && exit 5
@@ -83,7 +84,7 @@ def submitted(name, *options):
     return ended.stdout.strip()
 
 
-def ended(number, seconds=900.0):
+def ended(number, seconds=3600.0):
     """Wait until a job and all its tasks have ended: their states, and the exit codes of the tasks."""
     end = time.monotonic() + seconds
     while True:
@@ -141,8 +142,8 @@ def test_a_run_that_makes_no_step_in_its_time_is_not_requeued(folder, tmp_path, 
 
 
 def test_an_array_and_pictures_of_it(folder):
-    number = submitted("speeds")
-    pictures = submitted("pictures", f"--dependency=afterok:{number}")
+    number = submitted("speeds", *PATIENT)
+    pictures = submitted("pictures", f"--dependency=afterok:{number}", *PATIENT)
     assert set(ended(number).values()) == {"COMPLETED"} and set(ended(pictures).values()) == {"COMPLETED"}
     assert len(list(folder.glob("speed_*.h5"))) == 5
     assert list((folder / "pictures").glob("*.png")) and (folder / "report.html").stat().st_size > 100_000
@@ -155,7 +156,7 @@ def test_a_study_with_a_failing_case_and_one_that_needs_more_time(folder):
         slurm.waited(lambda: set(slurm.states()) - before, 600.0)
         number = min(set(slurm.states()) - before).partition("_")[0]
         signalled(f"{number}_4", "study_runs/0004.h5")
-        out, err = process.communicate(timeout=900.0)
+        out, err = process.communicate(timeout=3600.0)
     code = process.returncode
     assert code == 3 and "3 complete, 1 failed" in out, (out, err)
     table = read_study("study_runs/table.h5")
