@@ -11,6 +11,7 @@ import numpy as np
 
 from mecano.errors import MecanoError, ResultsError
 from mecano.results.checksums import BLOCK, seal_of
+from mecano.results.global_heap import endless_heaps
 from mecano.results.live_checksums import last_table
 from mecano.results.seekable import Seekable
 
@@ -52,6 +53,7 @@ class Checked(Seekable):
             if self.sums is None:
                 self.size = _content(self._descriptor, self.size)
             self.missing = _missing(self._descriptor, self.size) if self.sums is None else 0
+            self._endless = endless_heaps(self._descriptor, self.size) if self.sums is None else ()
         except BaseException:
             self.close()
             raise
@@ -76,6 +78,9 @@ class Checked(Seekable):
         data = self._checked(start, stop)
         if len(data) < len(view) or (self.missing and stop > self.size):
             raise OSError(f"{self.path} is cut short by {self.missing} bytes")
+        for place in self._endless:
+            if start <= place < stop:
+                raise OSError(f"{self.path} is damaged: the texts from byte {place} on cannot be read")
         view[:] = data
         self._position = stop
         return len(view)
