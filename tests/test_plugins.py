@@ -84,7 +84,7 @@ def test_a_wrong_tangent_by_hand_is_found(folder):
     [
         ("my_tyre.py", "-dot(F, k.v), 0.0", "-0.5 * dot(F, k.v), 0.0", "The power of force and moment"),
         ("my_tyre.py", "F = -(share * c)", "F = (share * c)", "The power of force and moment"),
-        ("my_law.py", "-2.0 * x * y * y / w", "2.0 * x * y * y / w", "Derivatives of the term"),
+        ("my_law.py", "-2.0 * x * y * y / w", "2.0 * x * y * y / w", "The derivatives of the term"),
         ("my_law.py", "a[i] * math.atan", "math.atan", "The integral of the term"),
     ],
 )
