@@ -95,12 +95,15 @@ def check_same(found, expected):
 
 def forked(action, *arguments, **options):
     """Call in a fork of this process, quietly; returns its id. Its exit code is that of the command line."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # before ``try`` it would end in the tests
     child = os.fork()
     if child:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         return child
     code = 1
     try:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # as the others are until the process listens
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         action(*arguments, **options)
         code = 0
     except BaseException as error:
