@@ -214,7 +214,7 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, reported):
 
 @pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])
 def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
-    """As a run does: nothing else is said for a minute or two."""
+    """As a run does: nothing else is reported while it compiles."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("mecano.analyses.progress.while_compiling", lambda listener: listener(0, 1))
     for quiet in ((), ("-q",)):

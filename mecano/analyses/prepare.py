@@ -88,7 +88,7 @@ def _refuse_fixed(deck, system):
 
 
 def integrator_of(prepared, observers=()):
-    """Return the March of a prepared model, with the method and step control of the deck."""
+    """Return the TimeIntegrator of a prepared model, with the method and step control of the deck."""
     deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
     newton, scale = values["newton"], values["scale"]
     tolerances = Tolerances(

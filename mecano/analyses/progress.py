@@ -13,7 +13,7 @@ INTERVAL = 0.1  # s between redrawings of the bar
 LINES = 10  # plain lines for a whole run
 WIDTH = 110  # characters of a note, at most; less on a narrower terminal
 NOTICED = 0.01  # s, least compile time reported
-COMPILING = "compiling elements used for the first time: this takes a minute or two, once"
+COMPILING = "compiling elements used for the first time, once; usually less than a minute"
 
 
 class Progress:

@@ -6,7 +6,7 @@ energy is lost, and accelerations jump.
 
 from dataclasses import replace
 
-from mecano.constraints.along_coordinate.hold import RELEASE_MODES
+from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.of_coordinates import RELEASED
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
@@ -43,7 +43,7 @@ def releasable(kind, parts):
         return [replace(part, kind=RELEASED[part.kind]) for part in parts(d, nodes, context)]
 
     return replace(
-        kind, name=f"{kind.name}_release", phases=RELEASE_MODES, events=(EVENT,), event_values=event_values,
+        kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), event_values=event_values,
         inputs=("release",), reads=lambda d: [trigger_of(d)], parts=held, variant=None,
     )  # fmt: skip
 

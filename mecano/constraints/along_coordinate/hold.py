@@ -15,7 +15,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 
 HELD = 0
-RELEASE_MODES = ("held", "free")
+RELEASE_PHASES = ("held", "free")
 TARGET = {"law": "i", "offset": ()}
 """Fields of a record; law first, as numba does not distinguish a record from one with the same leading fields."""
 
@@ -97,7 +97,7 @@ def release_kind(name, doc, coordinate, row):
 
     kind = _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, constraint_derivatives)
     ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
-    return replace(kind, phases=RELEASE_MODES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_MODES])
+    return replace(kind, phases=RELEASE_PHASES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_PHASES])
 
 
 def drive_kind(name, doc, coordinate, row):

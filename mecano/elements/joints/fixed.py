@@ -7,7 +7,7 @@ couples the axes see ``bushing``. With ``release`` it holds b by multipliers unt
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import RELEASE_MODES
+from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import Outputs
 from mecano.constraints.joint_frame import not_at_one_place, not_parallel, one_position, one_rotation
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
@@ -48,7 +48,7 @@ def sample(rng):
         ({}, [node, node], ""),
         ({**d, "compliance": dict.fromkeys(AXES, SPRUNG)}, [node, node], ""),
         ({**d, "compliance": {"along_2": play, "about_1": SPRUNG}}, [node, node], ""),
-        *((SAMPLE, [node, node], phase) for phase in RELEASE_MODES),
+        *((SAMPLE, [node, node], phase) for phase in RELEASE_PHASES),
     ]
 
 

@@ -21,7 +21,7 @@ friction have outputs of their own.
 import numpy as np
 
 from mecano.constraints.along_coordinate.friction import LENGTH, radius
-from mecano.constraints.along_coordinate.hold import RELEASE_MODES
+from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
@@ -68,7 +68,7 @@ def sample(rng):
         ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
     ]
 
 

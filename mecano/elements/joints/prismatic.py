@@ -15,7 +15,7 @@ axis. The outputs force and moment include only what holds b; law and friction h
 """
 
 from mecano.constraints.along_coordinate.friction import LENGTH
-from mecano.constraints.along_coordinate.hold import RELEASE_MODES
+from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
 from mecano.constraints.joint_frame import not_parallel, one_rotation
@@ -52,7 +52,7 @@ def sample(rng):
         ({**d, "friction": {**STICKING, "key_radius": None}}, nodes, ""),
         ({**d, **SLIDE_STOPPED}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
-        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_MODES),
+        *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),
     ]
 
 

@@ -1,1 +1,1 @@
-"""Time integration: the start, steps and their errors, the march over them."""
+"""Time integration: consistent starts, steps and their errors, the loop over the steps."""

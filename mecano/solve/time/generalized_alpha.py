@@ -51,7 +51,7 @@ FREE = 1e6  # times the weight of the masses: no stiffness has a say
 PATIENCE = 0.2  # s of wall-clock time between two calls of ``pause``
 CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
-CONTRADICTS = 1e-6  # of the speeds: the rate of a constraint that is let go, where the others hold exactly
+CONTRADICTS = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
 CREEPING = 1e-3  # of the length scale per second: no speeds count for less
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
@@ -135,7 +135,7 @@ class GeneralizedAlpha:
         """Let redundant constraints have these compliances, or none (None), from now on."""
         self.compliance, self._redundant = compliance, None
         self._rows = NO_ROWS if compliance is None else compliance.rows
-        # constraints on velocities hold exactly at the end of every step, but for those that are let go
+        # constraints on velocities hold exactly at the end of every step, except deactivated ones
         self.released = NO_ROWS[1] if compliance is None else compliance.released
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
         of = self.system.numbering
@@ -389,7 +389,7 @@ class GeneralizedAlpha:
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         if len(self.released):
-            slips = np.zeros(self.system.n_l)  # what the rows let go are without what stands in their place
+            slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
             soften(float(w.record["cC"][0]), *self._rows, s.z[self.system.n_q : self.system.n], slips)
             if text := self._contradiction(s, h, self.released, slips, SLIPS):
                 text = CONTRADICTION.format("those on positions leave a slip", *text)

@@ -9,10 +9,10 @@ from mecano.solve.time.increments import put_matrix
 
 
 def interpolate(s0, s1, t, of):
-    """State at t in [s0.t, s1.t]: cubic Hermite for positions and rotations, linear for accelerations and multipliers.
+    """Return the State at t in [s0.t, s1.t].
 
-    Between the accepted states positions are accurate to O(h^4), velocities to O(h^3), the rest to O(h^2). The modes
-    and memory are those of the step, i.e. of ``s0``.
+    Cubic Hermite interpolation of positions and rotations, accurate to O(h^4) between accepted states, their velocities
+    to O(h^3); linear interpolation of accelerations and multipliers, O(h^2). Phases and memory are those of ``s0``.
     """
     out = s1.copy()
     out.t, out.phases, out.memory = t, s0.phases, s0.memory

@@ -1,11 +1,11 @@
-"""All that a run needs to go on, as one value; to plain arrays and back."""
+"""The state from which a run continues, and its conversion to plain arrays and back."""
 
 from dataclasses import dataclass, fields
 
 from mecano.model.state import History, State
 from mecano.solve.events.compliance import Compliance
 
-STORED = {"phases": "modes"}  # names of fields in results files, where they differ
+STORED = {"phases": "modes"}  # names of fields in checkpoints, if different
 
 
 @dataclass(slots=True)
@@ -21,10 +21,10 @@ class RunState:
     dissipated: float = 0.0  # [J] since the start
     given: float = 0.0  # [J] by the surroundings since the start
     powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
-    compliance: Compliance | None = None  # of redundant constraints in the present modes
+    compliance: Compliance | None = None  # of redundant constraints in the present phases
 
     def tried(self, rejected, iterations):
-        """The same run with more rejected trials and Newton iterations counted."""
+        """Return the same run with more rejected trials and Newton iterations counted."""
         return RunState(
             motion=self.motion, history=self.history, h=self.h, steps=self.steps, powers=self.powers,
             compliance=self.compliance,
@@ -34,7 +34,7 @@ class RunState:
 
 
 def to_plain(run):
-    """Nested dict of arrays and numbers that ``from_plain`` turns into the same run, bit for bit."""
+    """Return nested dicts of arrays and numbers, from which ``from_plain`` restores the same run, bit for bit."""
     plain, history = _values(run), _values(run.history)
     history["tangent"] = history["tangent"] and _values(history["tangent"])
     dissipated, given = run.powers
@@ -44,7 +44,7 @@ def to_plain(run):
 
 
 def from_plain(plain):
-    """The RunState of ``to_plain``."""
+    """Return the RunState from the result of ``to_plain``."""
     history = dict(plain["history"])
     history["tangent"] = history["tangent"] and _state(history["tangent"])
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]

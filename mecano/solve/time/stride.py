@@ -231,12 +231,12 @@ def move_on(m, w):
 
 
 class Strides:
-    """Makes the ordinary steps of a march.
+    """Ordinary steps of a time integration, in compiled code.
 
     Parameters
     ----------
     system, method, control, shocks :
-        Those of the march.
+        Those of the TimeIntegrator.
     recorder : object or None
         Has the buffers ``output`` (output.py); ``empty(again)``, called when they are full, ``again`` in one step; and
         ``refuse(t)``, which raises an error where the run cannot go on.
@@ -281,9 +281,9 @@ class Strides:
         self._tangent = self._renewed = None  # States of the tangents in the workspace
 
     def advance(self, run, stop, most):
-        """March on towards the time ``stop`` by at most so many steps: (run, trial, whether the next step is Python's).
+        """Make at most ``most`` steps towards ``stop`` [s]; return (run, trial, whether Python makes the next step).
 
-        The trial is a step from where the run is that is to be judged, or None.
+        The trial is a step from the returned run, still to be accepted or rejected, or None.
         """
         if len(self.method.released) or stop - run.motion.t < STRETCH * run.h:
             return run, None, True
@@ -291,7 +291,7 @@ class Strides:
             self._load(run)
         r = self.record[0]
         r["until"], r["most"], r["done"] = stop, most, 0
-        code = self._march()
+        code = self._make_steps()
         if r["done"]:
             run = self._run(run)
         self.workspace.held = run if run.h == self.workspace.record["h"][0] else None  # else its history is not there
@@ -301,7 +301,7 @@ class Strides:
             r["phase"] = READY
         return run, None, code == REPEAT or (code == ENOUGH and stop - run.motion.t < STRETCH * run.h)
 
-    def _march(self):
+    def _make_steps(self):
         """Step on, and empty the buffers of the output as often as they are full; a code above."""
         full_at = -1
         self.workspace.record["due"] = clock.monotonic() + self.method.patience

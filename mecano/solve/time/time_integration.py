@@ -1,4 +1,4 @@
-"""The time loop: the only place that accepts a step, commits memories, changes a mode or calls an observer."""
+"""The time loop: the only place that accepts a step, commits memories, changes a phase or calls an observer."""
 
 import math
 from collections import Counter
@@ -15,19 +15,19 @@ from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
 from mecano.solve.time.stride import PROBE, STRETCH, Strides
 
-STANDSTILL = 1e-3  # of a step: time that goes on by less stands still
-MOST_REBOUNDS = 10  # of one contact while time stands still: what rebounds so quickly has come to rest
+STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
+MOST_REBOUNDS = 10  # of one contact while time stands still: it is then at rest
 MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
-NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made to cover less
-LEAST_ULPS = 1e4  # spacings of floating-point numbers in a step: those between times so near tell them apart too badly
+NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
+LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
-MOST_NAMES = 8  # named in a remark
-SHORT = 1e-3  # of a step: what a shorter one tells of reactions is rounding
+MOST_NAMES = 8  # named in a warning
+SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by rounding
 
 
 @dataclass(slots=True)
 class Accepted:
-    """What observers are told of an accepted step."""
+    """An accepted step, as reported to observers."""
 
     before: object  # State at the beginning of the step
     run: RunState
@@ -39,24 +39,24 @@ class Accepted:
 
 @dataclass
 class TimeIntegrator:
-    """A march of ``system`` by ``method`` with step sizes from ``control``; ``run`` is where it stands."""
+    """Time integration of ``system`` by ``method`` with step sizes from ``control``; a RunState is its state."""
 
     system: object
     method: object
     control: object
     observers: tuple = ()  # called with Accepted at every step
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
-    rest: float = 1e-4  # of the length scale, or rad, per second: an approach that is slower does not rebound
-    pause: object = lambda run: None  # called in a step with the RunState before it; may raise
-    recorder: object = None  # takes steps from compiled code, see ``Strides``; and, called with Accepted, from Python
-    reporters: tuple = ()  # called with the RunState now and then
+    rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
+    pause: object = lambda run: None  # called within a step with the RunState before it; may raise
+    recorder: object = None  # receives steps from compiled code (``Strides``) and, called with Accepted, from Python
+    reporters: tuple = ()  # called with the RunState between calls of compiled code
     monitor: EventMonitor = field(init=False)
     shocks: Shocks = field(init=False)
-    warnings: list = field(init=False, default_factory=list)  # what a user should know at the end
+    warnings: list = field(init=False, default_factory=list)  # reported at the end of the run
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
     _strides: Strides = field(init=False, default=None)
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
-    _since: float = field(init=False, default=-np.inf)  # time from which on it stands still [s]
+    _since: float = field(init=False, default=-np.inf)  # time since which time stands still [s]
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
@@ -64,7 +64,7 @@ class TimeIntegrator:
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
 
     def begin(self, s, h):
-        """RunState at the start: consistent velocities, accelerations and multipliers."""
+        """Return the RunState at the start, with consistent velocities, accelerations and multipliers."""
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
@@ -72,7 +72,10 @@ class TimeIntegrator:
         return replace(run, powers=self._powers())
 
     def to(self, end, run):
-        """March ``run`` to the time ``end``: the new RunState. Raises ConvergenceError, NonFiniteError."""
+        """Integrate from ``run`` to the time ``end`` and return the new RunState.
+
+        Raises ConvergenceError, NonFiniteError.
+        """
         try:
             return self._to(end, run)
         except AssemblyError as error:
@@ -87,7 +90,7 @@ class TimeIntegrator:
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
-                if stop - run.motion.t < self._shortest(stop):  # an event may lie so near before it
+                if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
                     run = replace(run, motion=replace(run.motion, t=stop))
                     break
                 run = self._onward(run, stop)
@@ -98,23 +101,23 @@ class TimeIntegrator:
         return run
 
     def _shortest(self, stop):
-        """Time to a ``stop`` below which none is left for a step: its size is rounding, or its square nothing."""
+        """Return the least remaining time [s] to ``stop`` for which a step is made: less is rounding."""
         return max(LEAST_ULPS * math.ulp(stop), NEGLIGIBLE_TIME * self.control.minimum)
 
     def to_plain(self):
-        """What the march keeps besides the run, as dicts, lists, texts and numbers."""
+        """Return the state of the time loop itself, beside the run, as dicts, lists, texts and numbers."""
         at_once = [[*key, count] for key, count in self._at_once.items()]
         return {"remarks": list(self.warnings), "cuts": list(self.cuts), "since": self._since, "at_once": at_once}
 
     def from_plain(self, plain):
-        """Keep what ``to_plain`` told of another march."""
+        """Restore the state returned by ``to_plain``."""
         self.warnings, self.cuts = list(plain["remarks"]), [tuple(cut) for cut in plain["cuts"]]
         self._since = plain["since"]
         self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
         self._suppress_rebound()
 
     def _onward(self, run, stop):
-        """Ordinary steps towards ``stop`` in compiled code; if none can be made, or the next is not, one by Python."""
+        """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary."""
         self._before = run
         self.pause(run)
         run, trial, decide = self.ordinary(run, stop)
@@ -122,7 +125,7 @@ class TimeIntegrator:
         return self._advance(run, stop, trial) if decide else run
 
     def ordinary(self, run, stop):
-        """Make ordinary steps towards ``stop``: see ``Strides.advance``; one at a time where each is observed."""
+        """Make ordinary steps towards ``stop`` (``Strides.advance``), one at a time if there are observers."""
         if self._strides is None:
             self._strides = Strides(self.system, self.method, self.control, self.shocks, self.recorder)
         if not self.observers:
@@ -133,7 +136,7 @@ class TimeIntegrator:
         return new, trial, decide
 
     def _advance(self, run, stop, trial=None):
-        """One accepted step towards ``stop``, or an event at the beginning of it; ``trial``, if given, is that step."""
+        """Make one accepted step towards ``stop``, or an event at its beginning; ``trial``: its first trial, if made."""
         g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
         h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
@@ -148,7 +151,7 @@ class TimeIntegrator:
                     break
                 smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
             h, rejected = smaller, rejected + 1
-        self.cuts += cuts  # not before: until now ``pause`` may have ended the march, and the step is tried again
+        self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop)
@@ -157,7 +160,7 @@ class TimeIntegrator:
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
     def _instead(self, run, trial, h, cuts):
-        """The step size to try instead of h, noted in ``cuts``, or None where the trial with h can be accepted."""
+        """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion.t, h, cuts)
@@ -167,10 +170,10 @@ class TimeIntegrator:
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
-        return self.control.retry(info.plain, h)  # only steps that resolve what swings make its error smaller
+        return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
 
     def _judged(self, trial, h):
-        """The error of the ``trial``; with what swings bounded where the plain estimate is not accepted."""
+        """Return the error of the ``trial``, with that of oscillations bounded if the plain estimate is too large."""
         plain = trial[2].plain
         return plain if self.control.accept(plain, h) else self._bounded(trial, h)
 
@@ -184,18 +187,18 @@ class TimeIntegrator:
         return s, history, info
 
     def _history_for(self, run, h):
-        """The history of the run, carried over to the step size h where it differs."""
+        """Return the history of the run for the step size h."""
         return run.history if run.history.h == h else self.method.restart(run.motion, run.history, h)
 
     def _clip(self, run, stop):
-        """The step to try: the planned one, or what is left to ``stop``."""
+        """Return the step size to try: the planned one, or the remaining time to ``stop``."""
         left = stop - run.motion.t
         if left >= STRETCH * run.h:
             return run.h
         if stop not in self.breakpoints:
             return left if NEGLIGIBLE_TIME * run.h < abs(left - run.h) else run.h
-        left = np.nextafter(stop, run.motion.t) - run.motion.t  # the law of before a jump holds to the end of the step
-        return left if run.motion.t + left < stop else np.nextafter(left, 0.0)  # unless its sum was rounded up
+        left = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
+        return left if run.motion.t + left < stop else np.nextafter(left, 0.0)  # the sum was rounded up
 
     def _accept(self, run, trial, h, rejected, stop):
         s, history, info = trial
@@ -203,7 +206,7 @@ class TimeIntegrator:
             info.error = self._bounded(trial, h)
         planned = self.control.after(info.error, h)
         if not rejected and h < run.h:
-            planned = max(planned, run.h)  # a step cut short to meet a time does not shorten the next
+            planned = max(planned, run.h)  # a step shortened to end at a given time does not shorten the next
         if planned > h:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
@@ -217,14 +220,17 @@ class TimeIntegrator:
         return new
 
     def _change_phases(self, run, info, found, rejected):
-        """Events at the beginning of a step: no time goes by."""
+        """Apply events at the beginning of a step, without advancing time."""
         run, s, event_records, consistent = self._apply_events(run, run.motion, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
         return new
 
     def _apply_events(self, run, s, hit, at_once=False):
-        """Events ``hit`` at ``s``: (run with the energy of shocks, state after, [EventRecord], Consistent or None)."""
+        """Apply events ``hit`` at ``s``.
+
+        Return (run with the energy of shocks, state after, [EventRecord], Consistent or None).
+        """
         if not self.shocks.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None
             s, event_records = self.monitor.apply(s, hit)
@@ -237,13 +243,13 @@ class TimeIntegrator:
         shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once)
         self._guard(
             run, shock.event_records or self.monitor.apply(s, hit)[1]
-        )  # or what cannot happen: a contact would pull
+        )  # or events that cannot happen: a contact would pull
         self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
 
     def _soften(self, compliance, t, event_records, redundant):
-        """Use a ``compliance`` that may be new, and keep what is to be told of the ``redundant`` Groups."""
+        """Use a ``compliance`` that may be new, and add a warning for each of the ``redundant`` Groups."""
         if compliance is not self.method.compliance:
             self.method.use(compliance)
         self.warnings += [_redundant(t, event_records, group) for group in redundant]
@@ -262,16 +268,16 @@ class TimeIntegrator:
         return self._start_again(after, s, consistent)
 
     def _consistent(self, s, h):
-        """``s`` with consistent accelerations and multipliers, evaluated: those of a very short step are rounding.
+        """Return ``s`` with consistent accelerations and multipliers, and evaluate the elements there.
 
-        They have that of the positions over the square of the step size.
+        Those of a very short step have the rounding error of the positions over the square of the step size.
         """
         s, _ = self.method.start(s, h)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return s
 
     def _guard(self, run, event_records):
-        """Refuse events that happen again and again while time stands still."""
+        """Raise ConvergenceError if one event occurs again and again while time stands still."""
         t = run.motion.t
         if t - self._since > STANDSTILL * run.h:
             self._since = t
@@ -289,10 +295,10 @@ class TimeIntegrator:
         )
 
     def _stepped(self, run, s, history, planned, h, reached=None):
-        """The run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
+        """Return the run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
 
-        ``reached`` are the powers to which the step itself came where ``s`` is a start of its own. Afterwards the
-        outputs of the batches are those of ``s``, which has just been evaluated.
+        ``reached`` are the powers at the end of the step if ``s`` has new accelerations. Afterwards the outputs of the
+        batches are those of ``s``, at which the elements have just been evaluated.
         """
         s.memory = self.system.commit(s)
         self.system.observe(s)
@@ -306,24 +312,21 @@ class TimeIntegrator:
         )  # fmt: skip
 
     def _start_again(self, run, s, consistent=None):
-        """Consistent accelerations and a fresh history at ``s``: after an event or a corner of a law of time."""
+        """Return the run with consistent accelerations and a new history at ``s``, after an event or corner of a law."""
         s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
         new = replace(run, motion=s, history=history, powers=self._powers())
         if self.recorder is not None:
-            self.recorder.restarted(new)  # forces may have jumped
+            self.recorder.restarted(new)  # forces may jump
         return new
 
     def _observe(self, s):
-        """Outputs at a state that no step has just evaluated."""
+        """Evaluate the elements and their outputs at a state at which they were not evaluated last."""
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(s)
 
     def _powers_before(self, run, s, h):
-        """Powers as far as a step of size h came towards an event, as the motion had them on the way.
-
-        Consistent accelerations are those behind it where they jump, and begin with none of scalars without inertia.
-        """
+        """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
         if h <= SHORT * run.h:
             return run.powers
         self._observe(s)
@@ -349,7 +352,7 @@ class TimeIntegrator:
 
 
 def _redundant(t, event_records, group):
-    """What a user is told of constraints that repeat one another from an event on."""
+    """Return the warning on constraints that become redundant at events."""
     names = "; ".join(group.names[:MOST_NAMES]) + (" and more" if len(group.names) > MOST_NAMES else "")
     which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in event_records[:MOST_NAMES]))
     return (

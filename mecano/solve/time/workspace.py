@@ -135,7 +135,7 @@ class Workspace:
         return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end:-1]
 
     def put_state(self, which, s):
-        """Enter a State, with its modes."""
+        """Enter a State, with its phases."""
         for place, values in zip(self.parts(which), (s.z, s.v, s.a, s.R, s.memory), strict=True):
             place[...] = values
         self.states[which, -1] = s.t
@@ -148,7 +148,7 @@ class Workspace:
         self.put_state(TRIAL, after)
 
     def state(self, which, phases, memory=None):
-        """Return one of the states as a State with these modes, which are not copied."""
+        """Return one of the states as a State with these phases, which are not copied."""
         z, v, a, R, own = (part.copy() for part in self.parts(which))
         return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory)
 
