@@ -136,7 +136,7 @@ class TimeIntegrator:
         return new, trial, decide
 
     def _advance(self, run, stop, trial=None):
-        """Make one accepted step towards ``stop``, or an event at its beginning; ``trial``: its first trial, if made."""
+        """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
         g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
         h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
@@ -312,7 +312,7 @@ class TimeIntegrator:
         )  # fmt: skip
 
     def _start_again(self, run, s, consistent=None):
-        """Return the run with consistent accelerations and a new history at ``s``, after an event or corner of a law."""
+        """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner."""
         s, history = self.method.start(s, run.h, consistent)
         self._observe(s)
         new = replace(run, motion=s, history=history, powers=self._powers())
