@@ -3,6 +3,7 @@
 import commands
 import decks
 import reference
+import trust
 import verification
 
 
@@ -14,6 +15,7 @@ def write(folder):
         "decks.md": decks.page(known),
         "commands.md": commands.page(),
         **verification.pages(),
+        "trust.md": trust.page(),
     }
     for path, content in made.items():
         _write(folder / path, content.encode() if isinstance(content, str) else content)

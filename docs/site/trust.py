@@ -1,0 +1,109 @@
+"""The page of evidence: summaries of the verification manual, the scorecard and the benchmarks; limits, versions."""
+
+import json
+import re
+from importlib.metadata import requires, version
+from itertools import groupby
+from pathlib import Path
+
+from verification import FOUND
+
+ROOT = Path(__file__).parents[2]
+TOP = """# Evidence
+
+What has been shown of mecano, by which test or measurement, and what has not. The numbers on this page are copied from
+the pages they are linked to when the site is built.
+"""
+ELEMENTS = """
+## Every element
+
+Generic tests ([contributing](../contributing.md#an-element)) reach every element, joint, load and tyre law in every
+phase: tangents against differences, power against the change of energy, invariance under a rigid motion of everything.
+A kind without a tested example deck fails them. `mecano check-kind` runs them on [kinds of your own](../plugins.md).
+"""
+LIMITS = """
+## Published results
+
+Two examples of the paper that mecano follows are compared with it: the [landing gear](../examples/nose_landing_gear.md)
+and the [reflector](../examples/reflector.md). Both pages show where the results differ.
+
+## Known limits
+
+* What it cannot model at all: [comparison](../comparison.md#what-mecano-cannot-do).
+* [Beams](../beams.md#limits): the inertia of curved lines that stretch, slender ring-like elements under radial load,
+  buckling of one element.
+* [Superelements](../superelements.md#when-one-is-not-enough): no stiffening by their own internal forces.
+* [Friction](../theory.md#25-forces-that-depend-on-reactions): sticking contacts creep; rigid guides that bind have no
+  solution; with redundant constraints the motion depends on the real compliances.
+* [Redundant constraints](../theory.md#3-redundant-constraints): the motion is unique, single reactions are not, and are
+  marked.
+* [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together; no friction in them.
+* [Error control](../step-control.md): bounds displacements and rotations; not stresses and reactions of vibrations that
+  the steps do not resolve, which a warning names.
+* [Reliability](../reliability.md): failures that are known and not mended are listed below its table.
+
+## Platforms
+
+| platform | what was run |
+|---|---|
+| x86-64 Linux, Python 3.11 | the whole test suite, with the oldest and with the newest dependencies |
+| x86-64 Linux, Python 3.13 | the landing gear and the pendulum, from the wheel with compiled code |
+| 64-bit Arm Linux | under emulation: a pendulum compiled, run, and run again from the store, to the same bits |
+| macOS, Windows | nothing |
+| container images | their recipes were parsed and checked; none was built |
+"""
+
+
+def page():
+    """Return Markdown of the page."""
+    return "\n".join([TOP, *_verification(), ELEMENTS, *_scorecard(), *_speed(), LIMITS, *_versions()]) + "\n"
+
+
+def _verification():
+    yield "## Numbers with a source\n"
+    if not FOUND.exists():
+        yield "The tests have not been run before this page was made; see the [manual](verification.md)."
+        return
+    records = sorted(json.loads(FOUND.read_text(encoding="utf-8")), key=lambda record: record["subject"])
+    yield f"The [verification manual](verification.md) lists {len(records)} comparisons with closed forms, publications"
+    yield "and independent integrations, each a test with a tolerance:\n"
+    yield "| subject | comparisons | largest error over its tolerance |\n|---|---|---|"
+    for subject, group in groupby(records, key=lambda record: record["subject"]):
+        shares = [record["error"] / record["tolerance"] for record in group]
+        yield f"| {subject} | {len(shares)} | {max(shares):.2g} |"
+
+
+def _scorecard():
+    yield "## Abuse\n"
+    rows = _rows("reliability.md", "| # |")
+    trials, held, points = rows[-1][2:5]
+    yield f"The [scorecard](../reliability.md) tries to break mecano in {len(rows) - 1} ways, with hostile decks,"
+    yield f"kills, full disks, damaged files and singular models: {held} of {trials} trials ended as they should,"
+    yield f"{points} points. Its table names seed, commit and date of each line, and what failed."
+
+
+def _speed():
+    yield "\n## Speed\n"
+    yield "CPU time of a step on one core, and of Exudyn at equal steps ([how, when and on what](../benchmarks.md)):\n"
+    yield "| case | mecano [µs/step] | error | Exudyn [µs/step] | error | ratio |\n|---|---|---|---|---|---|"
+    for row in _rows("benchmarks.md", "| case | mecano"):
+        yield f"| {' | '.join(row[:6])} |"
+
+
+def _versions():
+    yield "## Versions of libraries\n"
+    yield "The suite was run with the oldest versions ([how](../architecture.md#dependencies)); the newest are those"
+    yield "with which this page was made.\n"
+    yield "| library | oldest | newest |\n|---|---|---|"
+    for text in requires("mecano"):
+        if "extra ==" not in text:
+            name, oldest = re.match(r"([\w-]+)>=([\d.]+)", text).groups()
+            yield f"| {name} | {oldest} | {version(name)} |"
+
+
+def _rows(page, heading):
+    """Return the cells of the rows of a table of docs/, found by the beginning of its heading."""
+    lines = (ROOT / "docs" / page).read_text(encoding="utf-8").splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith(heading)) + 2
+    last = next(i for i in range(first, len(lines)) if not lines[i].startswith("|"))
+    return [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in lines[first:last]]
