@@ -9,6 +9,7 @@ from pathlib import Path
 from verification import FOUND
 
 ROOT = Path(__file__).parents[2]
+HYPHEN = "\N{NON-BREAKING HYPHEN}"
 TOP = """# Evidence
 
 What has been shown of mecano, by which test or measurement, and what has not. The numbers on this page are copied from
@@ -25,7 +26,7 @@ LIMITS = """
 ## Published results
 
 Two examples of the paper that mecano follows are compared with it: the [landing gear](../examples/nose_landing_gear.md)
-and the [reflector](../examples/reflector.md). Both pages show where the results differ.
+and the [reflector](../examples/reflector.md). Both pages give the differences.
 
 ## Known limits
 
@@ -37,7 +38,7 @@ and the [reflector](../examples/reflector.md). Both pages show where the results
   solution; with redundant constraints the motion depends on the real compliances.
 * [Redundant constraints](../theory.md#3-redundant-constraints): the motion is unique, single reactions are not, and are
   marked.
-* [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together; no friction in them.
+* [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together; no Coulomb friction.
 * [Error control](../step-control.md): bounds displacements and rotations; not stresses and reactions of vibrations that
   the steps do not resolve, which a warning names.
 * [Reliability](../reliability.md): failures that are known and not mended are listed below its table.
@@ -87,7 +88,7 @@ def _speed():
     yield "CPU time of a step on one core, and of Exudyn at equal steps ([how, when and on what](../benchmarks.md)):\n"
     yield "| case | mecano [µs/step] | error | Exudyn [µs/step] | error | ratio |\n|---|---|---|---|---|---|"
     for row in _rows("benchmarks.md", "| case | mecano"):
-        yield f"| {' | '.join(row[:6])} |"
+        yield f"| {' | '.join(re.sub('(?<=e)-', HYPHEN, cell) for cell in row[:6])} |"
 
 
 def _versions():
