@@ -50,6 +50,24 @@ def test_formulas_are_drawn_by_the_browser_alone(site):
         assert not re.search(r":math:|\{math\}|\.\. math|mathjax", page), name
 
 
+def test_every_deck_has_a_picture_that_leads_to_it(site):
+    page = (site / "generated" / "decks.html").read_text(encoding="utf-8")
+    pictures = ROOT / "docs" / "images" / "gallery"
+    decks = {path.stem for path in (ROOT / "inputs").glob("*.yaml")}
+    assert {path.stem.removesuffix("_film") for path in pictures.iterdir()} == decks
+    for path in pictures.iterdir():
+        assert path.stat().st_size < (150_000 if path.stem.endswith("_film") else 40_000), path.name
+    shown = re.findall(r'href="[^"]*/(\w+)\.yaml"><span[^>]*><img [^>]*src="[^"]*/(\w+?)(?:_film)?\.webp"', page)
+    assert {deck for deck, _ in shown} == decks and all(deck == picture for deck, picture in shown)
+
+
+def test_the_evidence_is_that_of_its_pages(site):
+    page = (site / "generated" / "trust.html").read_text(encoding="utf-8")
+    points = re.search(r"\|  \| all \|.*\| ([\d.]+ of 100) \|", (ROOT / "docs/reliability.md").read_text())[1]
+    for shown in ("lists 2 comparisons", "<td><p>Rolling</p></td>", f"{points} points", "chain-100", "scipy"):
+        assert shown in page, shown
+
+
 def test_pages_ask_for_nothing_from_elsewhere(site):
     for page in site.rglob("*.html"):
         text = page.read_text(encoding="utf-8")

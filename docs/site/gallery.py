@@ -1,0 +1,137 @@
+"""Pictures of the gallery: ``python docs/site/gallery.py FOLDER [DECK ...]`` draws them from runs of the decks.
+
+Every deck of inputs/ (or those named) is run into FOLDER, unless its results are there, and drawn to
+docs/images/gallery: the mechanism at several times, and beside it, if there is room, the first standard plot. Those
+of FILMS move.
+"""
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image, ImageSequence
+
+from mecano.post.draw_sketch import draw_sketch
+from mecano.post.film import film
+from mecano.post.request import Request, requested_sheet
+from mecano.post.runs import open_runs
+from mecano.post.sheet import Panel
+from mecano.post.sheets import default_sheets
+from mecano.post.sketch import sketch
+from mecano.post.style import SETTINGS, with_unit
+
+ROOT = Path(__file__).parents[2]
+PICTURES = ROOT / "docs" / "images" / "gallery"
+PLOTS = {
+    "anti_skid": "tyre.slip_ratio",
+    "base_excitation": "table.position.z,weight.position.z",
+    "bicycle": "frame.angular_velocity.x",
+    "binding_strut": "rail_1.displacement,rail_2.displacement",
+    "digital_control": "rail.displacement,shuttle_rail.displacement",
+    "fiala_sweep": "tire.lateral_force:tire.slip_angle",
+    "filters": "lag.value,integral.value,washout.value",
+    "magic_formula_sweep": "*.lateral_force:*.slip_angle",
+    "snap_through": "static.load_factor",
+    "step_slip": "*.lateral_force",
+    "step_steer": "*.lateral_force",
+}
+FILMS = ("deployment_lock", "four_bar", "nose_gear_rigid", "reflector", "rolling_disc")
+SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
+FILM_WIDTH, FILM_STEP = 300, 4  # pixels; every fourth frame
+QUALITY = 70
+LOW = 0.35  # height over width, or its inverse, of a mechanism that leaves room for curves
+MOST_CURVES = 4
+SMALL = {"axes.labelsize": 7, "xtick.labelsize": 6.5, "ytick.labelsize": 6.5}
+
+
+def main(folder, *names):
+    """Run and draw decks."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name in names or sorted(path.stem for path in (ROOT / "inputs").glob("*.yaml")):
+        results = folder / f"{name}.h5"
+        if not results.exists():
+            subprocess.run(["mecano", "run", ROOT / "inputs" / f"{name}.yaml", "-o", results, "-q"], check=True)
+        draw(results, PICTURES / f"{name}.webp")
+        if name in FILMS:
+            draw_film(results, PICTURES / f"{name}_film.webp")
+
+
+def draw(results, target):
+    """Draw the results file of a run to ``target``."""
+    runs = open_runs([results])
+    asked = PLOTS.get(results.stem)
+    seen, curves = sketch(runs[0]), _asked(asked, runs) if asked else _curves(runs)
+    with matplotlib.rc_context(SETTINGS | SMALL):
+        figure = Figure(figsize=SIZE, dpi=DOTS)
+        for ax, draw_it in _layout(figure, seen, curves, asked):
+            draw_it(ax)
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png")
+    Image.open(picture).convert("RGB").save(target, quality=QUALITY, method=6)
+
+
+def _asked(text, runs):
+    return requested_sheet(Request.parse(text), runs).panels[0]
+
+
+def _curves(runs):
+    """Return the first panel of the standard plots with curves that vary, or None."""
+    panels = (panel for sheet in default_sheets(runs) for panel in sheet.panels if isinstance(panel, Panel))
+    return next((panel for panel in panels if panel.over_time and not panel.constant), None)
+
+
+def _layout(figure, seen, curves, asked):
+    """Return (axes, function that draws in them) of the mechanism ``seen``, and of curves if ``asked`` or if room."""
+    parts = [(lambda ax: _draw_mechanism(ax, seen)) if seen else None, (lambda ax: _draw_curves(ax, curves))]
+    if seen is None or curves is None:
+        return [(figure.add_subplot(), next(part for part in parts if part))]
+    aspect = _aspect(seen)
+    if LOW < aspect < 1.0 / LOW and not asked:
+        return [(figure.add_subplot(), parts[0])]
+    across = aspect < 1.0
+    grid = figure.add_gridspec(2, 1, height_ratios=(2, 3)) if across else figure.add_gridspec(1, 2, width_ratios=(1, 2))
+    return [(figure.add_subplot(cell), part) for cell, part in zip(grid, parts, strict=True)]
+
+
+def _aspect(seen):
+    """Return height over width of a Sketch, 0 of several mechanisms side by side."""
+    points = np.concatenate([shape.points @ seen.projection.T for shape in seen.shapes], axis=1).reshape(-1, 2)
+    width, height = np.ptp(points, axis=0)
+    return height / max(width, 1e-3 * height) if seen.in_place else 0.0
+
+
+def _draw_mechanism(ax, seen):
+    draw_sketch(ax, seen, named=False)
+    ax.set_axis_off()
+    if not seen.in_place and seen.aspect > LOW:  # no room for the times
+        for text in list(ax.texts):
+            text.remove()
+
+
+def _draw_curves(ax, panel):
+    for curve in panel.curves[:MOST_CURVES]:
+        ax.plot(curve.x.values, curve.y.values)
+    x = panel.curves[0].x
+    ax.set_xlabel(with_unit(x.what, x.unit))
+    ax.set_ylabel(with_unit(panel.label, panel.curves[0].y.unit))
+
+
+def draw_film(results, target):
+    """Write a small film of the results file of a run to ``target``."""
+    whole = film(results, results.with_suffix(".webp"))
+    with Image.open(whole) as opened:
+        frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(opened)][::FILM_STEP]
+        duration = FILM_STEP * opened.info.get("duration", 1000 // 15)
+    height = round(FILM_WIDTH * frames[0].height / frames[0].width)
+    first, *others = [frame.resize((FILM_WIDTH, height), Image.Resampling.LANCZOS) for frame in frames]
+    first.save(target, save_all=True, append_images=others, duration=duration, loop=0, quality=QUALITY, method=6)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
