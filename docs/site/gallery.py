@@ -41,7 +41,7 @@ PLOTS = {
 }
 FILMS = ("deployment_lock", "four_bar", "nose_gear_rigid", "reflector", "rolling_disc")
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
-FILM_WIDTH, FILM_STEP = 300, 4  # pixels; every fourth frame
+FILM_WIDTH, FILM_STEP, FILM_QUALITY = 280, 4, 50  # pixels; every fourth frame
 QUALITY = 70
 LOW = 0.35  # height over width, or its inverse, of a mechanism that leaves room for curves
 MOST_CURVES = 4
@@ -130,7 +130,7 @@ def draw_film(results, target):
         duration = FILM_STEP * opened.info.get("duration", 1000 // 15)
     height = round(FILM_WIDTH * frames[0].height / frames[0].width)
     first, *others = [frame.resize((FILM_WIDTH, height), Image.Resampling.LANCZOS) for frame in frames]
-    first.save(target, save_all=True, append_images=others, duration=duration, loop=0, quality=QUALITY, method=6)
+    first.save(target, save_all=True, append_images=others, duration=duration, loop=0, quality=FILM_QUALITY, method=6)
 
 
 if __name__ == "__main__":
