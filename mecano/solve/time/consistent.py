@@ -1,4 +1,4 @@
-r"""Velocities, accelerations and multipliers that fit a given configuration.
+r"""Consistent velocities, accelerations and multipliers at given positions.
 
 All three come from one matrix, factored once,
 
@@ -33,7 +33,7 @@ ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
 
 
 class Consistent:
-    """The matrix above at one configuration, and what is solved with it."""
+    """The factored matrix above at one configuration, and the problems solved with it."""
 
     def __init__(self, system, linear, s, compliance=None):
         """Factor at the positions of ``s`` (its a and multipliers are not used); raises AssemblyError if singular."""
@@ -63,7 +63,7 @@ class Consistent:
         self._solve(data, np.zeros(system.n))
 
     def repeats(self):
-        """True when a constraint without compliance depends on others: to be asked before anything is solved."""
+        """Return whether a constraint without compliance depends on others; call it before any solution."""
         n_q = self.system.n_q
         dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
         if self.compliance is not None:
@@ -93,15 +93,15 @@ class Consistent:
         return x
 
     def change(self, rate):
-        """The least change dq (n_q,), measured by the mass, with B dq = rate (n_l,)."""
+        """Return the least change dq (n_q,), in the metric of the mass, with B dq = rate (n_l,)."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)[0]
 
     def respond(self, forces):
-        """What forces (n_q,) do to the model where its constraints hold: rates (n_q,), reactions (n_l,) without p."""
+        """Return the response to forces (n_q,) with the constraints: rates (n_q,), reactions (n_l,) without p."""
         return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
     def exchange(self, rate):
-        """``change``, and the impulses (n_l,) k*lambda, less k times the rates reached, that bring it about."""
+        """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def project_velocity(self, s, target=0.0):
@@ -133,7 +133,7 @@ class Consistent:
         s.v[own] = best[2]
 
     def settle(self, s, h):
-        """Values and rates of the scalars without inertia of ``s``, in place, that go with a step of size h.
+        """Set values and rates of the scalars without inertia of ``s`` in place, consistent for steps of size h.
 
         Rates follow from their own equations; where these have none to speak of (directions whose time constants are
         far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
@@ -157,7 +157,7 @@ class Consistent:
             s.z[own] -= fast @ self._unbalanced(s)
 
     def _fast(self, s, limit):
-        """P K^-1 (n, n): P projects scalars without inertia on what settles within ``limit`` [s]; None without any."""
+        """Return P K^-1 (n, n), P the projector on scalars without inertia settling within ``limit`` [s], or None."""
         K, C = self._own(s, 1.0, 0.0), self._own(s, 0.0, 1.0)
         if np.linalg.matrix_rank(K, LEAST_DAMPING) < len(K):
             return None
@@ -168,19 +168,19 @@ class Consistent:
         return (X * quick @ np.linalg.inv(X)).real @ np.linalg.inv(K)
 
     def _own(self, s, cK, cC):
-        """cK K + cC C of the scalars without inertia, dense."""
+        """Return cK K + cC C of the scalars without inertia, dense."""
         self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
         return self._block()
 
     def _block(self):
-        """Rows and columns of the scalars without inertia in the tangent that was assembled, dense."""
+        """Return the block of the scalars without inertia of the assembled tangent, dense."""
         entries, places = self._of_block
         n = len(self.massless)
         return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
 
     @cached_property
     def _of_block(self):
-        """Which entries of the tangent belong to the scalars without inertia, and their places in the dense block."""
+        """Indices of the entries of the tangent of scalars without inertia, and their places in the dense block."""
         own = np.full(self.system.n, -1)
         own[self.massless] = np.arange(len(self.massless))
         rows, columns = own[self.system.rows], own[self.system.cols]
@@ -211,7 +211,7 @@ class Consistent:
             self._apply_coupled_friction(s)
 
     def _apply_coupled_friction(self, s):
-        """Let accelerations and multipliers of ``s`` fit the forces that depend on the multipliers (Newton).
+        """Solve for accelerations and multipliers of ``s`` with forces that depend on multipliers (Newton).
 
         The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
         to the first step to find the motion.
@@ -232,14 +232,14 @@ class Consistent:
         self._solve(self.data, np.zeros(n))
 
     def apply_compliance(self, s, compliance):
-        """``s`` with the positions moved by what the compliances give way under its reactions: no jolt at the start."""
+        """Return ``s`` with positions moved by the deflection of the compliances under its reactions."""
         n_q, n = self.system.n_q, self.system.n
         gap = self.system.constraint_derivatives(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
     def jerk_rate(self, s, h):
-        """-B d3q/dt3 (n_l,): how the second rates would change along the motion if the accelerations stayed.
+        """Return -B d3q/dt3 (n_l,), the change of the second rates along the motion at constant accelerations.
 
         Forward difference of second order over a small part of the step h: what happened before ``s`` does not count
         (a law of time may have a corner there). Only geometry enters, no force, so stiff laws do no harm.
@@ -249,7 +249,7 @@ class Consistent:
         return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
 
     def turning_rate(self, s):
-        """B (omega x alpha) (n_l,), material, of all rotations of ``s``: see ``GeneralizedAlpha._history``."""
+        """Return B (omega x alpha) (n_l,), material, of all rotations of ``s`` (``GeneralizedAlpha._history``)."""
         of, turning = self.system.numbering, s.copy()
         at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
         omega, alpha = s.v[at], s.a[at]

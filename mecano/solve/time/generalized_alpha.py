@@ -1,4 +1,4 @@
-r"""Lie-group generalized-alpha: one step, and the care for the multipliers at a start or a change of step.
+r"""Lie-group generalized-alpha: steps, and consistent histories at starts and changes of step size.
 
 Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theory.md section 2:
 
@@ -94,7 +94,7 @@ class Coefficients:
 
 @dataclass(slots=True)
 class StepInfo:
-    """How a step went."""
+    """Outcome of a trial step."""
 
     ok: bool
     iterations: int
@@ -132,7 +132,7 @@ class GeneralizedAlpha:
         self.use(compliance)
 
     def use(self, compliance):
-        """Let redundant constraints have these compliances, or none (None), from now on."""
+        """Give redundant constraints these compliances, or none (None), from now on."""
         self.compliance, self._redundant = compliance, None
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, except deactivated ones
@@ -149,11 +149,11 @@ class GeneralizedAlpha:
 
     @property
     def gives_way(self):
-        """True when constraints repeat one another, so that they give way."""
+        """Whether redundant constraints have compliances."""
         return len(self._soft) > 0
 
     def _bind(self):
-        """Enter what is the same in all steps into the workspace of the compiled step."""
+        """Enter the constants of all steps into the workspace of the compiled step."""
         of, c, to = self.system.numbering, self.coefficients, self.tolerances
         loops, batches = self.system.loops(residual)
         tangent_loops, tangent_batches = self.system.loops(tangent)
@@ -176,7 +176,7 @@ class GeneralizedAlpha:
         self._packed = new, kept
 
     def start(self, s, h, consistent=None):
-        """Consistent state and history for steps of size h: from rest, after an event.
+        """Return a consistent state and history for steps of size h, at the start and after events.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
         are of second order from the first step (Arnold, Bruels & Cardona 2015): the constrained part of
@@ -184,8 +184,8 @@ class GeneralizedAlpha:
         returned has exact velocities, the history carries the shifts. ``consistent``, if given, is factored for s.
         Raises AssemblyError where constraints contradict one another.
 
-        The accelerations of the history are those that a step of h can follow (modal_filter.py): those of a member that
-        swings much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
+        The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
+        oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
         s = s.copy()
         consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
@@ -209,7 +209,7 @@ class GeneralizedAlpha:
         return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
 
     def restart(self, s, history, h):
-        """History for a new step size h at an accepted state; the motion goes on (second order for the multipliers).
+        """Return the history for a new step size h at an accepted state (multipliers stay of second order).
 
         Of the shift of the accelerations to where steps of h keep them, a longer step takes what it can follow.
         """
@@ -227,7 +227,7 @@ class GeneralizedAlpha:
         return self._history(consistent, s, a, shift, h, slope, bend, history.known)
 
     def _history(self, consistent, s, a, more, h, slope, bend, known):
-        """History with the accelerations ``a``, changed in place, and what steps of h can follow of ``more`` (n_all,).
+        """Return the history with accelerations ``a``, changed in place, and the resolved part of ``more`` (n_all,).
 
         The constrained parts of accelerations and velocities are shifted to where the method keeps them. A rotation
         without a fixed axis turns in a step by more than the integral of its angular velocity, by
@@ -250,7 +250,7 @@ class GeneralizedAlpha:
         return history
 
     def _resolved_part(self, s, a, scales):
-        """What a step can follow of the accelerations ``a`` (n_q,) at ``s``; all of them where none is far too fast."""
+        """Return the part of the accelerations ``a`` (n_q,) that steps resolve; all of them if none is too fast."""
         modal_filter = self._modal_filter(s, scales)
         if modal_filter is None:
             return a
@@ -259,18 +259,18 @@ class GeneralizedAlpha:
         return part if self._size(a - part) > TOO_FAST * self._size(a) else a
 
     def _modal_filter(self, s, scales):
-        """The function of modal_filter.py at ``s``; None where the tangent is singular."""
+        """Return the modal filter at ``s``, or None if the tangent is singular."""
         here = s.copy()
         if not self._factor(here, scales).ok:
             return None
         return modal_filter(self.system, self.linear, here, scales[-1])
 
     def _size(self, a):
-        """Largest of the accelerations ``a`` (n_q,) of a node over the length scale, or of a scalar with inertia."""
+        """Return the largest of ``a`` (n_q,): of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
 
     def _contradiction(self, s, h, rows, rates, share):
-        """Rate and name of one of the ``rows`` whose rate, of ``rates`` (n_l,), is more than a ``share`` of speeds."""
+        """Return rate, name and others of a row whose rate, of ``rates`` (n_l,), exceeds a ``share`` of speeds."""
         of = self.system.numbering
         kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
         speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
@@ -283,7 +283,7 @@ class GeneralizedAlpha:
         return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", name, self._others(s, name)
 
     def _gap(self, s):
-        """How far, and which constraint, where those that repeat one another are off at ``s`` by more than GAP."""
+        """Return size, name and others of a redundant constraint violated at ``s`` by more than GAP, or ()."""
         off = self.system.constraint_derivatives(s)[:, 0]
         size = off * self.share_of_gap
         if size @ size <= 1.0:
@@ -294,7 +294,7 @@ class GeneralizedAlpha:
         return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
 
     def _others(self, s, name):
-        """Name the constraints that repeat one another with the one of this ``name``."""
+        """Name the constraints that are redundant together with the one of this ``name``."""
         if self._redundant is None:
             self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
         others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
@@ -302,12 +302,12 @@ class GeneralizedAlpha:
         return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""
 
     def _lag(self, h, a0, a):
-        """Largest local error of a scalar without inertia, over the length scale."""
+        """Return the largest local error of a scalar without inertia, over the length scale."""
         of = self._massless
         return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
 
     def bounded_error(self, s, history, info):
-        r"""Local error, as in ``info``, of the step that led to ``s`` and ``history``, with what swings bounded.
+        r"""Return the local error of the step to ``s`` and ``history``, with oscillations bounded by their amplitude.
 
         The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
         T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
@@ -329,7 +329,7 @@ class GeneralizedAlpha:
         return info.plain * min((self._size(slow(slow(change))) + swings / (limit * summed)) / whole, 1.0)
 
     def _below(self, s, history, limit):
-        """What takes from accelerations the part with omega^2 below the ``limit``; negative pivots of K + limit M."""
+        """Return the filter of accelerations with omega^2 < ``limit``, and the negative pivots of K + limit M."""
         modal_filter = self._modal_filter(s, (*self._scales(history, history.h)[:2], 0.0, limit))
         return modal_filter, int(np.sum(self.linear.pivots() < 0.0)) if modal_filter else -1
 
@@ -345,7 +345,7 @@ class GeneralizedAlpha:
         return c.gamma / (c.beta * h), (1 - c.am) / (1 - c.af) / (c.beta * h * h)
 
     def _scales(self, history, h):
-        """(k, penalty, cC, cM): k and penalty of the deck, or the mean stiffness in the history."""
+        """Return (k, penalty, cC, cM), with k and penalty of the deck or the mean stiffness in the history."""
         k, penalty = self.k or history.k, history.k if self.penalty is None else self.penalty
         weights = self._weights(h)
         if self.compliance is not None:
@@ -354,7 +354,7 @@ class GeneralizedAlpha:
         return k, penalty, *weights
 
     def step(self, s0, history, h):
-        """One step of size h from ``s0``, for which ``history`` was made: (state, history, StepInfo); pure."""
+        """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         self.prepare(s0, history, h)
         iterations = 0
         for guess in self._guesses(s0, history):
@@ -378,7 +378,7 @@ class GeneralizedAlpha:
             self._entry_values[:] = self.compliance.in_tangent(k, self.compliance.values)
 
     def trial(self, s0, history, iterations):
-        """The step in the workspace, from ``s0`` with ``history``: (state, history, StepInfo)."""
+        """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
         w, h, report = self.workspace, self.workspace.record["h"][0], self.workspace.report
         code, reached = int(w.record["code"][0]), tuple(report[FORCES : INCREMENT + 1].tolist())
         s = w.state(TRIAL, s0.phases, s0.memory)
@@ -402,10 +402,10 @@ class GeneralizedAlpha:
         return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
 
     def _guesses(self, s0, history):
-        """Slope and bend (n,) of accelerations and multipliers that Newton begins with; the next if one fails.
+        """Yield slope and bend (n,) of accelerations and multipliers from which Newton's iteration starts, in turn.
 
         The second displaces everything by its velocity alone: after a sudden load on stiff and light members the
-        accelerations tell little of the displacements in a long step.
+        accelerations say little of the displacements in a long step.
         """
         yield history.slope, history.bend
         c, n_q = self.coefficients, self.system.n_q
@@ -415,7 +415,7 @@ class GeneralizedAlpha:
         yield slope, self._no_slope
 
     def _attempt(self, guess):
-        """Newton's iterations from one guess, with the decisions that compiled code leaves; a code of newton.py."""
+        """Run Newton's iteration from one guess, with the decisions left to Python; return a code of newton.py."""
         w, r = self.workspace, self.workspace.record
         w.guess[:] = guess
         r["begun"] = False
@@ -433,7 +433,7 @@ class GeneralizedAlpha:
                 return code
 
     def _solve_with_superlu(self):
-        """Solve the equations that stand in the system with row exchanges everywhere: STALE, or SINGULAR."""
+        """Solve the assembled equations by SuperLU, with row exchanges everywhere; return STALE or SINGULAR."""
         r = self.workspace.record
         solved = self.linear.solve(self.system.data, self._equations, self._increment, self.linear.label)
         r["code"] = STALE if solved.ok else SINGULAR
@@ -441,7 +441,7 @@ class GeneralizedAlpha:
         return int(r["code"][0])
 
     def _assemble(self, s, scales):
-        """Residual and tangent at ``s``, with the compliance."""
+        """Assemble residual and tangent at ``s``, with the compliance."""
         k, penalty, cC, cM = scales
         self._tangents(s.z, self._T)
         self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T)
@@ -451,6 +451,6 @@ class GeneralizedAlpha:
             self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
-        """Factor the tangent at a state that was met before; the LinearStatus."""
+        """Factor the tangent at an earlier state; return the LinearStatus."""
         self._assemble(tangent, scales)
         return self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)

@@ -1,4 +1,4 @@
-"""Moving a state: prediction, correction, and rotations placed from their increments."""
+"""Updates of a state: prediction, correction, rotations from their increments."""
 
 import math
 
@@ -26,7 +26,7 @@ def put_matrix(A, out):
 
 @entry
 def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_out: Matrices):
-    """R = R0 exp(hat(psi)) for all free rotations; psi stands in z."""
+    """Compute R = R0 exp(hat(psi)) of all free rotations, with psi in z."""
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
         if d < n_q:
@@ -36,7 +36,7 @@ def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_
 
 @entry
 def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
-    """T(psi), (n_rotations, 3, 3), for all free rotations; psi stands in z."""
+    """Compute T(psi) (n_rotations, 3, 3) of all free rotations, with psi in z."""
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
         if d < n_q:
@@ -73,7 +73,7 @@ def predict(
 
 @kernel
 def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out):
-    """Take off dz (n,), the solution for the residual; velocities and accelerations by cC and cM, multipliers by k.
+    """Subtract the correction dz (n,); velocities and accelerations by cC and cM, multipliers by k.
 
     Returns the largest displacement over ``length``, rotation [rad], or change of a signal relative to it; inf when it
     is not finite.
@@ -93,7 +93,7 @@ def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out,
 
 @entry
 def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
-    """Largest displacement over the length scale, or rotation [rad], of dz (n,); inf when one is not finite."""
+    """Return the largest displacement over the length scale, or rotation [rad], of dz (n,); inf if not finite."""
     worst = 0.0
     for i in range(n_q):
         x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
@@ -109,7 +109,7 @@ def finish(
     am, af, length, duration, kind, rotation_dof, n_q, n, h, a0, slope, known, acceleration0, z0, acceleration, z, v,
     a_out, slope_out, bend_out,
 ):  # fmt: skip
-    """Algorithmic acceleration (n_all,) and differences of accelerations and multipliers (n,) after a step.
+    """Compute the algorithmic acceleration (n_all,), differences of accelerations and multipliers (n,) of a step.
 
     Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
     displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the error of
@@ -131,7 +131,7 @@ def finish(
 
 @entry
 def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float) -> float:
-    """Largest change from x0 to x (n_q,) of a node (the length of the vector), or of a scalar with inertia.
+    """Return the largest change from x0 to x (n_q,) of a node (length of its vector), or a scalar with inertia.
 
     It counts over ``length`` for displacements and scalars.
     """
@@ -147,7 +147,7 @@ def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float
 
 
 def displaced(s, dq, of):
-    """A copy of ``s`` with its positions (and rotations, material increments) moved by dq (n_q,)."""
+    """Return a copy of ``s`` with positions (and rotations, by material increments) moved by dq (n_q,)."""
     out = s.copy()
     rotations = of.kind[: of.n_q] == ROTATION
     out.z[: of.n_q] = np.where(rotations, 0.0, out.z[: of.n_q]) + dq
@@ -156,7 +156,7 @@ def displaced(s, dq, of):
 
 
 def moved(s, dt, of):
-    """The state carried on by dt [s] along its velocities and accelerations (second order)."""
+    """Return the state extrapolated by dt [s] along its velocities and accelerations (second order)."""
     n_q = of.n_q
     out = displaced(s, dt * s.v[:n_q] + 0.5 * dt * dt * s.a[:n_q], of)
     out.v += dt * s.a

@@ -1,4 +1,4 @@
-"""The start: initial positions brought onto the constraints, or a refusal that names what cannot be met."""
+"""Assembly of initial positions, or an error that names constraints that cannot be satisfied."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ NAMED = 5  # constraints named in a refusal
 
 
 def assemble_start(system, linear, s, length):
-    """``assemble_positions``, and again with that closed which the first assembly has moved beyond where it closes."""
+    """Assemble positions, and again if the phases that follow, such as closed contacts, are not satisfied."""
     found, moved = assemble_positions(system, linear, s, length)
     if not system.has_events:
         return found, moved
@@ -30,7 +30,7 @@ def assemble_start(system, linear, s, length):
 
 
 def assemble_positions(system, linear, s, length):
-    """Bring the positions of ``s`` to the nearest that fulfil all constraints: (state, largest displacement [m, rad]).
+    """Move ``s`` to the nearest positions that satisfy all constraints; return (state, largest move [m, rad]).
 
     Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
     constraints that cannot be met together, or a joint that closed the wrong way round.
@@ -58,7 +58,7 @@ def assemble_positions(system, linear, s, length):
 
 
 def _scale(system, length):
-    """What constraints (n_l,) count by: the length scale [m], or 1 rad."""
+    """Return the scale of each constraint (n_l,): the length scale [m], or 1 rad."""
     return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
 
 

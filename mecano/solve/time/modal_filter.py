@@ -1,4 +1,4 @@
-r"""What a step can follow of accelerations: their smooth part, and little of what swings faster than the step.
+r"""Modal filter: the part of accelerations that a step resolves, without oscillations faster than the step.
 
 .. math:: \begin{bmatrix} S & k B^T \\ k B & 0 \end{bmatrix} \begin{bmatrix} y \\ \mu \end{bmatrix} =
    \begin{bmatrix} c_M M a \\ 0 \end{bmatrix}, \qquad S = K + c_C C + c_M M
@@ -13,7 +13,7 @@ import numpy as np
 
 
 def modal_filter(system, linear, s, cM):
-    """The function that takes from accelerations (n_q,) the part that a step can follow, along the constraints.
+    """Return the function that filters accelerations (n_q,), along the constraints, for a step.
 
     ``linear`` holds the factored effective tangent and is to keep it; ``s`` is the state of the masses; cM [1/s^2] is
     their weight in it. The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.

@@ -1,4 +1,4 @@
-"""What steps leave for the results file: saved times, history of the solver, extremes, forces that alternate.
+"""Output of steps for the results file: saved times, solver history, extremes, unresolved oscillations.
 
 Compiled code collects them in buffers, which Python empties when they are full and now and then.
 """
@@ -31,7 +31,7 @@ OUTPUT = fields(
 
 @entry
 def record_step(output: Records(OUTPUT), work: Records(STEP)):
-    """Record the step from BEGIN to TRIAL, whose outputs the system holds; ``code`` tells how far it came.
+    """Record the step from BEGIN to TRIAL, whose outputs the system holds; ``code`` reports how far it came.
 
     FULL: to be called again when the buffers are empty. NOT_FINITE: number ``which`` of the row is not, and nothing was
     recorded. ENDED: an element, number ``which`` of those watched, can go no further.
@@ -162,7 +162,7 @@ def monitor(o, t, row0, row):
 
 @kernel
 def ended(o, row):
-    """Return the number of the first element that can go no further, or -1."""
+    """Return the number of the first element at the end of its range, or -1."""
     columns, sizes = integers(o.end_columns, o.n_ends), floats(o.end_sizes, o.n_ends)
     for i in range(o.n_ends):
         if abs(row[columns[i]]) > sizes[i]:
@@ -226,7 +226,7 @@ class Output:
         return int(self.record["code"][0])
 
     def outcome(self):
-        """Return the code of the last step, and the number that it tells of."""
+        """Return the code of the last step, and the number to which it refers."""
         return int(self.record["code"][0]), int(self.record["which"][0])
 
     def taken(self):

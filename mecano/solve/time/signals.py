@@ -1,4 +1,4 @@
-"""Signals that fit a motion: the values of those that follow at once, the rates of those with a value of their own."""
+"""Consistent signals: values of algebraic signals, rates of those with a state of their own."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ def settle_signals(system, s, dt):
 
 
 def solve_signals(system, s):
-    """Solve the equations of the signals of ``s`` in place, as far as it has some that can be solved; the same state.
+    """Solve the equations of the signals of ``s`` in place, if it has any that can be solved; return ``s``.
 
     What is not finite waits until what it reads is known: all signals are zero at first, and may stand below a fraction
     line. Before the velocities of a start are known, it may stay as it is.
@@ -56,7 +56,7 @@ def _finite(J, r):
 
 
 def _equations(system, s, own):
-    """Derivatives (n, n) by the values of the signals, or by the rates of those with a state; residual (n,)."""
+    """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,)."""
     place = np.full(system.n, -1)
     place[own] = np.arange(len(own))
     rows, columns = place[system.rows], place[system.cols]

@@ -11,7 +11,7 @@ from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, copy_state, history_
 
 @entry
 def attempt(work: Records(STEP)):
-    """Step from BEGIN to TRIAL, or go on with the iterations where that has ``begun``; ``code`` tells how it went."""
+    """Step from BEGIN to TRIAL, or continue the iterations if ``begun``; ``code`` reports the outcome."""
     w = work[0]
     if not w.begun:
         w.begun = 1
@@ -48,7 +48,7 @@ def tables(w):
 
 @kernel
 def complete(w):
-    """Work out the history at TRIAL, how the step is to be judged, and whether the next one may use its tangent."""
+    """Compute the history at TRIAL, the error measures, and whether the next step may keep the tangent."""
     z0, v0, a0, R0 = motion_of(w, BEGIN)
     z, v, a, R = motion_of(w, TRIAL)
     kind, rotation_dof, _, _ = tables(w)

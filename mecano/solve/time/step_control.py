@@ -1,4 +1,4 @@
-"""The size of the next step, from how the last one went."""
+"""Control of the step size from the error of the last step."""
 
 import math
 from dataclasses import dataclass

@@ -20,7 +20,7 @@ SHARE = 0.05  # of its size, from which on the swing of a number counts
 
 @dataclass(frozen=True)
 class Oscillation:
-    """A number of the row that alternates: its place, its largest swing from step to step, its size, and when."""
+    """A number of the row that alternates: index, largest oscillation from step to step, size, and time."""
 
     column: int
     swing: float
@@ -39,7 +39,7 @@ class OscillationMonitor:
         self._take = count_changes.bind(*self.to_plain().values(), columns)
 
     def begin(self):
-        """Begin anew behind an event, where forces may jump."""
+        """Restart after an event, where forces may jump."""
         self.difference[:] = 0.0
         self.signs[:] = 0
 
@@ -48,16 +48,16 @@ class OscillationMonitor:
         self._take(t, row0, row)
 
     def to_plain(self):
-        """Return the arrays that ``from_plain`` needs to go on."""
+        """Return the arrays from which ``from_plain`` continues."""
         return {name: getattr(self, name) for name in ("difference", "signs", "swing", "time", "largest")}
 
     def from_plain(self, plain):
-        """Go on where ``to_plain`` was called."""
+        """Continue from the result of ``to_plain``."""
         for name, value in plain.items():
             getattr(self, name)[:] = value
 
     def found(self, least):
-        """Return as Ringing the numbers that swung by more than ``least`` (n,) and a SHARE of their size, in order."""
+        """Return, in order, an Oscillation for each number exceeding ``least`` (n,) and a SHARE of its size."""
         share = self.swing / np.maximum(self.largest, np.finfo(float).tiny)
         worst = np.argsort(-share, kind="stable")
         chosen = [i for i in worst if share[i] > SHARE and self.swing[i] > least[i]]

@@ -74,7 +74,7 @@ def system_of(w):
 
 @kernel
 def aim_at(w, which):
-    """Let the loops work on one of the states."""
+    """Point the loops to one of the states."""
     s, n = system_of(w)[0], w.n_all
     at = w.states + 8 * which * w.state_size
     s.t = time_of(w, which)[0]
