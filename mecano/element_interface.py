@@ -1,9 +1,10 @@
 """The interface that every kind of element, joint, load and basic constraint implements.
 
-A kind is a record of data and functions. The local unknowns of one element are ordered as follows: the slots of
-``layout`` (3 unknowns each; "x0" is the position of its first node, "R0" its rotation), its ``scalars``, its
-``multipliers``, and the multipliers of other parts to which it is coupled (``coupled_multipliers``). All compiled
-functions work on ONE element; their first arguments are
+A ``Kind`` consists of a name, its entry in a deck, its mechanics, its events and its display, with one class for each of
+these groups. The local unknowns of one element are ordered as follows: the slots of ``layout`` (3 unknowns each; "x0"
+is the position of its first node, "R0" its rotation), its ``scalars``, its ``multipliers``, and the multipliers of
+other parts to which it is coupled (``coupled_multipliers``). All compiled functions work on ONE element; their first
+arguments are
 
     p       record of parameters (``dtype``); a field ``mass`` is the mass of the element [kg]
     at      Place: time, state and memory of the element, all read-only
@@ -61,6 +62,7 @@ from typing import NamedTuple
 import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
+FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 
 
@@ -76,7 +78,7 @@ class Place(NamedTuple):
     q: np.ndarray  # (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], coupled ones
     v: (
         np.ndarray
-    )  # (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 for multipliers
+    )  # (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 of multipliers
     a: np.ndarray  # (n_local,) accelerations, in the same frames
     R: np.ndarray  # (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
 
@@ -189,75 +191,87 @@ def nothing(*_):
     return []
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of element: everything that the rest of mecano may know about it."""
+class NodeAtStart(NamedTuple):
+    """A node in the assembled state at the start of an analysis."""
 
-    name: str
-    section: str  # deck section: elements, joints, loads; "" for a basic constraint, which cannot be used in a deck
-    doc: str
-    dtype: np.dtype = np.dtype([("unused", "f8")])
-    layout: tuple = ()
+    orientation: np.ndarray  # (3, 3) of the deck
+    R: np.ndarray  # (3, 3) after the assembly
+    v: np.ndarray  # (3,) velocity [m/s]
+    inertia: np.ndarray  # (3, 3) of all that is attached, material [kg m2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeckEntry:
+    """The entry of a kind in a deck: its fields, their checks, and the conversion of the values."""
+
+    section: str  # one of SECTIONS; "" for a basic constraint, which cannot be used in a deck
+    doc: str  # its page of the reference
     fields: tuple = ()  # schema.Field, the node fields first
-    outputs: tuple = ()  # Output
-    display: Display = Display()
     optional: tuple = ()
     """(field, Kind of a part, label): outputs that are added to its own when the deck gives the field"""
-    scalars: tuple = ()  # names of its scalar unknowns
-    massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
-    flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
-    of_signals: bool = False  # its scalars are signals
-    states: tuple = ()  # names of the scalars whose rates are determined by their equations
-    inputs: tuple = ()  # names of the signals that it reads
-    multipliers: tuple = ()  # Row
-    coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
-    phases: tuple = ("",)
-    events: tuple = ()  # Event
-    memory: tuple = ()  # names of the values kept from step to step
+    check: Callable = nothing
+    """(deck values, nodes) -> [text]: errors in the combination of the values"""
     prepare: Callable = lambda d, nodes, context: {}
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
-    start: Callable | None = None
-    """record -> initial values (n_scalars,) of its scalars; zeros by default"""
-    at_start: Callable | None = None
-    """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
-    shares: Callable = nothing
-    """(deck values, nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
-    reads: Callable | None = None
-    """deck values -> formulas (texts) of its ``inputs``; by default the fields of these names"""
-    measures: dict = field(default_factory=dict, compare=False)
-    """{output: (deck values, nodes, Context) -> Measured, or the Part of which it is the first scalar}: outputs that
-    signals can read; with a Measured, they can also read the output that is declared as its rate"""
+    shares: Callable = nothing
+    """(deck values, nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
     divide: Callable | None = None
     """(deck values, nodes) -> ([(x, R)] of the intermediate nodes, [values of each element]): division of a member into
     ``mesh`` elements of the kind"""
     variant: Callable | None = None
     """deck values -> the Kind that replaces it in the model for these values. It has the same fields and outputs, but
     as many numbered outputs (force_1, force_2) as the values require, where this kind has only the first"""
-    check: Callable = nothing
-    """(deck values, nodes) -> [text]: errors in the combination of the values"""
+    reads: Callable | None = None
+    """deck values -> formulas (texts) of its ``inputs``; by default the fields of these names"""
+    turns: str = ""
+    """FREELY, for a joint that leaves free only the angle about its 'axis'; BY_COMMAND, for one that prescribes the
+    angle about its 'axis': two between the same nodes must have the same axis"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
-    remedies: Callable = nothing
-    """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
-    times: Callable = nothing
-    """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
-    residual: Callable | None = None
-    force: Callable | None = None
-    constraint_derivatives: Callable | None = None
-    constraints: Callable | None = None
-    observe: Callable | None = None
-    event_values: Callable | None = None
-    commit: Callable | None = None
-    admissible: Callable | None = None
-    """(record, q, R) -> text: why an assembled configuration is unacceptable although it satisfies the equations, or
-    ""; q and R as passed to ``observe``; called from Python after the assembly"""
+    strains: tuple = ()
+    """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
+    distance of the two nodes in the deck"""
+    suspicious: Callable = nothing
+    """(deck values, [NodeAtStart]) -> [text]: warnings about the state at the start"""
+    remedies: Callable = nothing
+    """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
     sample: Callable | None = None
     """rng -> list of (values, nodes, phase): valid samples for the generic tests, covering every phase. values: deck
     values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanics:
+    """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
+
+    dtype: np.dtype = np.dtype([("unused", "f8")])  # of its record
+    layout: tuple = ()  # slots: "x0", "R0", "x1", ...
+    flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
+    scalars: tuple = ()  # names of its scalar unknowns
+    massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
+    states: tuple = ()  # names of the scalars whose rates are determined by their equations
+    of_signals: bool = False  # its scalars are signals
+    inputs: tuple = ()  # names of the signals that it reads
+    multipliers: tuple = ()  # Row
+    coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
+    outputs: tuple = ()  # Output
+    measures: dict = field(default_factory=dict, compare=False)
+    """{output: (deck values, nodes, Context) -> Measured, or the Part of which it is the first scalar}: outputs that
+    signals can read; with a Measured, they can also read the output that is declared as its rate"""
+    start: Callable | None = None
+    """record -> initial values (n_scalars,) of its scalars; zeros by default"""
+    residual: Callable | None = None
+    force: Callable | None = None
+    constraints: Callable | None = None
+    constraint_derivatives: Callable | None = None
+    observe: Callable | None = None
+    admissible: Callable | None = None
+    """(record, q, R) -> text: why an assembled configuration is unacceptable although it satisfies the equations, or
+    ""; q and R as passed to ``observe``; called from Python after the assembly"""
 
     @property
     def acts(self):
@@ -274,6 +288,33 @@ class Kind:
         """Number of local unknowns, including inputs and coupled multipliers."""
         own = len(self.scalars) + len(self.inputs) + len(self.multipliers)
         return 3 * len(self.layout) + own + len(self.coupled_multipliers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Events:
+    """The discrete behaviour of a kind: phases, events that change them, memory, times at which steps must end."""
+
+    phases: tuple = ("",)
+    events: tuple = ()  # Event
+    event_values: Callable | None = None
+    at_start: Callable | None = None
+    """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
+    memory: tuple = ()  # names of the values kept from step to step
+    commit: Callable | None = None
+    times: Callable = nothing
+    """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind(DeckEntry, Mechanics, Events):
+    """A kind of element: everything that the rest of mecano may know about it.
+
+    A name, four groups of declarations (``DeckEntry``, ``Mechanics``, ``Events``, and ``Display`` as one value), and
+    the methods that combine them. What a kind does not need keeps its default: most have no events.
+    """
+
+    name: str
+    display: Display = Display()
 
     def read(self, values):
         """Return the formulas (texts) of its inputs."""

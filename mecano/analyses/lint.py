@@ -1,24 +1,22 @@
-"""Legal but suspicious input seen in the assembled model: massless nodes, strains and slip at the start."""
-
-import math
+"""Legal but suspicious input seen in the assembled model: massless nodes, strains, states at the start."""
 
 import numpy as np
 
+from mecano.deck.physics import element_nodes
+from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem
 from mecano.laws.probe import curve_at
 from mecano.solve.time.massless import massless_unknowns
 
-MOST_STRAIN = 2e-3  # of bars, cables and beams: the strain of steel at its yield strength
-MOST_EXTENSION = 0.5  # of springs, over their natural length
 MOST_NAMED = 10  # warnings of one sort
 
 
 def suspicious_model(deck, system, s, length):
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
-    strained, swinging = [*_strained(deck, system, s)], [*_swinging(deck, system, s)]
+    strained, suspicious = [*_strained(deck, system, s)], [*_suspicious(deck, system, s)]
     massless = _massless(deck, system, s, length)
-    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(swinging, "elements")]
+    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements")]
 
 
 def _first(problems, what):
@@ -35,14 +33,14 @@ def _strained(deck, system, s):
     at = {node.name: s.z[x : x + 3] for node, x in zip(system.nodes, system.numbering.x, strict=True)}
     before = {node.name: node.x for node in system.nodes}
     for name, d in deck.values["elements"].items():
-        fields = {field.name for field in KINDS[d["type"]].fields}
-        if not fields & {"natural_length", "section"} or d.get("via") is not None or "ground" in d["nodes"]:
+        usual = KINDS[d["type"]].strains
+        if not usual or d.get("via") is not None or "ground" in d["nodes"]:
             continue
         natural = _natural_length(d, before, s.t)
         if not natural > 0.0:  # strain is undefined for a spring of natural length zero
             continue
         strain = float(np.linalg.norm(np.subtract(*(at[node] for node in d["nodes"])))) / natural - 1.0
-        if _is_much(strain, fields, d["type"]):
+        if not usual[0] <= strain <= usual[1]:
             text = (
                 f"{d['type']} '{name}' is strained by {100.0 * strain:.3g} % at the start: its nodes are "
                 f"{natural * (1.0 + strain):.6g} m apart, its length without force is {natural:.6g} m"
@@ -61,46 +59,24 @@ def _natural_length(d, positions, t):
     return natural if isinstance(natural, float) else curve_at(natural, t)[0]
 
 
-def _is_much(strain, fields, kind):
-    """Decide whether a strain at the start is rarely intended; a cable may be slack, a spring preloaded."""
-    if "axial_stiffness" in fields or "section" in fields:
-        return strain > MOST_STRAIN or (strain < -MOST_STRAIN and kind != "cable")
-    return abs(strain) > MOST_EXTENSION
-
-
-def _swinging(deck, system, s):
-    """Yield warnings about wheels whose twist is damped too little at their initial slip angle.
-
-    At a slip angle alpha, spin inertia I and speed V, twist and spin oscillate with growing amplitude unless
-    C1 > V I alpha^2/(r^2 kap C K): docs/tyres.md, Twist.
-    """
+def _suspicious(deck, system, s):
+    """Yield the warnings of the kinds about the state at the start."""
     at = {node.name: i for i, node in enumerate(system.nodes)}
     for name, d in deck.values["elements"].items():
-        if "psi" not in KINDS[d["type"]].scalars or not (law := d["tire_law"]["lateral"]["moreland"]):
-            continue
-        speed, angle, inertia = _rolling(d, system, s, at[d["node"]])
-        stiffness = law["torsional_stiffness"] * law["yaw_coefficient"] * law["lateral_stiffness"]
-        needed = speed * inertia * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
-        if 0.0 < law["yaw_time"] < needed:
-            text = (
-                f"{d['type']} '{name}': rolling at its initial slip angle, {math.degrees(angle):.3g} deg at "
-                f"{speed:.3g} m/s, the twist of its patch and its spin oscillate with growing amplitude, unless "
-                f"'tire_law.lateral.moreland.yaw_time' ({law['yaw_time']:g} s) is more than {needed:.2g} s"
-            )
-            yield Problem(text, deck.mark("elements", name))
+        kind = KINDS[d["type"]]
+        if kind.suspicious is not nothing:
+            nodes = [_at_start(system, s, at[node]) for node in element_nodes(kind, d)]
+            for text in kind.suspicious(d, nodes):
+                yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 
-def _rolling(d, system, s, i):
-    """Return speed [m/s], slip angle [rad] and spin inertia [kg m2] of the wheel with values ``d`` on node ``i``."""
-    of, node, normal = system.numbering, system.nodes[i], np.array(d["ground"]["plane"]["normal"])
-    own = node.R.T @ d["axis"] / np.linalg.norm(d["axis"])
-    v, ahead = s.v[of.x[i] : of.x[i] + 3], np.cross(s.R[of.rotation[i]] @ own, normal)
-    along, across = abs(v @ ahead), abs(v @ np.cross(normal, ahead)) / np.linalg.norm(normal)
+def _at_start(system, s, i):
+    of = system.numbering
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     rows, cols = (numbers - of.r[i] for numbers in (system.rows, system.cols))
     turning, M = (0 <= rows) & (rows < 3) & (0 <= cols) & (cols < 3), np.zeros((3, 3))
     np.add.at(M, (rows[turning], cols[turning]), system.data[: len(rows)][turning])
-    return np.hypot(along, across) / np.linalg.norm(ahead), math.atan2(across, along), own @ M @ own
+    return NodeAtStart(system.nodes[i].R, s.R[of.rotation[i]], s.v[of.x[i] : of.x[i] + 3], M)
 
 
 def _massless(deck, system, s, length):

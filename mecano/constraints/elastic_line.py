@@ -7,6 +7,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 
+STRAIN_OF_STEEL = 2e-3  # at its yield strength
 LINE_RECORD = {
     "EA": (), "inverse_area": (), "damping": (), "law": "i", "mass": (), "own": (), "cross": (), "gravity": 3,
 }  # fmt: skip

@@ -9,11 +9,10 @@ from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.profile_curvature import check_profile_curvature
 from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import BY_COMMAND, FREELY, SECTIONS
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import Element
 
-TURNING, PRESCRIBING = ("hinge", "cylindrical", "planar", "screw"), ("prescribed_angle",)
 OTHER_AXIS = 1e-3  # rad
 
 
@@ -73,9 +72,9 @@ def check_model(values, root, scope):
 
 def _check_axes(joints, root, scope):
     """Report angles prescribed about another axis than the free axis of a joint between the same two nodes."""
-    free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if d["type"] in TURNING}
+    free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if scope.kinds[d["type"]].turns == FREELY}
     for name, d in joints.items():
-        if d["type"] not in PRESCRIBING or frozenset(d["nodes"]) not in free:
+        if scope.kinds[d["type"]].turns != BY_COMMAND or frozenset(d["nodes"]) not in free:
             continue
         other, hinge = free[frozenset(d["nodes"])]
         across = np.linalg.norm(np.cross(d["axis"], hinge["axis"]))

@@ -25,7 +25,7 @@ from mecano.constraints.pair import (
     put_reactions,
 )  # fmt: skip
 from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
-from mecano.element_interface import Display, Kind
+from mecano.element_interface import FREELY, Display, Kind
 from mecano.jit.kernel import kernel
 from mecano.schema import Field
 
@@ -124,7 +124,7 @@ def rigid_pair(name, doc, pair, sample):
         commit=next((o.commit for o in outputs if o.commit), None),
         measures={output: measured(of) for o in outputs for output, of in o.measures.items()},
         prepare=pair.place, parts=parts, check=check, observe=pair.observe(pair.reactions.put),
-        admissible=not_flipped, sample=sample,
+        admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, sample=sample,
     )  # fmt: skip
 
 

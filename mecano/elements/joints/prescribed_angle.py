@@ -14,7 +14,7 @@ from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import RELATIVE_ANGLE
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.element_interface import BY_COMMAND, Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import CURVE, DIRECTION, Field
@@ -56,6 +56,7 @@ PRESCRIBED_ANGLE = Kind(
     section="joints",
     doc=__doc__,
     display=Display("nothing", pictures=("angles",)),
+    turns=BY_COMMAND,
     dtype=RECORD,
     layout=("R0", "R1"),
     fields=(

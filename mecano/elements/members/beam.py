@@ -20,6 +20,7 @@ import math
 
 import numpy as np
 
+from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
@@ -229,6 +230,7 @@ BEAM = Kind(
     prepare=prepare,
     divide=divide,
     check=check,
+    strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     force=force,
     observe=observe,
     sample=sample,

@@ -30,6 +30,7 @@ import numpy as np
 from mecano.constraints import wound_line
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
+    STRAIN_OF_STEEL,
     add_line_inertia,
     distance,
     line_record,
@@ -222,6 +223,7 @@ BAR = Kind(
     outputs=OUTPUTS,
     prepare=prepare,
     check=check,
+    strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     force=force,
     observe=observe,
     sample=sample_bar,
@@ -244,6 +246,7 @@ CABLE = Kind(
     prepare=prepare,
     variant=variant,
     check=check_cable,
+    strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     force=force,
     observe=observe_cable,
     event_values=event_values,

@@ -129,6 +129,7 @@ SPRING_DAMPER = Kind(
     events=EVENTS,
     prepare=prepare,
     check=check,
+    strains=(-0.5, 0.5),
     residual=residual,
     observe=observe,
     event_values=event_values,

@@ -1,5 +1,9 @@
 """Deck fields, outputs, energies, events, samples and warnings shared by wheels with a flexible patch."""
 
+import math
+
+import numpy as np
+
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y
 from mecano.element_interface import Kind, Output, record
@@ -125,6 +129,30 @@ def limits(d):
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
+def suspicious(d, nodes):
+    """Return a warning if the twist of a rolling wheel is damped too little at its initial slip angle.
+
+    At a slip angle alpha, spin inertia I and speed V, twist and spin oscillate with growing amplitude unless
+    C1 > V I alpha^2/(r^2 kap C K): docs/tyres.md, Twist.
+    """
+    law, (node,) = d["tire_law"]["lateral"]["moreland"], nodes
+    if not law:
+        return []
+    axis, normal = node.orientation.T @ d["axis"] / np.linalg.norm(d["axis"]), np.array(d["ground"]["plane"]["normal"])
+    ahead = np.cross(node.R @ axis, normal)
+    along, across = abs(node.v @ ahead), abs(node.v @ np.cross(normal, ahead)) / np.linalg.norm(normal)
+    speed, angle = np.hypot(along, across) / np.linalg.norm(ahead), math.atan2(across, along)
+    stiffness = law["torsional_stiffness"] * law["yaw_coefficient"] * law["lateral_stiffness"]
+    needed = speed * (axis @ node.inertia @ axis) * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
+    if not 0.0 < law["yaw_time"] < needed:
+        return []
+    return [
+        f"rolling at its initial slip angle, {math.degrees(angle):.3g} deg at {speed:.3g} m/s, the twist of its patch "
+        "and its spin oscillate with growing amplitude, unless 'tire_law.lateral.moreland.yaw_time' "
+        f"({law['yaw_time']:g} s) is more than {needed:.2g} s"
+    ]
+
+
 def remedies(d):
     """Return what to try if the solution fails in the equations of the patch: larger stiffness or damping."""
     law, lateral = d["tire_law"], d["tire_law"]["lateral"]
@@ -179,6 +207,7 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         start=start,
         check=check,
         limits=limits,
+        suspicious=suspicious,
         remedies=remedies,
         ends=ends,
         residual=residual,
