@@ -1,9 +1,9 @@
 """The interface that every kind of element, joint, load and basic constraint implements.
 
-A ``Kind`` consists of a name, its entry in a deck, its mechanics, its events and its display, with one class for each of
-these groups. The local unknowns of one element are ordered as follows: the slots of ``layout`` (3 unknowns each; "x0"
-is the position of its first node, "R0" its rotation), its ``scalars``, its ``multipliers``, and the multipliers of
-other parts to which it is coupled (``coupled_multipliers``). All compiled functions work on ONE element; their first
+A ``Kind`` consists of a name, its entry in a deck, its mechanics, its events and its display, with one class for each
+of these groups. The local unknowns of one element are ordered as follows: the slots of ``layout`` (3 unknowns each;
+"x0" is the position of its first node, "R0" its rotation), its ``scalars``, its ``multipliers``, and the multipliers
+of other parts to which it is coupled (``coupled_multipliers``). All compiled functions work on ONE element; their first
 arguments are
 
     p       record of parameters (``dtype``); a field ``mass`` is the mass of the element [kg]

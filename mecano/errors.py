@@ -67,12 +67,15 @@ class IncompleteStudyError(MecanoError):
 
 
 class AssemblyError(MecanoError):
-    """The initial configuration cannot be assembled or the equations are singular."""
+    """The initial configuration cannot be assembled or the equations are singular.
+
+    ``timed`` is True if the message says at which time of a run.
+    """
 
     exit_code = 4
 
-    def __init__(self, message, failure=Failure.NOT_CONVERGED):
-        self.failure = failure
+    def __init__(self, message, failure=Failure.NOT_CONVERGED, timed=False):
+        self.failure, self.timed = failure, timed
         super().__init__(message)
 
 

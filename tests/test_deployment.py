@@ -1,6 +1,7 @@
 """Structures that deploy and lock: messages and pictures, and messages if they do not."""
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -68,11 +69,9 @@ def test_shocks_are_a_table_and_a_sheet(panel, tmp_path, monkeypatch):
 
 
 def test_what_is_alike_at_one_instant_is_grouped(panel):
-    class Several:
-        time = np.array([0.0, 1.0])
-        events = [*open_results(panel).events] * 3
-
-    (group,) = groups(Several)
+    results = open_results(panel)
+    several = SimpleNamespace(time=np.array([0.0, 1.0]), events=results.events * 3, subject=results.subject)
+    (group,) = groups(several)
     assert group.title == "3 hinge: hinge, hinge, hinge" and group.lost == 3 * group.events[0].energy_lost
     assert "hinge 'hinge'  locks  (free -> locked)  impulse -" in info(panel)
     assert info(panel) == info(panel, every_event=True)

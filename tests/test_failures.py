@@ -14,7 +14,7 @@ import mecano
 import mecano.analyses.prepare
 from mecano.analyses.dynamic import begun
 from mecano.errors import ConvergenceError, NonFiniteError
-from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION, EquationName
 from mecano.solve.diagnostics.failure import worst_equations
 
 CATAPULT = """\
@@ -158,7 +158,8 @@ def test_joints_are_among_what_acts(tmp_path):
 
 def test_the_worst_equations_are_of_different_places_and_no_rounding():
     """Of the two forces at 'tip' the larger; nothing below a thousandth of it, alone of its kind or not."""
-    names = ["node tip: force x", "node tip: force z", "node root: force x", "node far: force x", "rod 'r': length"]
+    places = ("node tip", "force x"), ("node tip", "force z"), ("node root", "force x"), ("node far", "force x")
+    names = [EquationName(*place) for place in (*places, ("rod 'r'", "length"))]
     system = SimpleNamespace(
         n=5, n_q=0, residual=np.array([2.0, 3.0, -1.0, 2.9e-3, 1e-13]), size=np.array([10.0, 10.0, 10.0, 10.0, 1e-13]),
         numbering=SimpleNamespace(kind=np.array([*[TRANSLATION] * 4, LENGTH_CONSTRAINT]), name=names),

@@ -8,6 +8,7 @@ from mecano.analyses.prepare import some
 from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
+from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 
 MOST_LATCHES = 8  # named in a warning
@@ -96,7 +97,7 @@ def explained(error, deck, warnings):
     remedies = {}
     for section in SECTIONS:
         for name, d in deck.values[section].items():
-            title = f"{d['type']} '{name}'"
+            title = title_of(d["type"], name)
             if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
                 remedies.setdefault("; ".join(found), []).append(title)
     tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]

@@ -7,6 +7,7 @@ from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem
 from mecano.laws.probe import curve_at
+from mecano.model.numbering import ROTATION
 from mecano.solve.time.massless import massless_unknowns
 
 MOST_NAMED = 10  # warnings of one sort
@@ -85,15 +86,14 @@ def _massless(deck, system, s, length):
         return []
     names, found = system.numbering.name, {}
     for i in massless_unknowns(system, s, length):
-        node, _, what = names[i].partition(": ")
-        found.setdefault(node, set()).add("rotation" if what.startswith("moment") else "displacement")
-    return [_no_mass(deck, node, sorted(sorts)) for node, sorts in found.items()]
+        sort = "rotation" if system.numbering.kind[i] == ROTATION else "displacement"
+        found.setdefault((names[i].place, names[i].nodes), set()).add(sort)
+    return [_no_mass(deck, *place, sorted(sorts)) for place, sorts in found.items()]
 
 
-def _no_mass(deck, node, sorts):
-    names = node.removeprefix("node ").split(", ")
+def _no_mass(deck, place, nodes, sorts):
     text = (
-        f"{node}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is this "
+        f"{place}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is this "
         "intended, or is a point_mass or a rigid_body missing?"
     )
-    return Problem(text, next((mark for name in names if (mark := deck.mark("nodes", name))), None))
+    return Problem(text, next((mark for name in nodes if (mark := deck.mark("nodes", name))), None))

@@ -187,7 +187,7 @@ def _friction_of(system, group):
     """Return a warning about friction that depends on the reactions of a redundant group, or none."""
     of = system.numbering
     rubbing = {of.name[system.n_q + i] for i in system.coupled_multipliers} & set(group.names)
-    owners = sorted({name.partition(":")[0] for name in rubbing})
+    owners = sorted({name.place for name in rubbing})
     if not owners:
         return []
     return [

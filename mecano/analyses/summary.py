@@ -90,34 +90,34 @@ def _free(mechanisms, every):
 
 def _by_nodes(names):
     """Return names of unknowns ("node a: displacement x"), with those of a whole node or member merged into one."""
-    nodes, found, inside = {}, [], Counter()
+    places, found, inside = {}, [], Counter()
     for name in names:
-        nodes.setdefault(name.partition(": ")[0], []).append(name)
-    for node, own in nodes.items():
+        places.setdefault(name.place, []).append(name)
+    for own in places.values():
+        inner = next((node for node in own[0].nodes if "." in node), None)
         if len(own) < 6:
-            found += _by_sort(node, own)
-        elif "." in node:
-            inside[node.removeprefix("node ").rpartition(".")[0]] += 1
+            found += _by_sort(own)
+        elif inner:
+            inside[inner.rpartition(".")[0]] += 1
         else:
-            found.append(f"{_few(node)}: all")
+            found.append(f"{_few(own[0])}: all")
     return found + [f"all of the {count} node(s) inside '{member}'" for member, count in inside.items()]
 
 
-def _by_sort(node, names):
-    """Yield names of unknowns of a node, with three displacements or rotations merged into one."""
+def _by_sort(names):
+    """Yield names of unknowns of one place, with three displacements or rotations merged into one."""
     sorts = {}
     for name in names:
-        what = name.partition(": ")[2]
-        sorts.setdefault(what.rpartition(" ")[0], []).append(what)
+        sorts.setdefault(name.what.rpartition(" ")[0], []).append(name.what)
     for sort, own in sorts.items():
         shown = [sort.removesuffix(" about material")] if len(own) == 3 else own
-        yield from (f"{_few(node)}: {what}" for what in shown)
+        yield from (f"{_few(names[0])}: {what}" for what in shown)
 
 
-def _few(node):
-    """Return the first of the nodes that share an unknown, with the number of further ones."""
-    names = node.split(", ")
-    return node if len(names) <= MOST_SHARING else f"{', '.join(names[:2])} and {len(names) - 2} more"
+def _few(name):
+    """Return the place of a name, with the number of further nodes where many share it."""
+    nodes = name.nodes
+    return name.place if len(nodes) <= MOST_SHARING else f"node {', '.join(nodes[:2])} and {len(nodes) - 2} more"
 
 
 def _statics(prepared):

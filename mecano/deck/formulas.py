@@ -12,6 +12,7 @@ from mecano.deck.units import is_quantity
 from mecano.deck.values import in_range, number
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
+from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
@@ -22,7 +23,9 @@ def signal_entry(node, field, scope):
     """Check an entry of the section ``signals``: a formula, or a mapping with a type."""
     if type(node.value) is dict:
         return kind(node, field, scope)
-    written = Node({"type": (node, _as("formula", node)), "value": (node, node)}, node.source, node.line, node.column)
+    written = Node(
+        {"type": (node, _as(FORMULA.name, node)), "value": (node, node)}, node.source, node.line, node.column
+    )
     return kind(written, field, scope)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from mecano.model.instance import Instance
+from mecano.model.model import title_of
 from mecano.model.wiring import wire
 
 
@@ -13,7 +14,7 @@ def expand(model, context):
     for element in model.elements:
         kind, nodes = element.kind.chosen(element.values), tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
-        title, path = f"{element.kind.name} '{element.name}'", f"{kind.section}/{element.name}"
+        title, path = title_of(element.kind.name, element.name), f"{kind.section}/{element.name}"
         record = kind.prepare(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)
         reads = kind.read(element.values) if kind.inputs else ()

@@ -39,6 +39,11 @@ class Model:
 GROUND = "ground"
 
 
+def title_of(kind, name):
+    """Return the title of an element in messages, events and names of equations, from the names of both."""
+    return f"{kind} '{name}'"
+
+
 def with_ground(model):
     """Return the same model with every ``GROUND`` replaced by a fixed node of its own."""
     nodes, elements = list(model.nodes), []

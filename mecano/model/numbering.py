@@ -14,6 +14,33 @@ RELEASED = -2  # replaces the kind of a constraint, for solvers, if its row stat
 AXES = "xyz"
 
 
+class EquationName(str):
+    """Name of an equation for users, "place: what", with its constituents.
+
+    Attributes
+    ----------
+    place : str
+        The nodes, joint or element to which it belongs.
+    what : str
+        Its force, moment, scalar or constraint.
+    nodes : tuple of str
+        Names of the nodes that share it; empty if it belongs to an element.
+    """
+
+    __slots__ = ("_moves", "nodes", "place", "what")
+
+    def __new__(cls, place, what, moves="", nodes=()):
+        """Make a name; ``moves`` is the displacement or rotation to which a force or moment of a node belongs."""
+        name = super().__new__(cls, f"{place}: {what}")
+        name.place, name.what, name.nodes, name._moves = place, what, nodes, moves
+        return name
+
+    @property
+    def motion(self):
+        """Name of the motion of its unknown: "node tip: displacement x" for "node tip: force x"."""
+        return EquationName(self.place, self._moves, self._moves, self.nodes) if self._moves else self
+
+
 class Classes:
     """Disjoint sets of indices that denote the same unknown."""
 
@@ -47,7 +74,7 @@ class Numbering:
     n_scalars: int  # scalar unknowns of elements, including signals: the last of the n_q
     kind: np.ndarray  # (n_all,) TRANSLATION ... SIGNAL
     group: np.ndarray  # (n_q,) group number: unknowns of one node share it
-    name: list  # (n_all,) user-readable names
+    name: list  # (n_all,) EquationName
     of_rates: np.ndarray  # (n_l,) bool: constraint on velocities
 
     @property
@@ -75,7 +102,8 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     """Return the Numbering of all unknowns.
 
     nodes: names; used: set of ("x" or "R", node index) of the unknowns that elements act on; shared: list of
-    ("x" or "R", i, j); fixed: set of node indices; scalars: names; multipliers: list of (name, Row).
+    ("x" or "R", i, j); fixed: set of node indices; scalars: list of (EquationName, kind);
+    multipliers: list of (EquationName, Row).
     """
     of = _classes(len(nodes), shared)
     sharing = {}
@@ -125,17 +153,8 @@ def _free(of, used, fixed):
     return sorted({of[2 * i + (what == "R")] for what, i in used} - held)
 
 
-def motion_name(name):
-    """Return the name of the motion of an equation: "node tip: displacement x" for "node tip: force x"."""
-    for equation, motion in (
-        (": force ", ": displacement "),
-        (": moment about material ", ": rotation about material "),
-    ):
-        name = name.replace(equation, motion)
-    return name
-
-
 def _names(sharing, c):
     """Return the names of the three entries of the class c, which list all nodes that share it."""
-    what = "moment about material {}" if c % 2 else "force {}"
-    return [f"node {', '.join(sharing)}: {what.format(axis)}" for axis in AXES]
+    what, moves = ("moment about material", "rotation about material") if c % 2 else ("force", "displacement")
+    place, nodes = f"node {', '.join(sharing)}", tuple(sharing)
+    return [EquationName(place, f"{what} {axis}", f"{moves} {axis}", nodes) for axis in AXES]

@@ -12,7 +12,7 @@ from mecano.model.instances import expand
 from mecano.model.loops import PURPOSES, SYSTEM, code_of, loop_of, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
-from mecano.model.numbering import SCALAR, SIGNAL, number
+from mecano.model.numbering import SCALAR, SIGNAL, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.state import State
 
@@ -29,9 +29,9 @@ class System:
         self.context = Context(model.laws, np.asarray(model.gravity, float), kinds)
         instances, shared, used = expand(model, self.context)
         self.shared = [(what, i, j, instances[owner].owner) for what, i, j, owner in shared]
-        multipliers = [(f"{item.owner}: {row.name}", row) for item in instances for row in item.kind.multipliers]
+        multipliers = [(EquationName(item.owner, row.name), row) for item in instances for row in item.kind.multipliers]
         scalars = [
-            (f"{item.owner}: {name}", SIGNAL if item.kind.of_signals else SCALAR)
+            (EquationName(item.owner, name), SIGNAL if item.kind.of_signals else SCALAR)
             for item in instances
             for name in item.kind.scalars
         ]

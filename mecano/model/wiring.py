@@ -6,6 +6,7 @@ from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
 from mecano.model.measured import meaning, sensor_of_node, sensor_of_output
+from mecano.model.model import title_of
 
 
 def wire(instances, model, context):
@@ -53,7 +54,7 @@ class _Wiring:
             element = self.elements[section, owner]
             nodes = tuple(self.nodes[node] for node in element.nodes)
             frames = [(np.asarray(self.model.nodes[i].x, float), self.model.nodes[i].R) for i in nodes]
-            title = f"{element.kind.name} '{owner}'"
+            title = title_of(element.kind.name, owner)
             part = sensor_of_output(element.kind, what, element.values, frames, self.context)
         on = tuple(nodes[i] for i in part.nodes)
         self.instances.append(Instance(f"{title}: {what}", f"sensors/{name}", part.kind, on, part.parameters))

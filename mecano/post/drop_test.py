@@ -14,7 +14,7 @@ from mecano.post.panels import with_peaks
 from mecano.post.quantity import SAVED, Quantity, find, time_of
 from mecano.post.runs import Run
 from mecano.post.shapes import Motion
-from mecano.post.sheet import QUOTED, Curve, Panel, Sheet
+from mecano.post.sheet import Curve, Panel, Sheet
 
 PICTURE = "drop_test"  # to which wheels that deform and absorbers belong
 ABSORBING = ("gas_spring", "oil_damper", "metering_pin")  # terms of the law of a shock absorber
@@ -75,7 +75,7 @@ def _absorbs(run, d):
 
 def _contact(run, wheel):
     """Return the times [s] of the first touch-down of a wheel and of the lift-off after it; inf if there is none."""
-    happened = [e for e in run.results.events if (quoted := QUOTED.search(e.element)) and quoted[1] == wheel]
+    happened = [event for event in run.results.events if run.results.subject(event)[1] == wheel]
     downs = [event.time for event in happened if event.name == "touch_down"]
     start = downs[0] if downs else np.inf
     return start, min((e.time for e in happened if e.name == "lift_off" and e.time > start), default=np.inf)

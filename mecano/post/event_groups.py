@@ -1,13 +1,11 @@
 """Groups of like events at one instant; the sheet and the table of the shocks of a run."""
 
-import re
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from mecano.post.quantity import Quantity, time_of
-from mecano.post.sheet import QUOTED, Curve, Panel, Sheet
+from mecano.post.sheet import Curve, Panel, Sheet
 
 MOST_NAMES = 3  # elements named in a line
 TOGETHER = 1e-6  # of the duration of a run: events no farther apart are at one instant
@@ -18,29 +16,21 @@ HEADING = ("run", "time [s]", "group", "element", "event", "impulse", "unit of t
 
 @dataclass(frozen=True)
 class Group:
-    """Events at one instant, of elements of one kind, with the same name and change of phase."""
+    """Events at one instant, of the elements ``names`` of one kind, with the same name and change of phase."""
 
     events: tuple
+    names: tuple
+    kind: str
 
     @property
     def time(self):
         """Time of the first event [s]."""
         return self.events[0].time
 
-    @cached_property
-    def kind(self):
-        """The kind of the elements."""
-        return _kind(self.events[0])
-
-    @cached_property
-    def names(self):
-        """Names of the elements."""
-        return [name[1] if (name := QUOTED.search(event.element)) else event.element for event in self.events]
-
     @property
     def single(self):
         """A list of Groups of one event each."""
-        return [Group((event,)) for event in self.events]
+        return [Group((event,), (name,), self.kind) for event, name in zip(self.events, self.names, strict=True)]
 
     @property
     def title(self):
@@ -76,16 +66,13 @@ def groups(results):
     within = TOGETHER * float(np.ptp(results.time)) if len(results.time) else 0.0
     found, here = [], {}
     for event in results.events:
-        key = (_kind(event), event.name, event.before, event.after)
-        if key not in here or event.time > here[key][0].time + within:
+        kind, name = results.subject(event)
+        key = (kind, event.name, event.before, event.after)
+        if key not in here or event.time > here[key][0][0].time + within:
             here[key] = []
-            found.append(here[key])
-        here[key].append(event)
-    return [Group(tuple(events)) for events in found]
-
-
-def _kind(event):
-    return re.sub(r"\s*'.*", "", event.element)
+            found.append((kind, here[key]))
+        here[key].append((event, name))
+    return [Group(*zip(*alike, strict=True), kind) for kind, alike in found]
 
 
 def shock_sheet(runs):

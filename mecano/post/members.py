@@ -5,6 +5,7 @@ import numpy as np
 from mecano.model.mesh import divided_nodes, piece_names
 from mecano.post.panels import worth_showing
 from mecano.post.quantity import SAVED, Quantity
+from mecano.post.shapes import BEAM
 from mecano.post.sheet import Curve, Panel, Sheet
 
 MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
@@ -32,7 +33,7 @@ def member_sheets(runs):
 def _members(run):
     """Return (name, deck values) of the members with results."""
     elements = run.deck.get("elements", {}).items()
-    found = [(name, d) for name, d in elements if run.display(d).shape == "beam"]
+    found = [(name, d) for name, d in elements if run.display(d).shape == BEAM]
     return [(name, d) for name, d in found if f"elements/{piece_names(name, d)[0]}/moment" in run.paths]
 
 

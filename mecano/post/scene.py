@@ -10,12 +10,24 @@ from mecano.post.deformation import flexible_parts
 from mecano.post.eye import eye
 from mecano.post.forces import arrows
 from mecano.post.ground import ground_path
-from mecano.post.shapes import BODY, GUIDE, JOINT, SUPPORT, WHEEL, Motion, radius_of, shapes, vertical, wheel_of
+from mecano.post.shapes import (
+    BEAM,
+    BENDING,
+    BODY,
+    GUIDE,
+    JOINT,
+    SUPPORT,
+    WHEEL,
+    Motion,
+    radius_of,
+    shapes,
+    vertical,
+    wheel_of,
+)
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
 """Values by which elements can be coloured: name, unit."""
-FLEXIBLE = ("beam", "superelement")  # shapes that bend
 BENT, MOST_BENT = 4, 400  # lines per beam element; number of elements above which it is a single line
 LOOKED_AT = 20  # number of instants from which the view direction is chosen
 
@@ -103,7 +115,7 @@ def scene_of(run, most):
     ranges = list(_ranges(coloured))
     named = {what for what, *_ in ranges}
     coloured = [{what: values for what, values in colours.items() if what in named} for colours in coloured]
-    flexible = {path.partition("/")[2] for path, d in run.things.items() if run.display(d).shape in FLEXIBLE}
+    flexible = {path.partition("/")[2] for path, d in run.things.items() if run.display(d).shape in BENDING}
     up = vertical(run.deck.get("gravity"))
     return Scene(
         rows, run.results.time[rows], (run.results.axis.path, run.results.axis.unit), drawn,
@@ -129,7 +141,7 @@ def _kind(run, shape):
 def _bent(motion, shape):
     """Return a beam as a smooth line, a cubic between two nodes with their directions; other shapes unchanged."""
     _, d = _deck_of(motion.run, shape)
-    if not d or motion.run.display(d).shape != "beam" or len(motion.run.pieces) > MOST_BENT:
+    if not d or motion.run.display(d).shape != BEAM or len(motion.run.pieces) > MOST_BENT:
         return shape
     nodes, points = shape.nodes, shape.points
     u = np.linspace(0.0, 1.0, BENT, endpoint=False)[:, None]

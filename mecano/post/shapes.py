@@ -234,8 +234,10 @@ def _flattened(points, ground):
     return points + depth[..., None] * normal
 
 
+BEAM, SUPERELEMENT = "beam", "superelement"
+BENDING = (BEAM, SUPERELEMENT)
 SHAPES = {
-    "line": _rod, "cable": _cable, "beam": _beam, "superelement": _superelement, "spring": _spring,
+    "line": _rod, "cable": _cable, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
     "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip

@@ -1,13 +1,11 @@
 """Content of pictures before drawing: sheets of panels of curves."""
 
-import re
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from mecano.post.quantity import Quantity
 
-QUOTED = re.compile("'(.+)'")  # the name in "wheel 'left'"
 CONSTANT = 1e-5  # of the magnitude: a quantity that varies less is constant
 
 
@@ -134,7 +132,6 @@ def event_marks(runs):
     marks = []
     for number, run in enumerate(runs):
         for event in run.results.events:
-            quoted = QUOTED.search(event.element)
-            element = quoted[1] if quoted else event.element
-            marks.append(EventMark(event.time, element, event.name.replace("_", " "), number))
+            _, name = run.results.subject(event)
+            marks.append(EventMark(event.time, name, event.name.replace("_", " "), number))
     return tuple(marks)

@@ -13,7 +13,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
+from mecano.model.mesh import piece_names
+from mecano.model.model import title_of
 from mecano.results.checked import UNREADABLE, checked, unreadable
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
@@ -25,7 +28,7 @@ _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
-    "_table time events steps extremes resolved displays metadata automatic model warnings checkpoint".split()
+    "_table time events _subjects steps extremes resolved displays metadata automatic model warnings checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
@@ -257,6 +260,16 @@ class Results:
         """List of all Events in order of time."""
         columns = [self._read(name, slice(self._event_rows)) for name in self._event_columns]
         return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
+
+    def subject(self, event):
+        """Return (kind, name) of the element, joint, load or signal of an Event."""
+        return self._subjects.get(event.element, ("", event.element))
+
+    @cached_property
+    def _subjects(self):
+        """The subjects of events by their titles in the file."""
+        entries = [entry for section in SECTIONS for entry in self.resolved.get(section, {}).items()]
+        return {title_of(d["type"], one): (d["type"], one) for name, d in entries for one in piece_names(name, d)}
 
     @cached_property
     def steps(self):

@@ -33,7 +33,7 @@ class Output:
 
     def _of_events(self, results):
         element, name = self.event.split()
-        times = [e.time for e in results.events if e.name == name and quoted(element) in e.element]
+        times = [e.time for e in results.events if e.name == name and results.subject(e)[1] == element]
         if self.take == "count":
             return float(len(times)), ""
         if not times:

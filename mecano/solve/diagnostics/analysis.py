@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.model.numbering import ROTATION, motion_name
+from mecano.model.numbering import ROTATION
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
@@ -56,7 +56,7 @@ class Analysis:
     dependent: object  # projector on the reactions in redundancies, see ``_directions``, or None
     release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
     gradient: Entries
-    names: list  # of the equations of the unknowns
+    names: list  # EquationName of the unknowns
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     complete: bool = True
 
@@ -85,7 +85,7 @@ class Analysis:
     @property
     def motions(self):
         """Names (n_q,) of the motions of the unknowns."""
-        return [motion_name(name) for name in self.names]
+        return [name.motion for name in self.names]
 
     @property
     def released(self):

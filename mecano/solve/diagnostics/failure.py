@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION, motion_name
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
 REPORTED = 5  # equations reported, the worst of each node, joint or element
@@ -45,14 +45,14 @@ def _of_equations(error, system, rows):
 
 def no_restart(error, t):
     """Return the error of a restart that failed at ``t`` after an event: cause, and what to try."""
-    text = str(error) if str(error).startswith("at t = ") else f"at t = {t:.9g} s {error}"
+    text = str(error) if error.timed else f"at t = {t:.9g} s {error}"
     return ConvergenceError(f"{text}\nwhat to try: {TRY[error.failure]}")
 
 
 def not_finite(system, data, t):
     """Return the error for non-finite values ``data`` of the matrix of masses and constraints at ``t``."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
-    places = {system.numbering.name[i].partition(": ")[0]: i for i in rows[::-1]}
+    places = {system.numbering.name[i].place: i for i in rows[::-1]}
     lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
     text = "\n".join([f"at t = {t:.9g} s masses or constraints are not finite:", *lines])
     return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
@@ -96,8 +96,8 @@ def unresisted(system):
         return ""
     for i in np.argsort(-x, kind="stable"):
         if x[i] >= MOVES * x.max():
-            places.setdefault(of.name[i].partition(": ")[0], i)
-    lines = (f"  {motion_name(of.name[i])}{acting(system, i)}" for i in list(places.values())[:REPORTED])
+            places.setdefault(of.name[i].place, i)
+    lines = (f"  {of.name[i].motion}{acting(system, i)}" for i in list(places.values())[:REPORTED])
     return "nothing resists:\n" + "\n".join(lines)
 
 
@@ -109,7 +109,7 @@ def worst_rows(system):
     least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
-            places.setdefault(of.name[i].partition(": ")[0], i)
+            places.setdefault(of.name[i].place, i)
     return list(places.values())[:REPORTED]
 
 
@@ -158,7 +158,7 @@ def minimum_step(system, before, after, error, t, h):
     ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
     """
     worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
-    where = motion_name(system.numbering.name[worst])
+    where = system.numbering.name[worst].motion
     failed = ConvergenceError(
         f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error\n"
         f"the acceleration changes most in {where}{acting(system, worst)}\n"

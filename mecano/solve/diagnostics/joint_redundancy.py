@@ -13,7 +13,7 @@ import numpy as np
 from mecano.element_interface import nothing
 from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model
-from mecano.model.numbering import AXES, Classes
+from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, dependent_rows, gradient, groups
 
@@ -89,7 +89,7 @@ def _apart(system, s, length):
                     rows.append([len(names)])
                     cols.append([6 * node + 3 * (what == "R") + axis])
                     values.append([sign])
-            names.append(f"{owner}: {PARTS[what].format(AXES[axis])}")
+            names.append(EquationName(owner, PARTS[what].format(AXES[axis])))
     n = 6 * len(system.nodes)
     n_scalars = whole.numbering.n_scalars
     group = np.concatenate([np.repeat(np.arange(len(system.nodes)), 6), len(system.nodes) + np.arange(n_scalars)])

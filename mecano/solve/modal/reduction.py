@@ -19,7 +19,6 @@ import scipy.sparse.linalg as spla
 
 from mecano.elements.bodies.reduced_matrices import RIGID, mass_moments, resistance, rigid_motions
 from mecano.errors import AssemblyError, UsageError
-from mecano.model.numbering import motion_name
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.statics.stability import null_space
 
@@ -140,7 +139,7 @@ def _factor(system, K_ii, M_ii, rest, Z):
         values, vectors = la.eigh(K_ii.toarray())
         if values[0] <= SOFT * values[-1]:
             shape = np.abs(vectors[:, 0] if Z is None else Z @ vectors[:, 0])
-            name = motion_name(system.numbering.name[rest[int(np.argmax(shape))]])
+            name = system.numbering.name[rest[int(np.argmax(shape))]].motion
             raise AssemblyError(f"with its boundary held, the part can still move freely: {name} has no stiffness")
         factor = la.cho_factor(K_ii.toarray())
         return lambda b: la.cho_solve(factor, b)

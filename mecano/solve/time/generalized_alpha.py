@@ -197,7 +197,8 @@ class GeneralizedAlpha:
             if len(rows) and (
                 text := self._contradiction(s, h, rows, self.system.constraint_derivatives(s)[:, 1], CONTRADICTS)
             ):
-                raise AssemblyError(f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}", Failure.CONTRADICTION)
+                text = f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}"
+                raise AssemblyError(text, Failure.CONTRADICTION, timed=True)
         consistent.settle(s, h)
         consistent.accelerate(s)
         if len(consistent.massless) and self.system.n_l:  # reactions may act on the scalars without inertia

@@ -82,7 +82,7 @@ def _refusal(system, s, phi, error, length):
         for i in worst
         if error[i] > FULFILLED
     ]
-    taking_part = dict.fromkeys(name.partition(":")[0] for name in contradicting(system, s, length, phi))
+    taking_part = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
     if len(taking_part) > 1:
         lines.append(f"  taking part: {', '.join(taking_part)}")
     return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)

@@ -78,4 +78,4 @@ def _refuse_undetermined(system, s):
     if sigma[-1] <= SINGULAR * sigma[0]:
         name = system.numbering.name[own[np.argmax(np.abs(Vt[-1]))]]
         text = f"at t = {s.t:.9g} s {name} is not determined: signals need one another in a circle"
-        raise AssemblyError(text, Failure.SINGULAR)
+        raise AssemblyError(text, Failure.SINGULAR, timed=True)
