@@ -73,7 +73,7 @@ class Struck:
         s.phases[self.system.followers[:, 0]] = s.phases[self.system.followers[:, 1]]
         contacts = [c for c in self.shocks.impact_candidates if c.opened == c.before and c.through == c.after]
         closed = list({c.phase: c for c in contacts if rng.uniform() < 0.2}.values())
-        s = self.shocks.in_phase(s, closed, "after")
+        s = self.shocks.impact_candidates.in_phase(s, closed, "after")
         s.v[:n_q] = rng.normal(size=n_q)
         self.before, _ = method.start(s, 1e-3)
         hit = np.zeros(len(self.system.event_values(s)), bool)
@@ -126,8 +126,8 @@ class Struck:
         pushed = [c for c in self.shocks.impact_candidates if self.shock.impulses[c.lead] != 0.0]
         here = [c for c in pushed if c.before == self.before.phases[c.phase] or c.after == self.before.phases[c.phase]]
         named = {(h.element, h.name) for h in self.shock.event_records}
-        met = [c for c in here if (c.element, c.names[0]) in named or c.after == self.before.phases[c.phase]]
-        return self.shocks.in_phase(self.before, met, "through").phases
+        met = [c for c in here if (c.element, c.closing.name) in named or c.after == self.before.phases[c.phase]]
+        return self.shocks.impact_candidates.in_phase(self.before, met, "through").phases
 
 
 @pytest.fixture(scope="module")
@@ -180,9 +180,9 @@ def test_constraints_hold_and_contacts_neither_pull_nor_enter(case, struck):
     contacts = [c for c in one.shocks.impact_candidates if c.restitution >= 0.0]
     assert min(one.shock.impulses[c.lead] for c in contacts) >= 0.0
     for c in contacts:
-        if (c.element, c.names[0]) in {(h.element, h.name) for h in one.shock.event_records}:
+        if (c.element, c.closing.name) in {(h.element, h.name) for h in one.shock.event_records}:
             rates = [
-                one.system.constraint_derivatives(one.shocks.in_phase(s, [c], "through"))[c.lead, 1]
+                one.system.constraint_derivatives(one.shocks.impact_candidates.in_phase(s, [c], "through"))[c.lead, 1]
                 for s in (one.before, one.after)
             ]
             assert rates[0] <= 1e-11 * size and rates[1] >= -1e-11 * size

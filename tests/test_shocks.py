@@ -46,7 +46,7 @@ def struck(checked, rates):
         s.v[of.x[i] : of.x[i] + 3], s.v[of.r[i] + 2] = velocity, rate
     s, _ = integrator.method.start(s, 1e-3)
     hit = np.zeros(len(integrator.monitor.values(s)), bool)
-    hit[[c.event for c in integrator.shocks.impact_candidates if "upper" not in c.names[0]]] = True
+    hit[[c.event for c in integrator.shocks.impact_candidates if "upper" not in c.closing.name]] = True
     return integrator, s, integrator.shocks.solve_impact(s, hit)
 
 
@@ -312,7 +312,7 @@ def test_a_rocking_bar_lifts_its_other_foot():
         integrator, s = integrator_of(prepared), prepared.state
         s.memory = integrator.system.commit(s)
         left, right = integrator.shocks.impact_candidates
-        s = integrator.shocks.in_phase(s, [left], "after")
+        s = integrator.shocks.impact_candidates.in_phase(s, [left], "after")
         of = integrator.system.numbering
         s.v[of.x[0] + 2], s.v[of.r[0] + 1] = -0.5, 1.0  # about y: the left foot at rest, the right one at -1 m/s
         s, _ = integrator.method.start(s, 1e-3)
@@ -348,7 +348,7 @@ def test_a_rigid_wheel_that_touches_down():
     prepared = prepare(deck(WHEEL))
     integrator, s = integrator_of(prepared), prepared.state
     (candidate,) = integrator.shocks.impact_candidates
-    s = integrator.shocks.in_phase(s, [candidate], "before")
+    s = integrator.shocks.impact_candidates.in_phase(s, [candidate], "before")
     s.v[:3] = 10.0, 0.0, -2.0
     s, _ = integrator.method.start(s, 1e-3)
     shock = integrator.shocks.solve_impact(s, np.array([True, False, False]))

@@ -1,10 +1,10 @@
-"""Events of a system that can cause an impact, with their constraint rows and phases."""
+"""Events of a system that can cause an impact: their places among the events, their constraint rows and phases."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.element_interface import CONTACT
+from mecano.element_interface import CONTACT, Event
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,8 @@ class ImpactCandidate:
     unit: str  # of the impulse of the lead
     restitution: float  # coefficient; negative if it never opens
     element: str
-    names: tuple  # of the event, the phases before and after it, the event that reopens it, the phase reopened
+    closing: Event
+    opening: Event | None  # the event that reopens it
 
     @property
     def lead(self):
@@ -33,8 +34,50 @@ class ImpactCandidate:
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
-def impact_candidates(system):
-    """Yield all impact candidates in the order of their event values."""
+class ImpactCandidates:
+    """All impact candidates of a system, in the order of their event values."""
+
+    def __init__(self, system):
+        self.system, self.all = system, list(_impact_candidates(system))
+        self.events = np.array([candidate.event for candidate in self.all], np.int64)
+
+    def __iter__(self):
+        return iter(self.all)
+
+    def among(self, hit):
+        """Return whether some of the events ``hit`` (n_events,) bool cause an impact."""
+        return bool(hit[self.events].any())
+
+    def split(self, hit):
+        """Return (candidates among the events ``hit`` (n_events,) bool, events (n_events,) bool without impact)."""
+        others = hit.copy()
+        others[self.events] = False
+        return [candidate for candidate in self.all if hit[candidate.event]], others
+
+    def standing_open(self, g):
+        """Return the contacts that can open and are open where they close, by the event values ``g`` (n_events,)."""
+        return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
+
+    def due(self, hit, g):
+        """Return the candidates that may follow the events ``hit``, of those that share a phase the nearest."""
+        ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
+        return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # of two stops the nearer
+
+    def resting(self, phases):
+        """Return the contacts that are closed in the ``phases`` of a state."""
+        return [candidate for candidate in self.all if candidate.rests(phases)]
+
+    def in_phase(self, s, candidates, which):
+        """Return ``s`` with the elements of some candidates, and their parts, in their phase ``which``."""
+        phases = s.phases.copy()
+        for candidate in candidates:
+            phases[candidate.phase] = getattr(candidate, which)
+        self.system.follow(phases)
+        return replace(s, phases=phases)
+
+
+def _impact_candidates(system):
+    """Yield the impact candidates in the order of their event values."""
     first, rows = 0, _rows_by_phase(system)
     for batch in system.batches:
         events = batch.kind.events
@@ -58,8 +101,7 @@ def _impact_candidate(batch, e, event, first, number, rows):
         *(kind.phases.index(phase) for phase in (event.before, event.after, event.through or event.after)),
         kind.phases.index(back[0].after) if opens else -1,
         np.array([number for number, _ in leads], np.int64), f"{leads[0][1].unit} s",
-        restitution, batch.names[e],
-        (event.name, event.before, event.after, *((back[0].name, back[0].after) if opens else ("", ""))),
+        restitution, batch.names[e], event, back[0] if opens else None,
     )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
-from mecano.solve.events.impact_candidates import impact_candidates
+from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.events.redundancy import consistent_in
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
@@ -50,29 +50,21 @@ class Shocks:
         self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
-        self.impact_candidates = list(impact_candidates(system))
-        self.by_event = {candidate.event: i for i, candidate in enumerate(self.impact_candidates)}
-        self.events = np.array([candidate.event for candidate in self.impact_candidates], np.int64)
+        self.impact_candidates = ImpactCandidates(system)
 
     def suppress_rebound(self, elements):
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
         self.rest = self._least.copy()
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
-    def among(self, hit):
-        """Return whether some of the events ``hit`` (n_events,) bool cause an impact."""
-        return bool(hit[self.events].any())
-
     def departing(self, s, g):
         """Return the event values ``g`` at the beginning of a step, with DEPARTING for open contacts that separate."""
-        if not self.impact_candidates:  # called in every step
+        candidates = self.impact_candidates.standing_open(g)
+        if not candidates:  # called in every step
             return g
-        at = [i for i in np.flatnonzero(g[self.events] >= 0.0) if self.impact_candidates[i].opened >= 0]
-        if not at:
-            return g
-        g, impact_candidates = g.copy(), [self.impact_candidates[i] for i in at]
-        derivatives = self.system.constraint_derivatives(self.in_phase(s, impact_candidates, "through"))
-        for candidate in impact_candidates:
+        g = g.copy()
+        derivatives = self._derivatives(s, candidates)
+        for candidate in candidates:
             rate, second = derivatives[candidate.lead, 1:]
             if rate > 0.0 or (rate >= -self.rest[candidate.lead] and second > 0.0):
                 g[candidate.event] = DEPARTING
@@ -84,14 +76,17 @@ class Shocks:
         The motions of identical parts of a model differ by rounding; this makes them lock at the same instant.
         """
         hit, g = hit.copy(), self.monitor.values(s)
-        due = [c for c in self.impact_candidates if not hit[c.event] and -np.inf < g[c.event] < 0.0]
-        latest = list({c.phase: c for c in sorted(due, key=lambda c: g[c.event])}.values())  # of two stops the nearer
-        if latest:
-            rates = self.system.constraint_derivatives(self.in_phase(s, latest, "through"))[:, 1]
-            for c in latest:
+        due = self.impact_candidates.due(hit, g)
+        if due:
+            rates = self._derivatives(s, due)[:, 1]
+            for c in due:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
         return hit
+
+    def _derivatives(self, s, candidates):
+        """Return the constraint derivatives (n_l, 3) at ``s`` with the constraints of some candidates active."""
+        return self.system.constraint_derivatives(self.impact_candidates.in_phase(s, candidates, "through"))
 
     def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False):
         """Solve the impact of the events ``hit`` (n_events,) bool at ``s``; return a Shock.
@@ -100,27 +95,26 @@ class Shocks:
         not separate within it stay closed. ``at_once``: time does not advance, so contacts that do not separate
         noticeably count as closed.
         """
-        plain = hit.copy()
-        plain[self.events] = False
-        s, others = self.monitor.apply(s, plain)
-        closing = [self.impact_candidates[i] for i in np.flatnonzero(hit[self.events])]
+        in_phase = self.impact_candidates.in_phase
+        closing, others = self.impact_candidates.split(hit)
+        s, others = self.monitor.apply(s, others)
         if not at_once:
-            rates = self.system.constraint_derivatives(self.in_phase(s, closing, "through"))[:, 1]
+            rates = self._derivatives(s, closing)[:, 1]
             closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
-        resting = [c for c in self.impact_candidates if c.rests(s.phases)]
+        resting = self.impact_candidates.resting(s.phases)
         uncoupled = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) == 1]
         coupled = [c for c in closing + resting if c.restitution >= 0.0 and len(c.rows) > 1]
-        held = self.in_phase(s, closing, "through")
-        all_held = self.in_phase(held, uncoupled, "through")
+        held = in_phase(s, closing, "through")
+        all_held = in_phase(held, uncoupled, "through")
         w = self.system.constraint_derivatives(all_held)[:, 1]
         e = self._restitution(closing, w)
         while True:
-            solution = _Solution(self, self.in_phase(held, uncoupled, "opened"), all_held, uncoupled, e, compliance)
+            solution = _Solution(self, in_phase(held, uncoupled, "opened"), all_held, uncoupled, e, compliance)
             pulled = [c for c in coupled if solution.pulls(c)]
             if not pulled:
                 break
             coupled = [c for c in coupled if c not in pulled]
-            held, all_held = self.in_phase(held, pulled, "before"), self.in_phase(all_held, pulled, "before")
+            held, all_held = in_phase(held, pulled, "before"), in_phase(all_held, pulled, "before")
         return solution.shock(s, closing, resting, others, h)
 
     def consistent(self, s, compliance):
@@ -131,14 +125,6 @@ class Shocks:
         """Return the common coefficient of restitution: the least of contacts approaching faster than ``rest``."""
         fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         return max(min((c.restitution for c in fast), default=0.0), 0.0)
-
-    def in_phase(self, s, impact_candidates, which):
-        """Return ``s`` with the elements of some candidates, and their parts, in their phase ``which``."""
-        phases = s.phases.copy()
-        for candidate in impact_candidates:
-            phases[candidate.phase] = getattr(candidate, which)
-        self.system.follow(phases)
-        return replace(s, phases=phases)
 
 
 class _Solution:
@@ -218,11 +204,11 @@ class _Solution:
         new = set(closing)
         stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order
         gone = [c for c in resting if c not in stay]
-        end = self.shocks.in_phase(replace(s, v=self.held.v), stay, "after")
+        end = self.shocks.impact_candidates.in_phase(replace(s, v=self.held.v), stay, "after")
         happened = [*event_records, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
         leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
-        end = self.shocks.in_phase(end, [*gone, *leaving], "opened")
+        end = self.shocks.impact_candidates.in_phase(end, [*gone, *leaving], "opened")
         found = [self.consistent, self.compliance, self.redundant]
         if not np.array_equal(end.phases, self.held.phases):
             *found, redundant = self.shocks.consistent(end, self.compliance)
@@ -250,10 +236,10 @@ class _Solution:
         return candidate in stay or self.impulses[candidate.lead] != 0.0
 
     def _met(self, t, candidate, stays, lost):
-        name, before, after = candidate.names[:3]
+        event, lead = candidate.closing, candidate.lead
         return EventRecord(
-            t, candidate.element, name, before, after if stays else before, float(self.impulses[candidate.lead]),
-            candidate.unit, float(lost[candidate.rows].sum()),
+            t, candidate.element, event.name, event.before, event.after if stays else event.before,
+            float(self.impulses[lead]), candidate.unit, float(lost[candidate.rows].sum()),
         )  # fmt: skip
 
     def _leaving(self, stay, h):
@@ -273,5 +259,5 @@ class _Solution:
 
 
 def _opened(t, candidate):
-    _, _, after, back, opened = candidate.names
-    return EventRecord(t, candidate.element, back, after, opened)
+    event = candidate.opening
+    return EventRecord(t, candidate.element, event.name, event.before, event.after)

@@ -231,7 +231,7 @@ class TimeIntegrator:
 
         Return (run with the energy of shocks, state after, [EventRecord], Consistent or None).
         """
-        if not self.shocks.among(hit):
+        if not self.shocks.impact_candidates.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None
             s, event_records = self.monitor.apply(s, hit)
             self._guard(run, event_records)
