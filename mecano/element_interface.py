@@ -63,6 +63,7 @@ import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
+UNUSED = "unused"  # field of an empty record
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 
 
@@ -211,8 +212,9 @@ class DeckEntry:
     """(field, Kind of a part, label): outputs that are added to its own when the deck gives the field"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: errors in the combination of the values"""
-    prepare: Callable = lambda d, nodes, context: {}
-    """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record"""
+    prepare: Callable | None = None
+    """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record; by default the deck values of
+    the same names"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
     shares: Callable = nothing
@@ -248,7 +250,7 @@ class DeckEntry:
 class Mechanics:
     """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
 
-    dtype: np.dtype = np.dtype([("unused", "f8")])  # of its record
+    dtype: np.dtype = np.dtype([(UNUSED, "f8")])  # of its record
     layout: tuple = ()  # slots: "x0", "R0", "x1", ...
     flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
     scalars: tuple = ()  # names of its scalar unknowns
@@ -315,6 +317,12 @@ class Kind(DeckEntry, Mechanics, Events):
 
     name: str
     display: Display = Display()
+
+    def record_values(self, values, nodes, context):
+        """Return the values of the record of an element; the arguments are those of ``prepare``."""
+        if self.prepare:
+            return self.prepare(values, nodes, context)
+        return {name: values[name] for name in self.dtype.names if name != UNUSED}
 
     def read(self, values):
         """Return the formulas (texts) of its inputs."""

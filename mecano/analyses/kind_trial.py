@@ -204,7 +204,7 @@ def samples(kind):
 def expand(kind, values, nodes, phase, gravity, rng):
     """Return [Instance]: the element and its parts, with random scalars and multipliers."""
     context, kind = Context(LawTable(), gravity, KINDS), kind.chosen(values)
-    own = kind.prepare(values, nodes, context) if kind.section else values
+    own = kind.record_values(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
     laws = context.laws.array()
     listed = [(kind, own, tuple(range(len(nodes))), kind.phases.index(phase))]

@@ -21,7 +21,7 @@ from mecano.laws.tabulated import (
     some_points,
     table,
 )  # fmt: skip
-from mecano.laws.term import Term, numbers_of
+from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 
@@ -109,16 +109,14 @@ DAMPER_TABLE = Term(
     check=opposes_motion,
 )
 
-OIL_DAMPER_FIELDS = (
-    Field("compression", NUMBER, "N s2/m2", "coefficient while the length decreases", check=not_negative),
-    Field("rebound", NUMBER, "N s2/m2", "coefficient while the length increases", check=not_negative),
-)
 OIL_DAMPER = Term(
     name="oil_damper",
     doc="F = c v |v|, c by the direction; C1.",
     role="force",
-    fields=OIL_DAMPER_FIELDS,
-    pack=numbers_of(OIL_DAMPER_FIELDS),
+    fields=(
+        Field("compression", NUMBER, "N s2/m2", "coefficient while the length decreases", check=not_negative),
+        Field("rebound", NUMBER, "N s2/m2", "coefficient while the length increases", check=not_negative),
+    ),
     evaluate=oil_damper,
     integral=no_energy,
 )

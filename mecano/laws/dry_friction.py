@@ -6,7 +6,7 @@ r"""Dry friction, regularized after Oden & Martins (1985).
 
 from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
-from mecano.laws.term import Term, numbers_of
+from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 
@@ -21,16 +21,14 @@ def dry_friction(a, i, s, v):
     return a[i] * v / a[i + 1] * (2.0 - u), 0.0, 2.0 * a[i] / a[i + 1] * (1.0 - u)
 
 
-DRY_FRICTION_FIELDS = (
-    Field("force", NUMBER, "N or N m", "friction force in sliding", check=not_negative),
-    Field("regularization", NUMBER, "m/s or rad/s", "rate at which the full force is reached", check=positive),
-)
 DRY_FRICTION = Term(
     name="dry_friction",
     doc="F = force phi(|v|) sign(v), phi = u (2 - u) with u = |v|/regularization up to u = 1, then 1; C1.",
     role="force",
-    fields=DRY_FRICTION_FIELDS,
-    pack=numbers_of(DRY_FRICTION_FIELDS),
+    fields=(
+        Field("force", NUMBER, "N or N m", "friction force in sliding", check=not_negative),
+        Field("regularization", NUMBER, "m/s or rad/s", "rate at which the full force is reached", check=positive),
+    ),
     evaluate=dry_friction,
     integral=no_energy,
 )

@@ -9,7 +9,7 @@ and smooth (C1) forces.
 import math
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import Term, numbers_of
+from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, positive
 
 LEAST = 0.01  # fraction of the gas column below which the force continues along its tangent
@@ -43,17 +43,15 @@ def gas_energy(a, i, s):
     return -F0 * L * math.log(column) * mean + beyond * (F + 0.5 * slope * beyond)
 
 
-GAS_SPRING_FIELDS = (
-    Field("force", NUMBER, "N", "push F0 at zero extension", check=positive),
-    Field("length", NUMBER, "m", "length L of the gas column at zero extension", check=positive),
-    Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic (air)", check=positive),
-)
 GAS_SPRING = Term(
     name="gas_spring",
     doc="F = -F0 (L/(L + s))^n; below 1 % of the gas column, along the tangent there (C1, finite).",
     role="force",
-    fields=GAS_SPRING_FIELDS,
-    pack=numbers_of(GAS_SPRING_FIELDS),
+    fields=(
+        Field("force", NUMBER, "N", "push F0 at zero extension", check=positive),
+        Field("length", NUMBER, "m", "length L of the gas column at zero extension", check=positive),
+        Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic (air)", check=positive),
+    ),
     evaluate=gas_spring,
     integral=gas_energy,
 )

@@ -2,7 +2,7 @@
 
 from mecano.jit.kernel import kernel
 from mecano.laws.polynomial import constant_integral
-from mecano.laws.term import Term, numbers_of
+from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative
 
 
@@ -36,35 +36,29 @@ def preload(a, i, s, v):
     return a[i], 0.0, 0.0
 
 
-SPRING_FIELDS = (Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension"),)
 SPRING = Term(
     name="spring",
     doc="F = stiffness s. For a nonlinear spring write 'polynomial' or 'table': they act on the extension.",
     role="force",
-    fields=SPRING_FIELDS,
-    pack=numbers_of(SPRING_FIELDS),
+    fields=(Field("stiffness", NUMBER, "N/m or N m/rad", "force per extension"),),
     evaluate=spring,
     integral=spring_energy,
 )
 
-DAMPER_FIELDS = (Field("coefficient", NUMBER, "N s/m or N m s/rad", "force per rate", check=not_negative),)
 DAMPER = Term(
     name="damper",
     doc="F = coefficient v.",
     role="force",
-    fields=DAMPER_FIELDS,
-    pack=numbers_of(DAMPER_FIELDS),
+    fields=(Field("coefficient", NUMBER, "N s/m or N m s/rad", "force per rate", check=not_negative),),
     evaluate=damper,
     integral=no_energy,
 )
 
-PRELOAD_FIELDS = (Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),)
 PRELOAD = Term(
     name="preload",
     doc="F = force, for any extension.",
     role="force",
-    fields=PRELOAD_FIELDS,
-    pack=numbers_of(PRELOAD_FIELDS),
+    fields=(Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),),
     evaluate=preload,
     integral=constant_integral,
 )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term, numbers_of
+from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term
 from mecano.schema import COEFFICIENT_LIST, NUMBER, Field
 
 SHOWN = 257  # number of arguments that resolve the shape of a polynomial
@@ -79,27 +79,23 @@ COEFFICIENTS = Field(
     check=at_least_one,
 )
 
-CONSTANT_FIELDS = (Field("value", NUMBER, VALUE, "the value"),)
 CONSTANT = Term(
     name="constant",
     doc="The same value everywhere; a plain number means the same.",
     role="curve",
-    fields=CONSTANT_FIELDS,
-    pack=numbers_of(CONSTANT_FIELDS),
+    fields=(Field("value", NUMBER, VALUE, "the value"),),
     evaluate=constant,
     integral=constant_integral,
 )
 
-LINEAR_FIELDS = (
-    Field("slope", NUMBER, SLOPE, "slope"),
-    Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
-)
 LINEAR = Term(
     name="linear",
     doc="y = slope s + offset.",
     role="curve",
-    fields=LINEAR_FIELDS,
-    pack=numbers_of(LINEAR_FIELDS),
+    fields=(
+        Field("slope", NUMBER, SLOPE, "slope"),
+        Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
+    ),
     evaluate=linear,
     integral=linear_integral,
 )

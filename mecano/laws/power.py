@@ -9,7 +9,7 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import SHOWN
-from mecano.laws.term import OF_A_POWER, Term, numbers_of
+from mecano.laws.term import OF_A_POWER, Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 NEAR = 1e-9
@@ -55,26 +55,22 @@ def shape_of_power(values, low, high):
 
 EXPONENT = Field("exponent", NUMBER, "-", "exponent p: 1.5 of a Hertz contact, 2 of turbulent drag", check=positive)
 
-POWER_FIELDS = (Field("coefficient", NUMBER, OF_A_POWER, "coefficient c"), EXPONENT)
 POWER = Term(
     name="power",
     doc="y = coefficient sign(s) |s|^exponent, for any exponent > 0.",
     role="curve",
-    fields=POWER_FIELDS,
-    pack=numbers_of(POWER_FIELDS),
+    fields=(Field("coefficient", NUMBER, OF_A_POWER, "coefficient c"), EXPONENT),
     evaluate=power,
     integral=power_integral,
     shape=shape_of_power,
     breakpoints=breakpoints_of_power,
 )
 
-DAMPER_POWER_FIELDS = (Field("coefficient", NUMBER, OF_A_POWER, "coefficient c", check=not_negative), EXPONENT)
 DAMPER_POWER = Term(
     name="damper_power",
     doc="F = coefficient sign(v) |v|^exponent, a power of the rate, for any exponent > 0.",
     role="force",
-    fields=DAMPER_POWER_FIELDS,
-    pack=numbers_of(DAMPER_POWER_FIELDS),
+    fields=(Field("coefficient", NUMBER, OF_A_POWER, "coefficient c", check=not_negative), EXPONENT),
     evaluate=damper_power,
     integral=no_energy,
 )

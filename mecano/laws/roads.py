@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term
 from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
 
 
@@ -79,17 +79,15 @@ def shape_of_random(values, low, high):
     return low + part * np.arange(min(math.ceil((high - low) / part) + 1, MOST_SHOWN))
 
 
-BUMP_FIELDS = (
-    Field("start", NUMBER, ARGUMENT, "where the bump begins"),
-    Field("length", NUMBER, ARGUMENT, "its length", check=positive),
-    Field("height", NUMBER, VALUE, "its height; negative for a dip"),
-)
 BUMP = Term(
     name="bump",
     doc="A single bump y = (height/2) (1 - cos(2 pi (s - start)/length)), zero outside; without corners.",
     role="curve",
-    fields=BUMP_FIELDS,
-    pack=numbers_of(BUMP_FIELDS),
+    fields=(
+        Field("start", NUMBER, ARGUMENT, "where the bump begins"),
+        Field("length", NUMBER, ARGUMENT, "its length", check=positive),
+        Field("height", NUMBER, VALUE, "its height; negative for a dip"),
+    ),
     evaluate=bump,
     integral=bump_integral,
     shape=shape_of_bump,

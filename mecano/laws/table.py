@@ -31,7 +31,7 @@ class LawTable:
         start = len(self._numbers)
         self._numbers.append(float(len(law)))
         for name, values in law:
-            numbers = np.asarray(TERMS[name].pack(values), float)
+            numbers = np.asarray(TERMS[name].numbers(values), float)
             self._numbers.extend((float(CODES[name]), float(len(numbers))))
             self._numbers.frombytes(numbers.tobytes())
         return start

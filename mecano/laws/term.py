@@ -35,10 +35,10 @@ class Term:
     doc: str
     role: str
     fields: tuple  # schema.Field
-    pack: Callable
-    """{field: value} -> the numbers of the term"""
     evaluate: Callable
     integral: Callable
+    pack: Callable | None = None
+    """{field: value} -> the numbers of the term; by default the values of its fields, in their order"""
     check: Callable = nothing
     """{field: value} -> [text]: errors in the combination of the values"""
     stops: Callable = nothing
@@ -51,8 +51,6 @@ class Term:
     sample: Callable | None = None
     """() -> [{field: value}] for the generic tests of a term that is not one of mecano's"""
 
-
-def numbers_of(fields):
-    """Return the ``pack`` of a term whose numbers are its fields, in their order."""
-    names = tuple(field.name for field in fields)
-    return lambda values: [values[name] for name in names]
+    def numbers(self, values):
+        """Return the numbers of a term with these values of its fields."""
+        return self.pack(values) if self.pack else [values[field.name] for field in self.fields]

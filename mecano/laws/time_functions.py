@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term, numbers_of
+from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term
 from mecano.schema import NUMBER, Field, not_negative
 
 
@@ -124,53 +124,47 @@ def end_after_start(values):
     return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
 
 
-SINE_FIELDS = (
-    Field("amplitude", NUMBER, VALUE, "amplitude"),
-    Field("frequency", NUMBER, "1 / unit of the argument", "full waves per unit of the argument: Hz for time"),
-    Field("phase", NUMBER, "rad", "phase at the argument zero", 0.0),
-    Field("offset", NUMBER, VALUE, "mean value", 0.0),
-)
 SINE = Term(
     name="sine",
     doc="y = offset + amplitude sin(2 pi frequency s + phase).",
     role="curve",
-    fields=SINE_FIELDS,
-    pack=numbers_of(SINE_FIELDS),
+    fields=(
+        Field("amplitude", NUMBER, VALUE, "amplitude"),
+        Field("frequency", NUMBER, "1 / unit of the argument", "full waves per unit of the argument: Hz for time"),
+        Field("phase", NUMBER, "rad", "phase at the argument zero", 0.0),
+        Field("offset", NUMBER, VALUE, "mean value", 0.0),
+    ),
     evaluate=sine,
     integral=sine_integral,
     shape=shape_of_sine,
 )
 
-RAMP_FIELDS = (
-    Field("start", NUMBER, ARGUMENT, "where the ramp starts"),
-    Field("end", NUMBER, ARGUMENT, "where the ramp ends"),
-    Field("from", NUMBER, VALUE, "value before"),
-    Field("to", NUMBER, VALUE, "value after"),
-)
 RAMP = Term(
     name="ramp",
     doc="Constant, then a straight line from 'start' to 'end', then constant; a corner at both.",
     role="curve",
-    fields=RAMP_FIELDS,
-    pack=numbers_of(RAMP_FIELDS),
+    fields=(
+        Field("start", NUMBER, ARGUMENT, "where the ramp starts"),
+        Field("end", NUMBER, ARGUMENT, "where the ramp ends"),
+        Field("from", NUMBER, VALUE, "value before"),
+        Field("to", NUMBER, VALUE, "value after"),
+    ),
     evaluate=ramp,
     integral=ramp_integral,
     check=end_after_start,
     breakpoints=lambda values: [values["start"], values["end"]],
 )
 
-STEP_FIELDS = (
-    Field("time", NUMBER, ARGUMENT, "where the edge starts"),
-    Field("rise", NUMBER, ARGUMENT, "length of the edge; 0 for a jump", check=not_negative),
-    Field("from", NUMBER, VALUE, "value before"),
-    Field("to", NUMBER, VALUE, "value after"),
-)
 STEP = Term(
     name="step",
     doc="From one value to another along a smooth edge, u^3 (10 - 15 u + 6 u^2) with u from 0 to 1, which is C2.",
     role="curve",
-    fields=STEP_FIELDS,
-    pack=numbers_of(STEP_FIELDS),
+    fields=(
+        Field("time", NUMBER, ARGUMENT, "where the edge starts"),
+        Field("rise", NUMBER, ARGUMENT, "length of the edge; 0 for a jump", check=not_negative),
+        Field("from", NUMBER, VALUE, "value before"),
+        Field("to", NUMBER, VALUE, "value after"),
+    ),
     evaluate=step,
     integral=step_integral,
     shape=shape_of_step,
@@ -178,18 +172,16 @@ STEP = Term(
     breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
 )
 
-EXPONENTIAL_FIELDS = (
-    Field("start", NUMBER, VALUE, "value at the origin and before it"),
-    Field("limit", NUMBER, VALUE, "value far beyond the origin", 0.0),
-    Field("rate", NUMBER, "1 / unit of the argument", "rate of the approach", check=not_negative),
-    Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
-)
 EXPONENTIAL = Term(
     name="exponential",
     doc="y = limit + (start - limit) exp(-rate (s - origin)) from the origin on, y = start before it.",
     role="curve",
-    fields=EXPONENTIAL_FIELDS,
-    pack=numbers_of(EXPONENTIAL_FIELDS),
+    fields=(
+        Field("start", NUMBER, VALUE, "value at the origin and before it"),
+        Field("limit", NUMBER, VALUE, "value far beyond the origin", 0.0),
+        Field("rate", NUMBER, "1 / unit of the argument", "rate of the approach", check=not_negative),
+        Field("origin", NUMBER, ARGUMENT, "where it begins; a corner", 0.0),
+    ),
     evaluate=exponential,
     integral=exponential_integral,
     shape=shape_of_exponential,

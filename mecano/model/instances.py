@@ -15,7 +15,7 @@ def expand(model, context):
         kind, nodes = element.kind.chosen(element.values), tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
         title, path = title_of(element.kind.name, element.name), f"{kind.section}/{element.name}"
-        record = kind.prepare(element.values, frames, context)
+        record = kind.record_values(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)
         reads = kind.read(element.values) if kind.inputs else ()
         instances.append(Instance(title, path, kind, nodes, record, len(parts), reads=reads))

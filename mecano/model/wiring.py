@@ -40,7 +40,7 @@ class _Wiring:
 
     def _append(self, owner, kind, nodes, text):
         values = {"value": text}
-        record = kind.prepare(values, (), self.context)
+        record = kind.record_values(values, (), self.context)
         self.instances.append(Instance(owner, f"formulas/{text}", kind, nodes, record, reads=kind.read(values)))
         return len(self.instances) - 1
 

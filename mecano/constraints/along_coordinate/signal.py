@@ -14,3 +14,7 @@ INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
 def observe_value(p, at, F, y, e):
     """Write the value of a signal, its first local unknown."""
     y[0] = at.q[0]
+
+
+IN_DECK = {**SIGNAL, "section": "signals", "outputs": (VALUE,), "observe": observe_value}
+"""Declarations of a kind of the section ``signals``."""

@@ -7,7 +7,7 @@ of the delay, and interpolated linearly. In a step longer than the delay, the va
 interpolation.
 """
 
-from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
@@ -59,17 +59,13 @@ def commit(p, at, m_out):
 
 DELAY = Kind(
     name="delay",
-    section="signals",
     doc=__doc__,
     dtype=record(time=()),
     fields=(INPUT, Field("time", NUMBER, "s", "T", check=positive)),
-    outputs=(VALUE,),
     inputs=("input",),
     memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),
-    prepare=lambda d, nodes, context: {"time": d["time"]},
     residual=residual,
-    observe=observe_value,
     commit=commit,
     sample=lambda rng: [({"input": "a", "time": 0.1}, 1, "")],
-    **SIGNAL,
+    **IN_DECK,
 )

@@ -15,7 +15,7 @@ depend on one another are solved simultaneously.
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula, read_formula
@@ -59,16 +59,13 @@ def sample(rng):
 
 FORMULA = Kind(
     name="formula",
-    section="signals",
     doc=__doc__,
     dtype=record(program="i"),
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"),),
-    outputs=(VALUE,),
     reads=lambda d: read_formula(d["value"]).references,
     prepare=prepare,
     variant=variant,
     residual=residual,
-    observe=observe_value,
     sample=sample,
-    **SIGNAL,
+    **IN_DECK,
 )

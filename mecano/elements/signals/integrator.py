@@ -3,7 +3,7 @@ r"""Integrator: the time integral of the input.
 .. math::  \dot y = u
 """
 
-from mecano.constraints.along_coordinate.signal import INITIAL, INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -19,17 +19,13 @@ def residual(p, at, f):
 
 INTEGRATOR = Kind(
     name="integrator",
-    section="signals",
     doc=__doc__,
     dtype=record(initial=()),
     fields=(INPUT, INITIAL),
-    outputs=(VALUE,),
     states=("value",),
     inputs=("input",),
-    prepare=lambda d, nodes, context: {"initial": d["initial"]},
     start=lambda p: [p["initial"]],
     residual=residual,
-    observe=observe_value,
     sample=lambda rng: [({"input": "a"}, 1, "")],
-    **SIGNAL,
+    **IN_DECK,
 )

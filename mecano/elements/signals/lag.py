@@ -3,7 +3,7 @@ r"""First-order lag: a low-pass filter, or an actuator or sensor with a time con
 .. math::  T \dot y + y = g u
 """
 
-from mecano.constraints.along_coordinate.signal import INITIAL, INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -25,7 +25,6 @@ def sample(rng):
 
 LAG = Kind(
     name="lag",
-    section="signals",
     doc=__doc__,
     dtype=record(time_constant=(), gain=(), initial=()),
     fields=(
@@ -34,13 +33,10 @@ LAG = Kind(
         Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
         INITIAL,
     ),
-    outputs=(VALUE,),
     states=("value",),
     inputs=("input",),
-    prepare=lambda d, nodes, context: {name: d[name] for name in ("time_constant", "gain", "initial")},
     start=lambda p: [p["initial"]],
     residual=residual,
-    observe=observe_value,
     sample=sample,
-    **SIGNAL,
+    **IN_DECK,
 )

@@ -16,7 +16,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import INITIAL, INPUT, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
 from mecano.element_interface import Event, Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -128,11 +128,8 @@ def sample(rng):
 
 PID = Kind(
     name="pid",
-    section="signals",
     doc=__doc__,
     dtype=RECORD,
-    of_signals=True,
-    scalars=("value",),
     inputs=("input",),
     phases=("lower", "within", "upper"),
     at_start=lambda p: WITHIN,
@@ -160,12 +157,11 @@ PID = Kind(
         ),
         replace(INITIAL, doc="integral x_I at the start"),
     ),
-    outputs=(VALUE,),
     prepare=prepare,
     check=check,
     variant=variant,
     residual=residual,
-    observe=observe_value,
     event_values=event_values,
     sample=sample,
+    **IN_DECK,
 )

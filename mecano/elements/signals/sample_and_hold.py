@@ -7,7 +7,7 @@ Time steps end at all sampling times; the first one is the start of the run.
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -40,18 +40,14 @@ def times(d, start, end):
 
 SAMPLE_AND_HOLD = Kind(
     name="sample_and_hold",
-    section="signals",
     doc=__doc__,
     dtype=record(period=()),
     fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive)),
-    outputs=(VALUE,),
     inputs=("input",),
     memory=("held", "next", "started"),
-    prepare=lambda d, nodes, context: {"period": d["period"]},
     residual=residual,
-    observe=observe_value,
     commit=commit,
     times=times,
     sample=lambda rng: [({"input": "a", "period": 0.1}, 1, "")],
-    **SIGNAL,
+    **IN_DECK,
 )

@@ -13,7 +13,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import INPUT, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
@@ -111,10 +111,8 @@ def check_transfer(d, nodes):
 @cache
 def _of_size(name, n, m):
     states = tuple(f"state_{i}" for i in range(1, n + 1))
-    return Kind(
-        **DECLARED[name], scalars=("value", *states), states=states,
-        inputs=tuple(f"input_{i}" for i in range(1, m + 1)),
-    )  # fmt: skip
+    inputs = tuple(f"input_{i}" for i in range(1, m + 1))
+    return Kind(**DECLARED[name] | {"scalars": ("value", *states), "states": states, "inputs": inputs})
 
 
 def sample_space(rng):
@@ -135,10 +133,7 @@ def sample_transfer(rng):
     ]
 
 
-SHARED = {
-    "section": "signals", "doc": __doc__, "dtype": RECORD, "outputs": (VALUE,), "of_signals": True,
-    "force": force, "observe": observe_value,
-}  # fmt: skip
+SHARED = {**IN_DECK, "doc": __doc__, "dtype": RECORD, "force": force}
 DECLARED = {
     "state_space": {
         **SHARED,

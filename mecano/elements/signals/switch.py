@@ -7,7 +7,7 @@ formula ``high`` or ``low``; with the numbers 1 and 0 it is a condition, for use
 events.
 """
 
-from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
 from mecano.element_interface import Event, Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -49,7 +49,6 @@ def sample(rng):
 
 SWITCH = Kind(
     name="switch",
-    section="signals",
     doc=__doc__,
     dtype=record(upper=(), lower=()),
     fields=(
@@ -59,7 +58,6 @@ SWITCH = Kind(
         Field("high", FORMULA, "-", "value when it is high", "1"),
         Field("low", FORMULA, "-", "value when it is low", "0"),
     ),
-    outputs=(VALUE,),
     inputs=("input", "high", "low"),
     phases=("low", "high"),
     events=(
@@ -69,8 +67,7 @@ SWITCH = Kind(
     prepare=prepare,
     check=check,
     residual=residual,
-    observe=observe_value,
     event_values=event_values,
     sample=sample,
-    **SIGNAL,
+    **IN_DECK,
 )

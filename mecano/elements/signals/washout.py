@@ -5,7 +5,7 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
-from mecano.constraints.along_coordinate.signal import INPUT, SIGNAL, VALUE, observe_value
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -24,7 +24,6 @@ def residual(p, at, f):
 
 WASHOUT = Kind(
     name="washout",
-    section="signals",
     doc=__doc__,
     dtype=record(time_constant=(), gain=(), initial_state=()),
     fields=(
@@ -33,13 +32,10 @@ WASHOUT = Kind(
         Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
         Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
     ),
-    outputs=(VALUE,),
-    **SIGNAL | {"scalars": ("value", "state")},
     states=("state",),
     inputs=("input",),
-    prepare=lambda d, nodes, context: {name: d[name] for name in ("time_constant", "gain", "initial_state")},
     start=lambda p: [0.0, p["initial_state"]],
     residual=residual,
-    observe=observe_value,
     sample=lambda rng: [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")],
+    **IN_DECK | {"scalars": ("value", "state")},
 )
