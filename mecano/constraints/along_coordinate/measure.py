@@ -14,6 +14,8 @@ from mecano.element_interface import Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
+OVER_TURNS = "rotation of b relative to a about the axis since the start, over any turns"
+
 
 @dataclass(frozen=True)
 class Outputs:
@@ -29,6 +31,12 @@ class Outputs:
     def size(self):
         """Number of values, the components of vectors counted."""
         return sum(output.shape[0] if output.shape else 1 for output in self.declared)
+
+
+def angle_outputs(doc, end=""):
+    """Return the Outputs of an angle, which ``doc`` describes, and of its rate; ``end`` ends both names."""
+    of = f"angle{end}" if end else "the angle"
+    return Output(f"angle{end}", "rad", doc, rate=f"rate{end}"), Output(f"rate{end}", "rad/s", f"rate of {of}")
 
 
 @kernel
@@ -65,13 +73,7 @@ def _follow_turning(p, at, m_out):
 
 
 TURNING = Outputs(
-    (
-        Output(
-            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
-        ),
-        Output("rate", "rad/s", "rate of the angle"),
-    ),
-    _put_turning, ("angle",), _follow_turning,
+    angle_outputs(OVER_TURNS), _put_turning, ("angle",), _follow_turning,
     {"angle": lambda place: Measured(TWIST, (0, 1), {"mu": place["mu"], "xi": place["xi"]})},
 )  # fmt: skip
 SLIDING = Outputs(

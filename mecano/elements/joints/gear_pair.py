@@ -28,6 +28,7 @@ from itertools import product
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import relative_rotation, turning_rate
 from mecano.constraints.coordinates.twist import twist_gradient
 from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
@@ -163,20 +164,8 @@ GEAR_PAIR = Kind(
         ),
     ),
     outputs=(
-        Output(
-            "angle_a",
-            "rad",
-            "rotation of a relative to the carrier about its axis since the start, any turns",
-            rate="rate_a",
-        ),
-        Output("rate_a", "rad/s", "rate of angle_a"),
-        Output(
-            "angle_b",
-            "rad",
-            "rotation of b relative to the carrier about its axis since the start, any turns",
-            rate="rate_b",
-        ),
-        Output("rate_b", "rad/s", "rate of angle_b"),
+        *angle_outputs("rotation of a relative to the carrier about its axis since the start, any turns", "_a"),
+        *angle_outputs("rotation of b relative to the carrier about its axis since the start, any turns", "_b"),
         Output("force", "N", "tangential force on a at radius_a; > 0 turns a about +axis_a"),
     ),
     memory=("angle_a", "angle_b"),

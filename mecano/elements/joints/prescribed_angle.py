@@ -9,6 +9,7 @@ about the axis; its power :math:`k\lambda\, \dot f` is supplied by the surroundi
 """
 
 from mecano.constraints.along_coordinate.hold import TARGET, target
+from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, triad
@@ -65,8 +66,7 @@ PRESCRIBED_ANGLE = Kind(
         Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
     ),
     outputs=(
-        Output("angle", "rad", "rotation of b relative to a about the axis since the start", rate="rate"),
-        Output("rate", "rad/s", "rate of the angle"),
+        *angle_outputs("rotation of b relative to a about the axis since the start"),
         Output("moment", "N m", "moment of a on b about the axis"),
     ),
     prepare=prepare,

@@ -13,6 +13,7 @@ does no work and is omitted.
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
@@ -85,10 +86,7 @@ RACK_AND_PINION = Kind(
         Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
     ),
     outputs=(
-        Output(
-            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
-        ),
-        Output("rate", "rad/s", "rate of the angle"),
+        *angle_outputs(OVER_TURNS),
         Output("displacement", "m", "sliding of b relative to a along the direction since the start", rate="velocity"),
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "tangential force of the teeth of a on b, along the direction"),

@@ -19,6 +19,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.friction import LENGTH, check_friction, friction_fields, radius
 from mecano.constraints.along_coordinate.law import law_values
+from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
@@ -219,10 +220,8 @@ UNIVERSAL = Kind(
         compliance_field((CROSS, *ELASTIC[1:])),
     ),
     outputs=(
-        Output("angle_a", "rad", "rotation of the cross about axis_a since the start, over any turns", rate="rate_a"),
-        Output("rate_a", "rad/s", "rate of angle_a"),
-        Output("angle_b", "rad", "rotation of b about axis_b since the start, over any turns", rate="rate_b"),
-        Output("rate_b", "rad/s", "rate of angle_b"),
+        *angle_outputs("rotation of the cross about axis_a since the start, over any turns", "_a"),
+        *angle_outputs("rotation of b about axis_b since the start, over any turns", "_b"),
         Output("force", "N", "force of a on b, inertial axes", (3,)),
         Output("moment", "N m", "moment of a on b about axis_b x axis_a"),
     ),

@@ -9,6 +9,7 @@ ends together:
 """
 
 from mecano.constraints.along_coordinate.law import law_values, report
+from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
@@ -71,10 +72,7 @@ TORSION_SPRING_DAMPER = Kind(
         Field("natural_angle", NUMBER, "rad", "angle at which the extension of the law is zero", 0.0),
     ),
     outputs=(
-        Output(
-            "angle", "rad", "rotation of b relative to a about the axis since the start, over any turns", rate="rate"
-        ),
-        Output("rate", "rad/s", "rate of the angle"),
+        *angle_outputs(OVER_TURNS),
         Output("moment", "N m", "moment of the law: on a about +axis, on b about -axis"),
     ),
     phases=PHASES,
