@@ -34,7 +34,6 @@ class Equilibrium:
 
     def output(self, path):
         """An output."""
-        self.system.assemble(self.state, 1.0, 0.0, 0.0, 0.0, 0.0)
         self.system.observe(self.state)
         sampler = Sampler(self.system)
         row = sampler.take(_Still(self.state))

@@ -63,6 +63,22 @@ def test_mechanisms_and_redundant_constraints_are_named():
     assert any("not unique" in text for text in startup_warnings(prepare(input_deck("four_bar"))))
 
 
+def test_outputs_do_not_depend_on_what_was_assembled_before():
+    """The reaction of the pendulum's hinge follows from the state, also after an assembly at another one."""
+    prepared = prepare(input_deck("pendulum"))
+    system, state = prepared.system, prepared.state
+    system.observe(state)
+    outputs, energy = system.outputs.copy(), system.energy.copy()
+    moving = state.copy()
+    moving.v = moving.v + 1.0
+    system.assemble(moving, 2.0, 3.0, 1.0, 1.0, 1.0)
+    assert system.force.any()
+    system.observe_assembled(state)
+    assert (system.outputs != outputs).any()  # forces of another state
+    system.observe(state)
+    assert (system.outputs == outputs).all() and (system.energy == energy).all()
+
+
 @pytest.mark.parametrize("what, order", [("position", 4), ("velocity", 3)])
 def test_motion_between_steps_is_as_good_as_the_steps(what, order):
     """Errors of a step's interpolation against a run that ends there: h^4 and h^3, beyond the method's h^2."""

@@ -43,7 +43,6 @@ METHODS = ("{}", "{steps: 3}", "{method: relaxation}", "{method: arc_length, ste
 def reactions(path, name):
     """Normal, longitudinal and lateral force of a rigid wheel at the last point [N]."""
     system, s, sampler = path.system, path.points[-1].state, Sampler(path.system)
-    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
     system.observe(s)
     row, places = sampler.take(StaticSample(s)), {c.path: c.start for c in sampler.columns}
     return row[

@@ -218,7 +218,6 @@ def _material(system, s, shape):
 
 def _inside(elements, system, s):
     """Return the positions (k, 3) [m] of the nodes inside each superelement in state ``s``."""
-    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
     system.observe(s)
     found = {}
     for b in system.batches:

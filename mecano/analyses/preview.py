@@ -18,7 +18,6 @@ def preview(deck, path):
     prepared = prepare(deck)
     sampler = Sampler(prepared.system)
     kept = [column for column in sampler.columns if column.unit not in EXCHANGED]
-    prepared.system.assemble(prepared.state, 1.0, 0.0, 0.0, 0.0, 0.0)
     prepared.system.observe(prepared.state)
     row = sampler.take(StaticSample(prepared.state))
     source = Source(

@@ -266,7 +266,12 @@ class System:
         return g
 
     def observe(self, s):
-        """Write outputs (n,), batch.y of each batch, and energies (batch.e, energy) at ``s``, assembled before."""
+        """Write outputs (n,), batch.y of each batch, and energies (batch.e, energy) at ``s``."""
+        self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        self.observe_assembled(s)
+
+    def observe_assembled(self, s):
+        """Write the same as ``observe``, with the forces of the last ``assemble``, which was at ``s``."""
         self._observe(*_motion(s))
 
     @property

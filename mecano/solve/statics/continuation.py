@@ -64,7 +64,7 @@ class Follower:
         s = statics.settled(statics.begin(s))
         stability = self.stability(s, p)
         statics.evaluate(s, p, 1.0, 0.0, False)
-        statics.system.observe(s)
+        statics.system.observe_assembled(s)
         point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.event_records)
         self._watch(point, critical)
         for observer in self.observers:
@@ -74,7 +74,7 @@ class Follower:
 
     def refuse(self, s, p):
         """Raise ConvergenceError if an element cannot continue from the equilibrium ``s`` at the parameter p."""
-        self.statics.system.observe(s)
+        self.statics.system.observe_assembled(s)
         if text := self.ended(s):
             raise ConvergenceError(
                 f"cannot continue from {self.statics.loading.name} {p:.6g}{self.statics.loading.unit}: {text}"

@@ -68,7 +68,7 @@ class TimeIntegrator:
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
-        self._observe(s)
+        self.system.observe(s)
         return replace(run, powers=self._powers())
 
     def to(self, end, run):
@@ -301,7 +301,7 @@ class TimeIntegrator:
         batches are those of ``s``, at which the elements have just been evaluated.
         """
         s.memory = self.system.commit(s)
-        self.system.observe(s)
+        self.system.observe_assembled(s)
         powers = self._powers()
         dissipated, given = powers if reached is None else reached
         return RunState(
@@ -314,22 +314,17 @@ class TimeIntegrator:
     def _start_again(self, run, s, consistent=None):
         """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner."""
         s, history = self.method.start(s, run.h, consistent)
-        self._observe(s)
+        self.system.observe(s)
         new = replace(run, motion=s, history=history, powers=self._powers())
         if self.recorder is not None:
             self.recorder.restarted(new)  # forces may jump
         return new
 
-    def _observe(self, s):
-        """Evaluate the elements and their outputs at a state at which they were not evaluated last."""
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        self.system.observe(s)
-
     def _powers_before(self, run, s, h):
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
         if h <= SHORT * run.h:
             return run.powers
-        self._observe(s)
+        self.system.observe(s)
         return self._powers()
 
     def _powers(self):
