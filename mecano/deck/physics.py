@@ -16,8 +16,8 @@ from mecano.model.model import Element
 OTHER_AXIS = 1e-3  # rad
 
 
-def element_nodes(kind, values):
-    """Return the names of the nodes of an element, joint or load: its fields of node types, then those of a joint."""
+def own_nodes(kind, values):
+    """Return the names of the nodes of an element, joint or load that its fields of node types give."""
     names = []
     for field in kind.fields:
         value = values[field.name]
@@ -25,9 +25,13 @@ def element_nodes(kind, values):
             names.append(value)
         elif field.type.name == "nodes" and value is not None:
             names.extend(value)
-        elif field.type.name == "joint":
-            names.extend(value["nodes"])
     return names
+
+
+def element_nodes(kind, values):
+    """Return the names of the nodes of an element, joint or load: its own, then those of the joints that it names."""
+    joints = [values[field.name] for field in kind.fields if field.type.name == "joint"]
+    return [*own_nodes(kind, values), *(name for joint in joints if joint is not None for name in joint["nodes"])]
 
 
 def rotations(vectors):
@@ -117,7 +121,7 @@ def _place_members(elements, at, kinds):
 
 def _check_element(kind, element, names, at, entry, root, scope, noted):
     """Report errors of an element, those of a shared law or ground once (``noted``); return True if there are none."""
-    twice = [name for name, count in Counter(names).items() if count > 1]
+    twice = [name for name, count in Counter(own_nodes(kind, element)).items() if count > 1]
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
         return False

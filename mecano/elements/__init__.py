@@ -8,6 +8,7 @@ from mecano.elements.forces.brake import BRAKE
 from mecano.elements.forces.couple import COUPLE
 from mecano.elements.forces.joint_load import JOINT_FORCE, JOINT_MOMENT, LINE_FORCE
 from mecano.elements.forces.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
+from mecano.elements.joints.coupler import COUPLER
 from mecano.elements.joints.cylindrical import CYLINDRICAL
 from mecano.elements.joints.fixed import FIXED
 from mecano.elements.joints.gear_pair import GEAR_PAIR
@@ -54,7 +55,7 @@ KINDS = {
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GENERIC_JOINT, RIGID_ROD,
-        GEAR_PAIR, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
+        GEAR_PAIR, COUPLER, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BUSHING, PLANE_CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE, BRAKE,

@@ -45,16 +45,21 @@ def title_of(kind, name):
 
 
 def with_ground(model):
-    """Return the same model with every ``GROUND`` replaced by a fixed node of its own."""
+    """Return the same model with every ``GROUND`` replaced by a fixed node of its own, where its neighbour is."""
     nodes, elements = list(model.nodes), []
     by_name = {node.name: node for node in nodes}
     for element in model.elements:
         names = list(element.nodes)
-        if GROUND in names:
-            other = by_name[names[1 - names.index(GROUND)]]
-            title = f"{GROUND} of {element.kind.name} {element.name}"
-            ground = Node(title, other.x.copy(), other.R.copy(), fixed=True, internal=True)
-            nodes.append(ground)
-            names[names.index(GROUND)] = ground.name
+        grounds = [i for i, name in enumerate(names) if name == GROUND]
+        for number, i in enumerate(grounds, start=1):
+            title = f"{GROUND}{number if len(grounds) > 1 else ''} of {element.kind.name} {element.name}"
+            other = by_name[names[_neighbour(i, len(names))]]
+            nodes.append(Node(title, other.x.copy(), other.R.copy(), fixed=True, internal=True))
+            names[i] = title
         elements.append(Element(element.name, element.kind, tuple(names), element.values))
     return Model(nodes, elements, model.laws, model.gravity)
+
+
+def _neighbour(i, n):
+    """Return the index of the other node of a pair; the last of an odd number of nodes has the one before it."""
+    return i + 1 if i % 2 == 0 and i + 1 < n else i - 1

@@ -1,0 +1,107 @@
+"""Couplers: synchronised deployment against the integral of its energy, a spindle, errors of decks."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.errors import DeckError
+
+MOTOR = 0.5  # N m
+
+
+@pytest.fixture(scope="module")
+def panels():
+    return [RecordedRun(input_deck("synchronised_panels", "time.end=3.6", f"time.step={h}")) for h in (4e-3, 2e-3)]
+
+
+def test_two_panels_deploy_together(verify, panels):
+    """With u = s^2 the time to u = pi/2, from the energy of the deck's first lines, is an integral without a pole."""
+    instant, _ = quad(lambda s: 2.0 * np.sqrt((2 / 3 + 2 * np.cos(s * s) ** 2) / (2 * MOTOR)), 0.0, np.sqrt(np.pi / 2))
+    found = [np.array([locked.t, locked.lost]) for m in panels for locked in m.event_records]
+    what = "two synchronised panels: instant of the latch [s], energy lost [J]"
+    verify.second_order("Coupler", what, *found, np.array([instant, MOTOR * np.pi / 2]), 1e-6, "energy")
+
+
+def test_the_synchronisation_turns_the_outer_panel(panels):
+    for m in panels:
+        np.testing.assert_allclose(2.0 * m["joints/root_hinge/angle"] + m["joints/elbow_hinge/angle"], 0.0, atol=1e-9)
+        assert m["joints/synchronisation/load_b"][0] == pytest.approx(5 / 16 * MOTOR, rel=1e-6)
+        assert m["joints/synchronisation/load_a"][0] == pytest.approx(5 / 8 * MOTOR, rel=1e-6)
+
+
+SPINDLE = """
+    mecano: 1
+    gravity: none
+    nodes: {wheel: {position: [0, 0, 0]}, nut: {position: [1, 0, 0]}}
+    elements:
+      wheel: {type: rigid_body, node: wheel, mass: 1, inertia: [0.02, 0.02, 0.02]}
+      nut: {type: rigid_body, node: nut, mass: 2, inertia: [1, 1, 1]}
+    joints:
+      bearing: {type: hinge, nodes: [ground, wheel], axis: [0, 0, 1]}
+      guide: {type: prismatic, nodes: [ground, nut], axis: [1, 0, 0]}
+      drive: {type: coupler, GIVEN}
+    loads: {motor: {type: joint_moment, joint: bearing, value: 0.3}}
+    time: {end: 0.5, step: 0.005}
+    """
+TRAVEL = 0.1  # m/rad, of the nut
+
+
+@pytest.mark.parametrize(
+    ("given", "of_wheel", "of_nut"),
+    [
+        ("angle_a: bearing, displacement_b: guide, factors: [0.1, -1]", "load_a", "load_b"),
+        ("displacement_a: guide, angle_b: bearing, factors: [1, -0.1]", "load_b", "load_a"),
+    ],
+)
+def test_an_angle_drives_a_displacement(given, of_wheel, of_nut):
+    """The moment M turns the inertia I and, by the travel r, moves the mass m: the acceleration is M/(I + m r^2)."""
+    m = RecordedRun(deck(SPINDLE.replace("GIVEN", given)))
+    acceleration = 0.3 / (0.02 + 2.0 * TRAVEL**2)
+    np.testing.assert_allclose(m["joints/bearing/angle"], 0.5 * acceleration * m.time**2, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(m["joints/guide/displacement"], TRAVEL * m["joints/bearing/angle"], atol=1e-10)
+    np.testing.assert_allclose(m[f"joints/drive/{of_nut}"], 2.0 * TRAVEL * acceleration, rtol=1e-6)
+    np.testing.assert_allclose(m[f"joints/drive/{of_wheel}"], -2.0 * TRAVEL**2 * acceleration, rtol=1e-6)
+    assert np.ptp(m["energy/balance"]) < 1e-6 * m["energy/kinetic"].max()
+
+
+CHAIN = """
+    mecano: 1
+    gravity: none
+    nodes: {inner: {position: [0, 0, 0]}, outer: {position: [0, 0, 0]}}
+    elements:
+      inner: {type: rigid_body, node: inner, mass: 1, inertia: [1, 1, 0.3]}
+      outer: {type: rigid_body, node: outer, mass: 1, inertia: [1, 1, 0.2]}
+    joints:
+      first: {type: hinge, nodes: [ground, inner], axis: [0, 0, 1]}
+      second: {type: hinge, nodes: [inner, outer], axis: [0, 0, 1]}
+      relation: {type: coupler, angle_a: first, angle_b: second, factors: [3, 1], constant: 0.6}
+    loads: {motor: {type: joint_moment, joint: first, value: 0.7}}
+    time: {end: 6, step: 0.01}
+    """
+
+
+def test_both_joints_share_a_node_and_turn_many_times():
+    """The outer body turns by c - 2 u when the inner one turns by u: I = I_inner + 4 I_outer."""
+    m = RecordedRun(deck(CHAIN))
+    inner, outer = m["joints/first/angle"], m["joints/second/angle"]
+    np.testing.assert_allclose(3.0 * inner + outer, 0.6, atol=1e-8)
+    np.testing.assert_allclose(inner - inner[0], 0.35 / (0.3 + 4.0 * 0.2) * m.time**2, rtol=1e-6, atol=1e-8)
+    assert outer[-1] < -10.0 * np.pi
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("angle_a: bearing, factors: [1, 1]", "give either 'angle_b' or 'displacement_b'"),
+        ("angle_a: bearing, displacement_a: guide, angle_b: bearing, factors: [1, 1]", "give either 'angle_a' or"),
+        ("angle_a: bearing, displacement_b: guide, factors: [1]", "'factors' must be two numbers, h_a and h_b"),
+        ("angle_a: bearing, displacement_b: guide, factors: [1, 0]", "'factors[1]' must not be zero"),
+        ("angle_a: bearing, angle_b: guide, factors: [1, 1]", "prismatic 'guide' has no angle"),
+        ("angle_a: bearing, angle_b: gide, factors: [1, 1]", "unknown joint 'gide'"),
+    ],
+)
+def test_wrong_couplers(given, message):
+    with pytest.raises(DeckError) as error:
+        deck(SPINDLE.replace("GIVEN", given))
+    assert message in error.value.problems[0].message
