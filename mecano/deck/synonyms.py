@@ -14,7 +14,11 @@ NOTES = {  # words with the same meaning: (targets, note)
         "rack_and_pinion gear_pair cable",
         "not available; a rack_and_pinion couples a rope to the rotation of a drum, a gear_pair one drum to another"
     ),
-    "belt, chain drive, sprocket, timing belt": ("gear_pair", "not available; a gear_pair may have a 'ratio'"),
+    "belt, chain drive, sprocket, timing belt": (
+        "gear_pair coupler",
+        "a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
+    ),
+    "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
     "worm, lead screw, ball screw, nut, helical, helical joint": ("screw", ""),
     "revolute, revolute joint, pin, pin joint, pivot, axle": ("hinge", ""),
