@@ -41,8 +41,8 @@ def _turning_parts(d, place, context):
 def _sliding_parts(d, place, context):
     if d["sliding_law"] is None:
         return []
-    natural = place["start"][2] + d["natural_displacement"]
-    return [Part(SLIDE_LAW, BOTH, law_values({"mu": place["mu"][2]}, d["sliding_law"], natural, context))]
+    axes, natural = {"mu": place["mu"][2]}, d["natural_displacement"]
+    return [Part(SLIDE_LAW, BOTH, law_values(axes, d["sliding_law"], natural, context, place["start"][2]))]
 
 
 def _angle_end_parts(d, place, context):

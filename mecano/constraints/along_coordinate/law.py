@@ -1,6 +1,7 @@
-"""Load a coordinate c by a law: P(c - natural, dc/dt) adds P times the gradient of c to the forces.
+"""Load a coordinate c by a law: P(s, ds/dt) adds P times the gradient of c to the forces; s = c - n(t) - natural.
 
-P > 0 acts against increasing c. An angle is continued over whole turns with the memory of the last accepted step.
+P > 0 acts against increasing c. The set point n(t) is a law of time; its power -P dn/dt is given by the surroundings.
+An angle is continued over whole turns with the memory of the last accepted step.
 """
 
 from mecano.constraints.body_fixed import follow
@@ -8,12 +9,14 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_force, law_force, potential
-from mecano.schema import LAW, NUMBER, Field
+from mecano.laws.table import evaluate_curve, evaluate_force, law_force, potential
+from mecano.schema import CURVE, LAW, Field
+
+SET_POINT = "at which the extension of the {} law is zero, as a function of time [s]"
 
 TURNING_FIELDS = (
     Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None),
-    Field("natural_angle", NUMBER, "rad", "angle at which the extension of the turning law is zero", 0.0),
+    Field("natural_angle", CURVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
 )
 SLIDING_FIELDS = (
     Field(
@@ -23,19 +26,33 @@ SLIDING_FIELDS = (
         "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
         None,
     ),
-    Field("natural_displacement", NUMBER, "m", "displacement at which the extension of the sliding law is zero", 0.0),
+    Field("natural_displacement", CURVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
 )
-LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": ()}
+LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
 
 
 @kernel
-def report(p, laws, coordinate, rate, y, e):
-    """Write the force of the law to y[0], potential energy and dissipated power to e."""
-    P, _, _ = evaluate_force(laws, p.law, coordinate - p.natural, rate)
-    elastic, _, _ = evaluate_force(laws, p.law, coordinate - p.natural, 0.0)
+def extension(p, at, c):
+    """Return the extension of the law at a value of the coordinate."""
+    return c - p.natural - evaluate_curve(at.laws, p.set_point, at.t)[0]
+
+
+@kernel
+def extension_rate(p, at, rate):
+    """Return the rate of the extension from that of the coordinate."""
+    return rate - evaluate_curve(at.laws, p.set_point, at.t)[1]
+
+
+@kernel
+def report(p, at, coordinate, rate, y, e):
+    """Write the force of the law to y[0], potential energy, dissipated and given power to e."""
+    s, s_rate = extension(p, at, coordinate), extension_rate(p, at, rate)
+    P, _, _ = evaluate_force(at.laws, p.law, s, s_rate)
+    elastic, _, _ = evaluate_force(at.laws, p.law, s, 0.0)
     y[0] = P
-    e[1] = potential(laws, p.law, coordinate - p.natural)
-    e[2] = (P - elastic) * rate
+    e[1] = potential(at.laws, p.law, s)
+    e[2] = (P - elastic) * s_rate
+    e[3] = P * (s_rate - rate)
 
 
 @kernel
@@ -66,15 +83,16 @@ def law_kind(name, doc, coordinate):
     @kernel
     def residual(p, at, f):
         along = gradient(p, at)
-        add_along(f, law_force(at.laws, p.law, value(p, at) - p.natural, rate_of(along, at.v)), along)
+        s, s_rate = extension(p, at, value(p, at)), extension_rate(p, at, rate_of(along, at.v))
+        add_along(f, law_force(at.laws, p.law, s, s_rate), along)
 
     @kernel
     def observe(p, at, F, y, e):
-        report(p, at.laws, value(p, at), rate_of(gradient(p, at), at.v), y, e)
+        report(p, at, value(p, at), rate_of(gradient(p, at), at.v), y, e)
 
     @kernel
     def event_values(p, at, g):
-        put_stop_events(g, p.low, p.high, value(p, at) - p.natural)
+        put_stop_events(g, p.low, p.high, extension(p, at, value(p, at)))
 
     @kernel
     def commit(p, at, m_out):
@@ -89,6 +107,11 @@ def law_kind(name, doc, coordinate):
     )  # fmt: skip
 
 
-def law_values(axes, law, natural, context):
-    """Return the record of a law of the deck on a coordinate with these ``axes``."""
-    return {**axes, "natural": natural, **law_record(law, context)}
+def law_values(axes, law, natural, context, zero=0.0):
+    """Return the record of a law of the deck on a coordinate with these ``axes``.
+
+    ``natural`` is the set point, a number or a law of time, relative to the value ``zero`` of the coordinate.
+    """
+    is_law = isinstance(natural, tuple)
+    given = {"natural": zero if is_law else zero + natural, "set_point": context.laws.add(natural) if is_law else 0}
+    return {**axes, **given, **law_record(law, context)}

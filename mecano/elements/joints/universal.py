@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.friction import LENGTH, check_friction, friction_fields, radius
-from mecano.constraints.along_coordinate.law import law_values
+from mecano.constraints.along_coordinate.law import SET_POINT, law_values
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
@@ -40,7 +40,7 @@ from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
-from mecano.schema import DIRECTION, LAW, NUMBER, Field
+from mecano.schema import CURVE, DIRECTION, LAW, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
@@ -208,9 +208,7 @@ UNIVERSAL = Kind(
                     f"turning_law_{end}", LAW, "-",
                     f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
                 ),
-                Field(
-                    f"natural_angle_{end}", NUMBER, "rad", f"angle_{end} at which the extension of its law is zero", 0.0
-                ),
+                Field(f"natural_angle_{end}", CURVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0),
             )
         ),
         friction_fields(

@@ -5,10 +5,13 @@ twist, the part of the relative rotation that remains after removing the smalles
 b. It is continued over whole turns. M > 0 turns the nodes back against a positive angle, as N > 0 of a spring pulls its
 ends together:
 
-.. math::  M = M(\theta - \theta_0, \dot\theta)
+.. math::  M = M(\theta - \theta_0, \dot\theta - \dot\theta_0)
+
+The natural angle :math:`\theta_0` may be a law of time: the set point of an elastic drive, whose power
+:math:`-M\dot\theta_0` is given by the surroundings.
 """
 
-from mecano.constraints.along_coordinate.law import law_values, report
+from mecano.constraints.along_coordinate.law import SET_POINT, law_values, report
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
@@ -16,14 +19,14 @@ from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
-from mecano.schema import DIRECTION, LAW, NUMBER, Field
+from mecano.schema import CURVE, DIRECTION, LAW, Field
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write angle, rate, moment; energies."""
     angle, rate = followed(p, at.m, at.v, at.R)
-    report(p, at.laws, angle, rate, y[2:], e)
+    report(p, at, angle, rate, y[2:], e)
     y[0] = angle
     y[1] = rate
 
@@ -50,7 +53,10 @@ def sample(rng):
         ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, phase)
         for phase, angle in zip(PHASES, (1.5, 0.0, -1.5), strict=True)
     ]
-    return [*samples, ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": 0.7}, 2, "between")]
+    angles = 0.7, (("linear", {"slope": 0.6, "offset": 0.3}),)
+    return samples + [
+        ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": n}, 2, "between") for n in angles
+    ]
 
 
 def _angle(d, nodes, context):
@@ -69,7 +75,7 @@ TORSION_SPRING_DAMPER = Kind(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
-        Field("natural_angle", NUMBER, "rad", "angle at which the extension of the law is zero", 0.0),
+        Field("natural_angle", CURVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
     ),
     outputs=(
         *angle_outputs(OVER_TURNS),
