@@ -59,8 +59,10 @@ class Shocks:
 
     def departing(self, s, g):
         """Return the event values ``g`` at the beginning of a step, with DEPARTING for open contacts that separate."""
+        if not self.impact_candidates.all:  # called in every step
+            return g
         candidates = self.impact_candidates.standing_open(g)
-        if not candidates:  # called in every step
+        if not candidates:
             return g
         g = g.copy()
         derivatives = self._derivatives(s, candidates)
