@@ -18,9 +18,10 @@ the pages they are linked to when the site is built.
 ELEMENTS = """
 ## Every element
 
-Generic tests ([contributing](../contributing.md#an-element)) reach every element, joint, load and tyre law in every
-phase: tangents against differences, power against the change of energy, invariance under a rigid motion of everything.
-A kind without a tested example deck fails them. `mecano check-kind` runs them on [kinds of your own](../plugins.md).
+Generic tests ([contributing](../contributing.md#an-element)) reach every element, joint and load in every phase:
+tangents against differences, power against the change of energy, invariance under a rigid motion of everything. A kind
+that no deck of `inputs/` uses fails them. Laws and tyre laws have generic tests of their own. `mecano check-kind` runs
+these tests on [kinds of your own](../plugins.md).
 """
 LIMITS = """
 ## Published results
