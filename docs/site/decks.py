@@ -7,7 +7,6 @@ from mecano.elements import KINDS
 
 FOLDER = Path(__file__).parents[2] / "inputs"
 PICTURES = Path(__file__).parents[1] / "images" / "gallery"
-WHEELS = "mecano.elements.wheels"
 FLEXIBLE = {"beam", "bar", "cable", "superelement"}
 TITLE = re.compile("^title: *(.+)$", re.MULTILINE)
 HEAD = """# Gallery: decks with known answers
@@ -43,7 +42,7 @@ def page(known):
 def _subject(text):
     """Return the heading under which a deck is shown, from the sections and kinds that it uses."""
     used = set(re.findall(r"\btype: (\w+)", text))
-    if any(KINDS[name].prepare.__module__.startswith(WHEELS) for name in used & KINDS.keys()):
+    if "skate" in used or any(KINDS[name].display.shape == "wheel" for name in used & KINDS.keys()):
         return "Wheels, tyres and landing gears"
     if re.search("^signals:", text, re.MULTILINE):
         return "Signals and control"
