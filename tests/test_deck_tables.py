@@ -30,6 +30,7 @@ def read_table(folder, data):
         "# measured\n\ntime;force\n0;0\n # more\n1;1.0e3",
         "t\tF\r\n0\t0\r\n1\t1000\r\n",
         '\ufeff"time","force"\n"0","0"\n"1","1e3"\n',
+        "t,F\r0,0\u20281,1e3\x85",
     ],
 )
 def test_tables_are_read(tmp_path, data):
@@ -72,6 +73,7 @@ def test_a_long_table_takes_little_memory(tmp_path):
         (b"0,0\n1,\xff\n", "2:3", "byte 0xff is not UTF-8"),
         (b"0,0\n1,\0\n", "2:3", "character U+0000 is not allowed in a deck"),
         ("0,0\n1," + "1" * 200_000, "2:1", "not valid CSV: field larger than field limit (131072)"),
+        ('0,0\n1,"' + "\n" * 200_000, "131074:1", "not valid CSV: field larger than field limit (131072)"),
     ],
 )
 def test_problems_point_into_the_table(tmp_path, data, place, text):

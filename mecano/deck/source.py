@@ -10,6 +10,7 @@ from pathlib import Path
 from mecano.errors import DeckError, Mark, Problem
 
 MAX_BYTES = 64 * 2**20
+BLOCK = 2**16  # characters, or more to the end of a line
 LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # line ends of YAML
 # everything but the printable characters of YAML; the set of these takes ten times as long to compile, 5 ms
 FORBIDDEN = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]")
@@ -31,12 +32,13 @@ class Source:
         return _lines(self.text)
 
     def each_line(self):
-        """Yield the lines one by one, without keeping them."""
+        """Yield the lines of a text without forbidden characters one by one, keeping few of them at a time."""
         begin = 0
-        for end in LINE_END.finditer(self.text):
-            yield self.text[begin : end.start()]
-            begin = end.end()
-        yield self.text[begin:]
+        while begin < len(self.text):
+            last = LINE_END.search(self.text, begin + BLOCK)
+            end = last.end() if last else len(self.text)
+            yield from self.text[begin:end].splitlines()  # its other line ends are forbidden
+            begin = end
 
     def mark(self, line, column):
         """Return the Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
@@ -56,18 +58,16 @@ class Lines:
     """Lines of a text without their ends, by number; a list of texts would take five times the memory of the text."""
 
     def __init__(self, text):
-        self._text = text
-        self._begins, self._ends = array("q", [0]), array("q")
-        for end in LINE_END.finditer(text):
-            self._ends.append(end.start())
-            self._begins.append(end.end())
-        self._ends.append(len(text))
+        self._text, self._begins = text, array("q", [0])
+        self._begins.extend(end.end() for end in LINE_END.finditer(text))
 
     def __len__(self):
         return len(self._begins)
 
     def __getitem__(self, i):
-        return self._text[self._begins[i] : self._ends[i]]  # IndexError ends an iteration
+        begin = self._begins[i]  # IndexError ends an iteration
+        end = LINE_END.search(self._text, begin)
+        return self._text[begin : end.start() if end else None]
 
 
 @lru_cache(maxsize=4)  # the copies of a template share one text

@@ -117,22 +117,29 @@ class _Reading:
     def table(self):
         """Return the Table of all valid rows."""
         delimiter = _delimiter(self.source.each_line())
-        rows, first = csv.reader(self.source.each_line(), delimiter=delimiter, skipinitialspace=True), True
+        rows = csv.reader(self._lines(), delimiter=delimiter, skipinitialspace=True)
         try:
             for cells in rows:
-                if not cells or cells[0].startswith("#") or not any(map(str.strip, cells)):
+                line = rows.line_num - 1
+                if self._added(cells, line) or not cells or cells[0].startswith("#") or not any(map(str.strip, cells)):
                     continue
-                if first:
-                    cells, first = [cell.strip() for cell in cells], False
+                if self.columns is None:
+                    cells = [cell.strip() for cell in cells]
                     header = all(number(cell) is None for cell in cells)
-                    if not self._choose(cells, header, rows.line_num - 1):
+                    if not self._choose(cells, header, line):
                         break
                     if header:
                         continue
-                self._add(cells, rows.line_num - 1)
+                if point := self._checked(cells, line):
+                    self._keep(point, line)
         except csv.Error as error:
             self._refuse(rows.line_num - 1, f"not valid CSV: {error}")
         return self.found
+
+    def _lines(self):
+        """Return the lines; with their ends, a quote that is never closed exceeds the longest cell soon."""
+        lines = self.source.each_line()
+        return (line + "\n" for line in lines) if '"' in self.source.text else lines
 
     def _choose(self, cells, header, line):
         """Find the columns and their factors from the first row; return False if they are unknown."""
@@ -184,22 +191,21 @@ class _Reading:
             self.scope.refuse(place, f"unit of a column: {error}", "" if node else "or give 'units: [.., ..]'")
             return None
 
-    def _add(self, cells, line):
-        point = self._plain(cells) or self._checked(cells, line)
-        if point:
-            self.found.numbers.extend(point)
-            self.found.rows.append(line)
-
-    def _plain(self, cells):
-        """Return the point of a row of plain numbers, the usual case in a long table; None for other rows."""
+    def _added(self, cells, line):
+        """Add the point of a row of plain numbers, the usual case in a long table; return False for other rows."""
+        if len(cells) != self.width or not self.is_plain or self.columns is None:
+            return False
+        (i, j), (to_x, to_y) = self.columns, self.factors
         try:
-            if len(cells) != self.width:
-                return None
-            (i, j), (to_x, to_y) = self.columns, self.factors
             x, y = float(cells[i]), float(cells[j])
         except ValueError:
-            return None
-        return [x * to_x, y * to_y] if self.is_plain and in_range(x) and in_range(y) else None
+            return False
+        return in_range(x) and in_range(y) and self._keep((x * to_x, y * to_y), line)
+
+    def _keep(self, point, line):
+        self.found.numbers.extend(point)
+        self.found.rows.append(line)
+        return True
 
     def _checked(self, cells, line):
         """Return the point of a row; None after reporting the problem."""
