@@ -73,7 +73,10 @@ def main():
         error.show()
         _end(2)
     except Exception as error:
-        _report(error)
+        try:
+            _report(error)
+        except MemoryError:  # not enough is left for the modules that word the report
+            _end(7, OUT_OF_MEMORY)
 
 
 def _refuse_other_bytes():
