@@ -201,6 +201,7 @@ REPEATS = [  # what stands behind 'repeat' of p$i in CHAIN, the problem
     ("{i: 0..999999}", "4:21 node 'p$i': 'repeat' asks for more than 400000 copies"),
     ("{i: 1..2000, j: 1..2000}", "4:33 node 'p$i': 'repeat' asks for more than 400000 copies"),
     ("{i: 5}", "4:21 node 'p$i': 'repeat' takes a range such as 0..5, or a list"),
+    ("{i: 5..0}", "4:21 node 'p$i': a range ascends, and '5..0' does not"),
     ("{i: [1, [2]]}", "4:25 node 'p$i': must be a number, got [2]"),
     ("{}", "4:17 node 'p$i': 'repeat' must be a mapping of names to values, or a list of rows"),
     ("[{i: 1}, 2]", "4:17 node 'p$i': 'repeat' must be a mapping of names to values, or a list of rows"),
@@ -214,6 +215,12 @@ REPEATS = [  # what stands behind 'repeat' of p$i in CHAIN, the problem
 def test_wrong_repeats(repeat, expected):
     first, *_ = problems_of(CHAIN.replace("{i: 0..$count}, position", repeat + ", position"))
     assert first.split("; write")[0] == expected
+
+
+def test_a_range_may_be_empty():
+    """`1..$count` of a chain without members has no number, and 5..0 is a mistake."""
+    entries = CHAIN.replace("  mass$i", "  none$i: {repeat: {i: 1..0}, type: body, node: p0, mass: 1}\n  mass$i")
+    assert list(read_fake(entries).values["elements"]) == list(read_fake(CHAIN).values["elements"])
 
 
 def test_names_of_copies_must_differ():

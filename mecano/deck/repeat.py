@@ -39,7 +39,7 @@ def _combinations(node, scope, most):
 
 
 def _values(node, scope, most):
-    """Return the values of one name: a range "first..last", both included, or a list."""
+    """Return the values of one name: a range "first..last", both included, or a list; none of "1..0"."""
     if type(node.value) is list:
         found = [_value(item, scope) for item in node.value]
         return INVALID if INVALID in found else found
@@ -49,6 +49,8 @@ def _values(node, scope, most):
     first, last = (_end(text.strip(), node, scope) for text in ends)
     if INVALID in (first, last):
         return INVALID
+    if last < first - 1:
+        return scope.refuse(node, f"a range ascends, and {quoted(node.value)} does not", "write the smaller end first")
     if last - first >= most:
         return scope.refuse(node, f"'repeat' asks for more than {most} copies")
     return [Node(i, node.source, node.line, node.column, str(i)) for i in range(first, last + 1)]
