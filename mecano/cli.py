@@ -10,7 +10,7 @@ import warnings
 import click
 
 from mecano import __version__
-from mecano.commands import decks, results, shell, solving, studies, viewing
+from mecano.commands import decks, refuse_empty, results, shell, solving, studies, viewing
 from mecano.process.interrupt import stopped_by
 from mecano.process.lifeline import watch_parent
 from mecano.process.memory import is_lack_of_memory
@@ -57,6 +57,8 @@ for _command in (
     shell.completion,
 ):  # fmt: skip
     commands.add_command(_command)
+    for _option in _command.params:
+        _option.callback = _option.callback or refuse_empty
 
 
 def main():

@@ -25,6 +25,13 @@ plugins = click.option(
 )  # fmt: skip
 
 
+def refuse_empty(context, parameter, value):
+    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out."""
+    if (value == "" and parameter.default != "") or (type(value) is tuple and "" in value):
+        raise click.BadParameter("an empty text; leave it out, or give a value", context, parameter)
+    return value
+
+
 def show(text):
     """Print a text; a reader that closes the pipe early (such as ``head``) is no error."""
     try:
