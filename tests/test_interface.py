@@ -16,7 +16,7 @@ import mecano
 from mecano.analyses.dynamic import resume
 from mecano.cli import commands
 from mecano.deck.read import read_deck
-from mecano.errors import ResultsError, UnknownNameError, UsageError
+from mecano.errors import DeckError, ResultsError, UnknownNameError, UsageError
 from mecano.interface import deck as deck_module
 from mecano.interface import results as results_module
 from mecano.interface import simulation as simulation_module
@@ -89,6 +89,16 @@ class TestRun:
         with pytest.raises(UsageError, match="resume=True continues"):
             mecano.run("pendulum.yaml", resume=True, force=True)
         assert mecano.run("pendulum.yaml", set=short, quiet=True, force=True).status == "complete"
+
+    def test_names_that_are_no_text(self, folder):
+        """The results file names its deck as text, and so does the command of a case."""
+        name = b"p\xff.yaml".decode(errors="surrogateescape")
+        (folder / name).write_bytes(PENDULUM.read_bytes())
+        (folder / "study.yaml").write_text(STUDY)
+        with pytest.raises(DeckError, match="its name is not UTF-8 text"):
+            mecano.run(name, quiet=True)
+        with pytest.raises(UsageError, match="is not UTF-8 text"):
+            mecano.sweep("study.yaml", name, quiet=True)
 
     def test_it_is_quiet_when_asked(self, folder, capfd):
         mecano.run("pendulum.yaml", set={"time.end": 0.01}, quiet=True)

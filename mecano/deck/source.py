@@ -79,11 +79,22 @@ class Unreadable(Exception):
     """Error for a file that cannot be opened or is too large, with the reason."""
 
 
+def is_utf8(path):
+    """Return False for a path with bytes that are no UTF-8 text, which Python keeps as lone surrogates."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def read_source(path, file=None):
     """Return the Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, by default the path.
 
     Raises Unreadable, or DeckError if the bytes are not valid UTF-8 text.
     """
+    if not is_utf8(path):
+        raise Unreadable("its name is not UTF-8 text")  # results files name it as text
     try:
         if Path(path).exists() and not Path(path).is_file():
             raise Unreadable("it is not a regular file")

@@ -209,6 +209,7 @@ def sweep(
     DeckError, UsageError, ResultsError
     """
     from mecano.analyses.progress import StudyProgress
+    from mecano.deck.source import is_utf8
     from mecano.results.study_file import read_study as read_table
     from mecano.study import perform
     from mecano.study.folder import Folder
@@ -220,6 +221,8 @@ def sweep(
         checked = read_study(os.fspath(study))
         deck = try_deck(checked)
     place = Folder(folder or f"{name_of(study)}_runs", checked)
+    if not is_utf8(place.path):
+        raise UsageError(f"the name of the folder {ascii(str(place.path))} is not UTF-8 text")
     progress = StudyProgress(quiet, place.path)
     interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
