@@ -16,7 +16,6 @@ import numpy as np
 from mecano.constraints.along_coordinate.signal import INPUT, VALUE, observe_value
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import constant, number
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
 
 MOST_COEFFICIENTS = 101  # of a polynomial: roots of higher ones depend on the rounding of the coefficients
@@ -26,21 +25,25 @@ RECORD = record(n="i", m="i", table="i")
 
 
 @kernel
-def _row(p, at, i):
-    """Return row i of [A B; C D] times states and inputs."""
+def _subtract_row(p, at, i, row, f, K):
+    """Subtract row i of [A B; C D] times states and inputs from an equation."""
     width = p.n + p.m
-    total = constant(0.0, number(at.q[0]))
     for j in range(width):
-        total = total + at.laws[p.table + i * width + j] * number(at.q[1 + j])
-    return total
+        factor = at.laws[p.table + i * width + j]
+        f[row] -= factor * at.q[1 + j]
+        K[row, 1 + j] -= factor
 
 
 @kernel
-def residual(p, at, f):
-    """Add the equations of the value and of all states."""
-    f[0] += number(at.q[0]) - _row(p, at, p.n)
+def force(p, at, f, K, C, M):
+    """Add the equations of the value and of all states; dual numbers would take n passes over n^2 numbers."""
+    f[0] += at.q[0]
+    K[0, 0] += 1.0
+    _subtract_row(p, at, p.n, 0, f, K)
     for i in range(p.n):
-        f[1 + i] += number(at.v[1 + i]) - _row(p, at, i)
+        f[1 + i] += at.v[1 + i]
+        C[1 + i, 1 + i] += 1.0
+        _subtract_row(p, at, i, 1 + i, f, K)
 
 
 def _packed(A, B, C, D, context):
@@ -134,7 +137,7 @@ def sample_transfer(rng):
 
 SHARED = {
     "section": "signals", "doc": __doc__, "dtype": RECORD, "outputs": (VALUE,), "of_signals": True,
-    "residual": residual, "observe": observe_value,
+    "force": force, "observe": observe_value,
 }  # fmt: skip
 DECLARED = {
     "state_space": {
