@@ -1,4 +1,9 @@
-"""`python -m mecano`: the command line."""
+"""The program `mecano`, also as `python -m mecano`: until it listens to signals, the operating system ends it."""
+
+import signal
+
+if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C during the imports would print a traceback
 
 from mecano.cli import program
 

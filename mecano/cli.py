@@ -4,6 +4,7 @@ import atexit
 import contextlib
 import gc
 import os
+import signal
 import sys
 import warnings
 
@@ -96,6 +97,8 @@ def program():
     All objects of a model live until the end. Repeated garbage collection would take 0.1 s, their destruction 0.3 s.
     """
     gc.set_threshold(200_000, 20, 20)
+    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # set by __main__
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     watch_parent()
     try:
         main()

@@ -200,7 +200,8 @@ def study(i, rng, folder):
     if left:
         return f"{sent} of a study leaves {len(left)} processes"
     wanted = {"SIGINT": (130, 3, 2), "SIGTERM": (143, 3, 2), "SIGKILL": (-9, 3, 2)}[sent]
-    if code not in wanted:
+    unheard = code == -getattr(signal, sent) and not (folder / "study_runs").exists()  # nothing had begun
+    if code not in wanted and not unheard:
         return f"{sent} of a study: exit code {code}"
     return unresumed(folder)
 
